@@ -1,0 +1,86 @@
+//! One bearing, taken at one place.
+
+use core::fmt;
+
+use super::Bearing;
+
+/// A bearing on the source, the place it was taken from and how far to trust it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Observation {
+    position: [f32; 2],
+    bearing: Bearing,
+    deviation: f32,
+}
+
+/// Why an [`Observation`] was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ObservationError {
+    /// `position` is not finite, or further than [`Observation::MAX_COORDINATE_M`] from the origin.
+    Position,
+    /// `bearing` is not finite.
+    Bearing,
+    /// `deviation` is not within [`Observation::MIN_DEVIATION_RAD`] and [`Observation::MAX_DEVIATION_RAD`].
+    Deviation,
+}
+
+impl fmt::Display for ObservationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Position => "position is not finite or too far from the origin",
+            Self::Bearing => "bearing is not finite",
+            Self::Deviation => "deviation is out of range",
+        })
+    }
+}
+
+impl core::error::Error for ObservationError {}
+
+impl Observation {
+    /// Largest coordinate, in metres: beyond it an f32 no longer resolves a decimetre.
+    pub const MAX_COORDINATE_M: f32 = 1e6;
+    /// Smallest standard deviation of a bearing, in radians.
+    pub const MIN_DEVIATION_RAD: f32 = 1e-4;
+    /// Largest standard deviation of a bearing, in radians; a bearing worse than that says nothing.
+    pub const MAX_DEVIATION_RAD: f32 = 3.2;
+
+    /// A `bearing` taken at `position` (metres east and north of the origin) with the standard
+    /// deviation `deviation` (radians).
+    ///
+    /// # Errors
+    /// Names the argument that is not finite or out of range.
+    pub fn new(
+        position: [f32; 2],
+        bearing: Bearing,
+        deviation: f32,
+    ) -> Result<Self, ObservationError> {
+        let near = |v: f32| v.abs() <= Self::MAX_COORDINATE_M;
+        if !(near(position[0]) && near(position[1])) {
+            return Err(ObservationError::Position);
+        }
+        if !bearing.radians().is_finite() {
+            return Err(ObservationError::Bearing);
+        }
+        if !(Self::MIN_DEVIATION_RAD..=Self::MAX_DEVIATION_RAD).contains(&deviation) {
+            return Err(ObservationError::Deviation);
+        }
+        Ok(Self { position, bearing, deviation })
+    }
+
+    /// Where it was taken, in metres east and north of the origin.
+    pub const fn position(&self) -> [f32; 2] {
+        self.position
+    }
+
+    /// The direction of the source.
+    pub const fn bearing(&self) -> Bearing {
+        self.bearing
+    }
+
+    /// Standard deviation of the bearing, in radians.
+    pub const fn deviation(&self) -> f32 {
+        self.deviation
+    }
+}
