@@ -1,0 +1,124 @@
+//! Measured figures: one shape for every task that measures, printed as a table and written as JSON.
+
+use std::{fs, path::Path};
+
+use anyhow::{Context, Result};
+use comfy_table::{Cell, CellAlignment, Color, Table, presets::ASCII_MARKDOWN};
+use serde::{Deserialize, Serialize};
+
+/// One measured figure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Figure {
+    /// What was measured, dotted from the general to the particular: `m4f.step.n200.instructions`.
+    pub name: String,
+    /// The measurement.
+    pub value: f64,
+    /// The unit of `value` and `limit`.
+    pub unit: String,
+    /// The largest value that passes; `None` where the figure is only reported.
+    pub limit: Option<f64>,
+}
+
+impl Figure {
+    /// A figure without a limit.
+    pub fn new(name: impl Into<String>, value: f64, unit: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            value,
+            unit: unit.into(),
+            limit: None,
+        }
+    }
+
+    /// The same figure, which must not exceed `limit`.
+    pub fn at_most(mut self, limit: f64) -> Self {
+        self.limit = Some(limit);
+        self
+    }
+
+    /// Whether the figure keeps to its limit. A value that is not a number never does.
+    pub fn ok(&self) -> bool {
+        self.limit.is_none_or(|limit| self.value <= limit)
+    }
+}
+
+/// Prints the figures as a table, the missed limits in red.
+pub fn print(figures: &[Figure]) {
+    let mut table = Table::new();
+    table
+        .load_style(ASCII_MARKDOWN)
+        .set_header(["figure", "value", "limit", "unit", ""]);
+    for figure in figures {
+        let verdict = match figure.limit {
+            None => Cell::new(""),
+            Some(_) if figure.ok() => Cell::new("ok").fg(Color::Green),
+            Some(_) => Cell::new("MISSED").fg(Color::Red),
+        };
+        let right = |text| Cell::new(text).set_alignment(CellAlignment::Right);
+        table.add_row([
+            Cell::new(&figure.name),
+            right(number(figure.value)),
+            right(figure.limit.map(number).unwrap_or_default()),
+            Cell::new(&figure.unit),
+            verdict,
+        ]);
+    }
+    println!("{table}");
+}
+
+/// Writes the figures to `file` as a JSON list of `{"name", "value", "unit", "limit"}`.
+pub fn write_json(figures: &[Figure], file: &Path) -> Result<()> {
+    let text = serde_json::to_string_pretty(figures)?;
+    fs::write(file, text + "\n").with_context(|| format!("cannot write {}", file.display()))
+}
+
+/// Fails, naming them, if figures miss their limits.
+pub fn check(figures: &[Figure]) -> Result<()> {
+    let missed: Vec<_> = figures
+        .iter()
+        .filter(|figure| !figure.ok())
+        .map(|figure| figure.name.as_str())
+        .collect();
+    anyhow::ensure!(missed.is_empty(), "missed its limit: {}", missed.join(", "));
+    Ok(())
+}
+
+/// Four significant digits, or all digits of a whole number.
+fn number(value: f64) -> String {
+    if value == value.trunc() || value.abs() >= 1000.0 {
+        return format!("{value:.0}");
+    }
+    let decimals = (3 - value.abs().log10().floor() as i32).clamp(0, 9) as usize;
+    format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_is_the_largest_value_that_passes() {
+        let figure = |value| Figure::new("x", value, "ns").at_most(25.0);
+        assert!(figure(25.0).ok());
+        assert!(!figure(25.1).ok());
+        assert!(!figure(f64::NAN).ok());
+        assert!(Figure::new("x", 1e9, "ns").ok());
+    }
+
+    #[test]
+    fn a_missing_limit_is_null_in_json() {
+        let json = serde_json::to_value(Figure::new("x", 1.5, "ns")).unwrap();
+        assert_eq!(
+            json,
+            serde_json::json!({"name": "x", "value": 1.5, "unit": "ns", "limit": null})
+        );
+    }
+
+    #[test]
+    fn numbers_are_short_but_whole_ones_exact() {
+        assert_eq!(number(161.0), "161");
+        assert_eq!(number(65_536.0), "65536");
+        assert_eq!(number(24.1234), "24.12");
+        assert_eq!(number(0.012_345), "0.01235");
+    }
+}

@@ -1,0 +1,114 @@
+//! Where things are, and how cargo is called.
+
+use std::{
+    env,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
+
+use anyhow::{Context, Result, bail, ensure};
+use cargo_metadata::{Artifact, Message, Metadata, MetadataCommand, camino::Utf8PathBuf};
+
+/// The target of the emulated board: a Cortex-M4 with its single-precision FPU.
+pub const BOARD: &str = "thumbv7em-none-eabihf";
+
+/// Every bare-metal target on which the library must compile: soft float, M4F, M33 with FPU.
+pub const BARE_METAL: [&str; 3] = ["thumbv6m-none-eabi", BOARD, "thumbv8m.main-none-eabihf"];
+
+/// The repository's root.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("xtask lies in the repository's root")
+}
+
+/// Cargo in the repository's root. `RUSTFLAGS` is dropped, because it would replace the flags of
+/// `.cargo/config.toml` and lose the linker script.
+pub fn cargo() -> Command {
+    let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo
+        .current_dir(root())
+        .env_remove("RUSTFLAGS")
+        .env_remove("CARGO_ENCODED_RUSTFLAGS");
+    cargo
+}
+
+/// What cargo knows of the workspace.
+pub fn metadata() -> Result<Metadata> {
+    Ok(MetadataCommand::new()
+        .current_dir(root())
+        .no_deps()
+        .exec()?)
+}
+
+/// Builds the firmware `example` for the board in release mode and returns its ELF file.
+pub fn firmware(example: &str) -> Result<PathBuf> {
+    executable(&["--release", "--target", BOARD, "--example", example])
+}
+
+/// Builds the one executable that `arguments` of `cargo build` select and returns its file.
+pub fn executable(arguments: &[&str]) -> Result<PathBuf> {
+    let mut child = cargo()
+        .args([
+            "build",
+            "--quiet",
+            "--message-format=json-render-diagnostics",
+        ])
+        .args(arguments)
+        .stdout(Stdio::piped())
+        .spawn()
+        .context("cannot run cargo")?;
+    let messages = std::io::BufReader::new(child.stdout.take().expect("stdout is piped"));
+    let mut executables: Vec<Utf8PathBuf> = Vec::new();
+    for message in Message::parse_stream(messages) {
+        if let Message::CompilerArtifact(Artifact {
+            executable: Some(file),
+            ..
+        }) = message?
+        {
+            executables.push(file);
+        }
+    }
+    ensure!(
+        child.wait()?.success(),
+        "cargo build {} failed",
+        arguments.join(" ")
+    );
+    match executables.as_slice() {
+        [file] => Ok(file.into()),
+        _ => bail!(
+            "cargo build {} made {} executables",
+            arguments.join(" "),
+            executables.len()
+        ),
+    }
+}
+
+/// The directory of the compiler.
+pub fn sysroot() -> Result<PathBuf> {
+    Ok(rustc(&["--print", "sysroot"])?.into())
+}
+
+/// What the repository's compiler answers to `arguments`, trimmed.
+pub fn rustc(arguments: &[&str]) -> Result<String> {
+    let output = Command::new("rustc")
+        .args(arguments)
+        .current_dir(root())
+        .output()
+        .context("cannot run rustc")?;
+    ensure!(
+        output.status.success(),
+        "rustc {} failed",
+        arguments.join(" ")
+    );
+    Ok(String::from_utf8(output.stdout)?.trim().to_owned())
+}
+
+/// The command as one would type it.
+pub fn command_line(command: &Command) -> String {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    words
+        .map(|word| word.to_string_lossy())
+        .collect::<Vec<_>>()
+        .join(" ")
+}

@@ -1,0 +1,182 @@
+//! Firmware in an emulated Cortex-M4F: QEMU's `mps2-an386`, its UART0 in our hands.
+//!
+//! ```ignore
+//! let elf = project::firmware("vehicle")?;
+//! let mut machine = Machine::boot(&elf, Duration::from_secs(60))?;
+//! machine.send(b"%270/8\n")?;
+//! while let Some(bytes) = machine.receive() { /* what the firmware sent */ }
+//! let outcome = machine.finish()?;
+//! ```
+
+use std::{
+    io::{self, Read, Write},
+    path::Path,
+    process::{ChildStdin, Command, Stdio},
+    sync::{
+        Arc,
+        mpsc::{self, Receiver, RecvTimeoutError, Sender},
+    },
+    thread::{self, JoinHandle},
+    time::Duration,
+};
+
+use anyhow::{Context, Result, bail};
+use shared_child::SharedChild;
+
+/// The emulator of the board, with semihosting, without a screen and without a monitor.
+pub fn command() -> Command {
+    let mut qemu = Command::new("qemu-system-arm");
+    qemu.args(["-machine", "mps2-an386", "-cpu", "cortex-m4"]);
+    qemu.args(["-display", "none", "-monitor", "none"]);
+    qemu.args(["-semihosting-config", "enable=on,target=native"]);
+    qemu
+}
+
+/// A running board. It is switched off when dropped, and at the latest when its time is up.
+pub struct Machine {
+    child: Arc<SharedChild>,
+    uart_input: ChildStdin,
+    uart_output: Receiver<Vec<u8>>,
+    log: Option<JoinHandle<io::Result<Vec<u8>>>>,
+    // Dropping it tells the watchdog that the machine has ended.
+    watchdog: Option<(Sender<()>, JoinHandle<bool>)>,
+}
+
+/// What is left of a machine that has ended.
+pub struct Outcome {
+    /// The exit code that the firmware passed by semihosting; 0 is success.
+    pub exit_code: i32,
+    /// The bytes that the firmware sent and that nobody had received.
+    pub uart: Vec<u8>,
+    /// Everything that the firmware wrote by semihosting: text, or frames of defmt.
+    pub log: Vec<u8>,
+}
+
+impl Outcome {
+    /// Fails, showing the log, unless the firmware reported success.
+    pub fn check(self) -> Result<Self> {
+        if self.exit_code != 0 {
+            bail!(
+                "the firmware ended with exit code {}:\n{}",
+                self.exit_code,
+                String::from_utf8_lossy(&self.log)
+            );
+        }
+        Ok(self)
+    }
+}
+
+impl Machine {
+    /// Boots the firmware in `elf`. Whatever happens, the machine is off after `limit`.
+    pub fn boot(elf: &Path, limit: Duration) -> Result<Self> {
+        Self::boot_with(elf, limit, &[])
+    }
+
+    /// The same with more arguments for QEMU.
+    pub fn boot_with(elf: &Path, limit: Duration, arguments: &[&str]) -> Result<Self> {
+        let mut command = command();
+        command
+            .args(["-serial", "stdio"])
+            .args(arguments)
+            .arg("-kernel")
+            .arg(elf);
+        command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        let child = SharedChild::spawn(&mut command)
+            .context("cannot start qemu-system-arm: run `cargo xtask setup`")?;
+        let child = Arc::new(child);
+        let uart_input = child.take_stdin().expect("stdin is piped");
+        let mut stdout = child.take_stdout().expect("stdout is piped");
+        let mut stderr = child.take_stderr().expect("stderr is piped");
+
+        // Both outputs are read as they come: a full pipe would stop the machine.
+        let (sender, uart_output) = mpsc::channel();
+        thread::spawn(move || {
+            let mut buffer = [0; 4096];
+            while let Ok(length @ 1..) = stdout.read(&mut buffer) {
+                if sender.send(buffer[..length].to_vec()).is_err() {
+                    break;
+                }
+            }
+        });
+        let log = thread::spawn(move || {
+            let mut log = Vec::new();
+            stderr.read_to_end(&mut log).map(|_| log)
+        });
+
+        let (ended, end) = mpsc::channel::<()>();
+        let watched = Arc::clone(&child);
+        let watchdog = thread::spawn(move || {
+            let expired = end.recv_timeout(limit) == Err(RecvTimeoutError::Timeout);
+            expired && watched.kill().is_ok()
+        });
+        let watchdog = Some((ended, watchdog));
+        Ok(Self {
+            child,
+            uart_input,
+            uart_output,
+            log: Some(log),
+            watchdog,
+        })
+    }
+
+    /// Sends `bytes` to UART0, waiting while the firmware is slow to read them.
+    pub fn send(&mut self, bytes: &[u8]) -> Result<()> {
+        self.uart_input
+            .write_all(bytes)
+            .and_then(|()| self.uart_input.flush())
+            .context("the firmware has stopped reading its UART")
+    }
+
+    /// The next bytes that the firmware sent by UART0, waiting for them; `None` when it has ended.
+    pub fn receive(&mut self) -> Option<Vec<u8>> {
+        self.uart_output.recv().ok()
+    }
+
+    /// The bytes that the firmware has sent by UART0 since the last call, without waiting.
+    pub fn received(&mut self) -> Vec<u8> {
+        self.uart_output.try_iter().flatten().collect()
+    }
+
+    /// Waits until the firmware ends by itself; fails when its time is up.
+    pub fn finish(mut self) -> Result<Outcome> {
+        let uart = self.uart_output.iter().flatten().collect();
+        let status = self.child.wait()?;
+        let log = self
+            .log
+            .take()
+            .map(|log| log.join().expect("reading does not panic"));
+        let log = log.transpose()?.unwrap_or_default();
+        if self.stop_watchdog() {
+            bail!(
+                "the firmware did not end in time; it wrote:\n{}",
+                String::from_utf8_lossy(&log)
+            );
+        }
+        let exit_code = status.code().context("QEMU was killed")?;
+        Ok(Outcome {
+            exit_code,
+            uart,
+            log,
+        })
+    }
+
+    /// Ends the watchdog; true if it had to switch the machine off.
+    fn stop_watchdog(&mut self) -> bool {
+        self.watchdog.take().is_some_and(|(ended, watchdog)| {
+            drop(ended);
+            watchdog.join().unwrap_or(false)
+        })
+    }
+}
+
+impl Drop for Machine {
+    fn drop(&mut self) {
+        // Nothing is left to be done about a machine that does not stop.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        self.stop_watchdog();
+    }
+}

@@ -1,0 +1,182 @@
+//! What the tasks need beside a stable Rust toolchain: checked, and installed where it is missing.
+
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, bail, ensure};
+
+use crate::{
+    llvm,
+    project::{self, BARE_METAL, BOARD},
+};
+
+/// Something that a task needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Need {
+    /// The standard library of a bare-metal target.
+    Target(&'static str),
+    /// `cargo fmt`.
+    Rustfmt,
+    /// `cargo clippy`.
+    Clippy,
+    /// The LLVM tools that belong to the compiler.
+    LlvmTools,
+    /// The emulator of the board.
+    Qemu,
+}
+
+/// To build firmware and to run it in the emulator.
+pub const FIRMWARE: &[Need] = &[Need::Target(BOARD), Need::Qemu];
+
+/// To measure firmware.
+pub const COST: &[Need] = &[Need::Target(BOARD), Need::LlvmTools, Need::Qemu];
+
+/// To run every check.
+pub const TEST: &[Need] = &[
+    Need::Target(BARE_METAL[0]),
+    Need::Target(BARE_METAL[1]),
+    Need::Target(BARE_METAL[2]),
+    Need::Rustfmt,
+    Need::Clippy,
+    Need::LlvmTools,
+    Need::Qemu,
+];
+
+/// Installs everything that any task needs.
+pub fn run() -> Result<()> {
+    ensure(TEST)?;
+    println!("everything that the tasks need is installed");
+    Ok(())
+}
+
+/// Checks the needs and installs what is missing, saying so.
+pub fn ensure(needs: &[Need]) -> Result<()> {
+    for need in needs {
+        if !need.is_met()? {
+            need.install()?;
+            ensure!(
+                need.is_met()?,
+                "{need:?} is still missing after its installation"
+            );
+        }
+    }
+    Ok(())
+}
+
+impl Need {
+    fn is_met(self) -> Result<bool> {
+        Ok(match self {
+            Self::Target(name) => project::sysroot()?
+                .join("lib/rustlib")
+                .join(name)
+                .join("lib")
+                .exists(),
+            Self::Rustfmt => works(project::cargo().args(["fmt", "--version"])),
+            Self::Clippy => works(project::cargo().args(["clippy", "--version"])),
+            Self::LlvmTools => llvm::tool("llvm-objdump")?.exists(),
+            Self::Qemu => works(Command::new("qemu-system-arm").arg("--version")),
+        })
+    }
+
+    fn install(self) -> Result<()> {
+        match self {
+            Self::Target(name) => rustup(&["target", "add", name]),
+            Self::Rustfmt => rustup(&["component", "add", "rustfmt"]),
+            Self::Clippy => rustup(&["component", "add", "clippy"]),
+            Self::LlvmTools => rustup(&["component", "add", "llvm-tools"]),
+            Self::Qemu => install_qemu(),
+        }
+    }
+}
+
+/// Runs rustup in the repository, so that it acts on the repository's toolchain.
+fn rustup(arguments: &[&str]) -> Result<()> {
+    announce(
+        Command::new("rustup")
+            .args(arguments)
+            .current_dir(project::root()),
+    )
+    .context("install it by hand if this toolchain does not come from rustup")
+}
+
+/// A package manager of the system and its commands that install the emulator.
+struct PackageManager {
+    program: &'static str,
+    needs_root: bool,
+    commands: &'static [&'static [&'static str]],
+}
+
+const PACKAGE_MANAGERS: [PackageManager; 5] = [
+    PackageManager {
+        program: "apt-get",
+        needs_root: true,
+        commands: &[
+            &["update"],
+            &[
+                "install",
+                "--yes",
+                "--no-install-recommends",
+                "qemu-system-arm",
+            ],
+        ],
+    },
+    PackageManager {
+        program: "dnf",
+        needs_root: true,
+        commands: &[&["install", "--assumeyes", "qemu-system-arm"]],
+    },
+    PackageManager {
+        program: "pacman",
+        needs_root: true,
+        commands: &[&["--sync", "--refresh", "--noconfirm", "qemu-system-arm"]],
+    },
+    PackageManager {
+        program: "zypper",
+        needs_root: true,
+        commands: &[&["--non-interactive", "install", "qemu-arm"]],
+    },
+    PackageManager {
+        program: "brew",
+        needs_root: false,
+        commands: &[&["install", "qemu"]],
+    },
+];
+
+fn install_qemu() -> Result<()> {
+    let Some(manager) = PACKAGE_MANAGERS
+        .iter()
+        .find(|manager| works(Command::new(manager.program).arg("--version")))
+    else {
+        bail!("qemu-system-arm is missing and no known package manager was found: install QEMU");
+    };
+    let sudo = manager.needs_root && !is_root();
+    for arguments in manager.commands {
+        let mut command = Command::new(if sudo { "sudo" } else { manager.program });
+        if sudo {
+            command.arg(manager.program);
+        }
+        announce(command.args(*arguments))?;
+    }
+    Ok(())
+}
+
+fn is_root() -> bool {
+    let id = Command::new("id").arg("-u").output();
+    id.is_ok_and(|output| output.stdout.trim_ascii() == b"0")
+}
+
+/// Whether the command can be run and succeeds; its output is dropped.
+fn works(command: &mut Command) -> bool {
+    let status = command.stdout(Stdio::null()).stderr(Stdio::null()).status();
+    status.is_ok_and(|status| status.success())
+}
+
+/// Says what is run, and runs it.
+fn announce(command: &mut Command) -> Result<()> {
+    let line = project::command_line(command);
+    eprintln!("setup: {line}");
+    let status = command
+        .status()
+        .with_context(|| format!("cannot run `{line}`"))?;
+    ensure!(status.success(), "`{line}` failed");
+    Ok(())
+}
