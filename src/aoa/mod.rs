@@ -1,8 +1,18 @@
 //! Finding a transmitter from bearings (angle of arrival).
+//!
+//! The way of a bearing: a [`Bearing`] taken somewhere becomes an [`Observation`]; several at one stop may be
+//! pulled together by a [`correction`]; a [`locator`] collects them and says where the source is, or why that
+//! cannot be said yet.
 
 mod bearing;
-mod observation;
+pub mod correction;
+pub mod gauss_newton;
 pub mod geodesy;
+mod likelihood;
+pub mod locator;
+mod observation;
+pub mod triangulation;
 
 pub use bearing::Bearing;
+pub use likelihood::BearingLikelihood;
 pub use observation::{Observation, ObservationError};

@@ -42,7 +42,7 @@ impl Observation {
     /// Largest coordinate, in metres: beyond it an f32 no longer resolves a decimetre.
     pub const MAX_COORDINATE_M: f32 = 1e6;
     /// Smallest standard deviation of a bearing, in radians.
-    pub const MIN_DEVIATION_RAD: f32 = 1e-4;
+    pub const MIN_DEVIATION_RAD: f32 = 1e-3;
     /// Largest standard deviation of a bearing, in radians; a bearing worse than that says nothing.
     pub const MAX_DEVIATION_RAD: f32 = 3.2;
 

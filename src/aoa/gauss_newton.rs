@@ -1,0 +1,278 @@
+//! The position that explains all bearings best, by Gauss-Newton steps.
+//!
+//! For one clean source that does not move this is as good as anything can be: the yardstick for every
+//! filter here. It knows nothing of a second mode, and its covariance is that of a normal distribution.
+
+use core::fmt;
+
+use super::Observation;
+use crate::math::{atan2, sin_cos, sqrt, wrap};
+
+/// How the errors of bearings are distributed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Errors {
+    /// Normal, with the deviation of each observation.
+    Gaussian,
+    /// Von Mises, with one unknown concentration that is estimated from the residuals: only the ratios of the
+    /// deviations count. Lenth, "On finding the source of a signal", Technometrics 23 (1981).
+    VonMises,
+}
+
+/// A position and how sure it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Solution {
+    /// Metres east and north.
+    pub position: [f32; 2],
+    /// Square metres; the inverse of the information in the bearings.
+    pub covariance: [[f32; 2]; 2],
+}
+
+/// Why there is no solution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum SolveError {
+    /// Two bearings make a position, and three a von Mises concentration.
+    TooFewBearings,
+    /// The bearings are parallel as far as f32 can tell.
+    Parallel,
+    /// No minimum within [`MAX_STEPS`] steps: the bearings do not meet.
+    NotConverged,
+}
+
+impl fmt::Display for SolveError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::TooFewBearings => "too few bearings",
+            Self::Parallel => "the bearings are parallel",
+            Self::NotConverged => "the bearings do not meet",
+        })
+    }
+}
+
+impl core::error::Error for SolveError {}
+
+/// Steps after which a search is given up.
+pub const MAX_STEPS: u32 = 40;
+
+/// A symmetric matrix of two dimensions: xx, xy, yy.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Symmetric {
+    pub(crate) xx: f32,
+    pub(crate) xy: f32,
+    pub(crate) yy: f32,
+}
+
+impl Symmetric {
+    /// Inverse, or `None` if it is not positive definite as far as f32 can tell.
+    pub(crate) fn inverse(self) -> Option<Self> {
+        let determinant = self.xx * self.yy - self.xy * self.xy;
+        // The determinant of a product of rounded numbers is worth no more than this.
+        let sure = determinant > 1e-6 * self.xx * self.yy && determinant.is_normal();
+        sure.then(|| Self {
+            xx: self.yy / determinant,
+            xy: -self.xy / determinant,
+            yy: self.xx / determinant,
+        })
+    }
+
+    pub(crate) fn times(self, [x, y]: [f32; 2]) -> [f32; 2] {
+        [self.xx * x + self.xy * y, self.xy * x + self.yy * y]
+    }
+
+    pub(crate) fn rows(self) -> [[f32; 2]; 2] {
+        [[self.xx, self.xy], [self.xy, self.yy]]
+    }
+}
+
+/// What one bearing says about a position: its error there, and the derivative of its direction.
+pub(crate) struct Linearised {
+    /// Measured less expected direction, in radians.
+    pub(crate) residual: f32,
+    /// Derivative of the expected direction, in radians a metre.
+    pub(crate) gradient: [f32; 2],
+    /// 1 / sigma^2
+    pub(crate) information: f32,
+}
+
+/// Closer to a receiver than this many metres, the direction of a source turns with every step.
+const NEAREST_M: f32 = 1e-3;
+
+pub(crate) fn linearise(observation: &Observation, position: [f32; 2]) -> Linearised {
+    let [dx, dy] = [position[0] - observation.position()[0], position[1] - observation.position()[1]];
+    let square = dx * dx + dy * dy + NEAREST_M * NEAREST_M;
+    Linearised {
+        residual: wrap(observation.bearing().radians() - atan2(dy, dx)),
+        gradient: [-dy / square, dx / square],
+        information: 1.0 / (observation.deviation() * observation.deviation()),
+    }
+}
+
+/// Sums over all bearings at one position.
+#[derive(Default)]
+struct Normal {
+    matrix: Symmetric,
+    gradient: [f32; 2],
+    /// What is minimised.
+    cost: f32,
+}
+
+impl Normal {
+    fn at(observations: &[Observation], errors: Errors, position: [f32; 2]) -> Self {
+        let mut sums = Self::default();
+        for observation in observations {
+            let Linearised { residual, gradient: [gx, gy], information } =
+                linearise(observation, position);
+            let (pull, cost) = match errors {
+                Errors::Gaussian => (residual, 0.5 * residual * residual),
+                Errors::VonMises => {
+                    let (sin, cos) = sin_cos(residual);
+                    (sin, 1.0 - cos)
+                }
+            };
+            sums.matrix.xx += information * gx * gx;
+            sums.matrix.xy += information * gx * gy;
+            sums.matrix.yy += information * gy * gy;
+            sums.gradient[0] += information * gx * pull;
+            sums.gradient[1] += information * gy * pull;
+            sums.cost += information * cost;
+        }
+        sums
+    }
+}
+
+/// Searches for the best position from `start`, in metres east and north.
+///
+/// # Errors
+/// When there are too few bearings, they are parallel, or the search does not settle; see [`SolveError`].
+pub fn solve(
+    observations: &[Observation],
+    errors: Errors,
+    start: [f32; 2],
+) -> Result<Solution, SolveError> {
+    let needed = match errors {
+        Errors::Gaussian => 2,
+        Errors::VonMises => 3,
+    };
+    if observations.len() < needed {
+        return Err(SolveError::TooFewBearings);
+    }
+    let mut position = start;
+    let mut here = Normal::at(observations, errors, position);
+    // Levenberg's damping: a share of the diagonal, which shortens a step that made things worse.
+    let mut damping = 0.0;
+    for _ in 0..MAX_STEPS {
+        let damped = Symmetric {
+            xx: here.matrix.xx * (1.0 + damping),
+            yy: here.matrix.yy * (1.0 + damping),
+            ..here.matrix
+        };
+        let [dx, dy] = damped.inverse().ok_or(SolveError::Parallel)?.times(here.gradient);
+        let next = [position[0] + dx, position[1] + dy];
+        let there = Normal::at(observations, errors, next);
+        if there.cost <= here.cost {
+            position = next;
+            here = there;
+            damping *= 0.1;
+        } else {
+            damping = if damping > 0.0 { damping * 10.0 } else { 1e-3 };
+        }
+        let size = position[0].abs() + position[1].abs();
+        if dx.abs() + dy.abs() <= 1e-6 * size + 1e-6 {
+            return finish(observations, errors, position, here.matrix);
+        }
+    }
+    Err(SolveError::NotConverged)
+}
+
+fn finish(
+    observations: &[Observation],
+    errors: Errors,
+    position: [f32; 2],
+    matrix: Symmetric,
+) -> Result<Solution, SolveError> {
+    let covariance = match errors {
+        Errors::Gaussian => matrix.inverse().ok_or(SolveError::Parallel)?.rows(),
+        Errors::VonMises => von_mises_covariance(observations, position)?,
+    };
+    Ok(Solution { position, covariance })
+}
+
+/// Lenth (1981), the asymptotic covariance of the maximum-likelihood estimate.
+fn von_mises_covariance(
+    observations: &[Observation],
+    position: [f32; 2],
+) -> Result<[[f32; 2]; 2], SolveError> {
+    let mut matrix = Symmetric::default();
+    let mut weights = 0.0;
+    let mut cosines = 0.0;
+    for observation in observations {
+        let Linearised { residual, gradient: [gx, gy], information } = linearise(observation, position);
+        // The paper multiplies the expected by the measured direction, both over the distance.
+        let (sin, cos) = sin_cos(observation.bearing().radians());
+        let inverse_distance = sqrt(gx * gx + gy * gy);
+        let (mx, my) = (-sin * inverse_distance, cos * inverse_distance);
+        matrix.xx += information * gx * mx;
+        matrix.xy += information * 0.5 * (gx * my + gy * mx);
+        matrix.yy += information * gy * my;
+        weights += information;
+        cosines += information * sin_cos(residual).1;
+    }
+    // Of the concentration, by Lenth's series in the mean cosine of the residuals.
+    let c = cosines / weights;
+    let spread = 2.0 * (1.0 - c) + (1.0 - c) * (1.0 - c) * (0.48794 - 0.82905 * c - 1.3915 * c * c) / c;
+    let mean_information = weights / observations.len() as f32;
+    let scale = spread * mean_information;
+    let inverse = matrix.inverse().ok_or(SolveError::Parallel)?;
+    Ok(Symmetric { xx: scale * inverse.xx, xy: scale * inverse.xy, yy: scale * inverse.yy }.rows())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aoa::Bearing;
+
+    fn towards(position: [f32; 2], target: [f32; 2], error: f32) -> Observation {
+        let angle = (target[1] - position[1]).atan2(target[0] - position[0]);
+        Observation::new(position, Bearing::from_radians(angle + error), 0.02).unwrap()
+    }
+
+    #[test]
+    fn exact_bearings_give_the_source_from_a_poor_start() {
+        let source = [1200.0, 800.0];
+        let observations: [Observation; 6] =
+            core::array::from_fn(|i| towards([300.0 * i as f32, 0.0], source, 0.0));
+        for errors in [Errors::Gaussian, Errors::VonMises] {
+            for start in [[400.0, 300.0], [1500.0, 1500.0], [1100.0, 900.0]] {
+                let Solution { position, .. } = solve(&observations, errors, start).unwrap();
+                assert!((position[0] - source[0]).abs() < 0.01, "{errors:?} {start:?} {position:?}");
+                assert!((position[1] - source[1]).abs() < 0.01, "{errors:?} {start:?} {position:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_covariance_is_the_cramer_rao_bound() {
+        // Two bearings that cross at a right angle, 1 km away: 20 m in either direction.
+        let observations =
+            [towards([-1000.0, 0.0], [0.0, 0.0], 0.0), towards([0.0, -1000.0], [0.0, 0.0], 0.0)];
+        let solution = solve(&observations, Errors::Gaussian, [50.0, 50.0]).unwrap();
+        let [[xx, xy], [_, yy]] = solution.covariance;
+        assert!((xx - 400.0).abs() < 0.1 && (yy - 400.0).abs() < 0.1 && xy.abs() < 0.1);
+    }
+
+    #[test]
+    fn what_has_no_solution_says_why() {
+        let one = [towards([0.0, 0.0], [0.0, 500.0], 0.0)];
+        let parked = [one[0]; 5];
+        let start = [10.0, 400.0];
+        assert_eq!(solve(&one, Errors::Gaussian, start), Err(SolveError::TooFewBearings));
+        assert_eq!(solve(&parked[..2], Errors::VonMises, start), Err(SolveError::TooFewBearings));
+        assert_eq!(solve(&parked, Errors::Gaussian, start), Err(SolveError::Parallel));
+        let parting =
+            [towards([-10.0, 0.0], [-20.0, 100.0], 0.0), towards([10.0, 0.0], [20.0, 100.0], 0.0)];
+        assert!(solve(&parting, Errors::Gaussian, [0.0, 50.0]).is_err());
+    }
+}

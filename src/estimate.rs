@@ -1,0 +1,199 @@
+//! What a weighted cloud says: mean, covariance, quantiles, and the ellipse that holds the truth.
+//!
+//! Weights are those of [`crate::weights`]: they sum to one.
+
+use crate::math::{atan2, ln, sin_cos, sqrt};
+
+/// Weighted mean of every column.
+pub fn mean<const D: usize>(columns: &[&[f32]; D], weights: &[f32]) -> [f32; D] {
+    columns.map(|column| weighted_sum(weights, column, |x| x))
+}
+
+/// Weighted covariance of the columns about their mean: symmetric, in the product of their units.
+pub fn covariance<const D: usize>(columns: &[&[f32]; D], weights: &[f32]) -> [[f32; D]; D] {
+    let mean = mean(columns, weights);
+    let mut covariance = [[0.0; D]; D];
+    for (a, row) in covariance.iter_mut().enumerate() {
+        for (b, entry) in row.iter_mut().enumerate() {
+            *entry = weights
+                .iter()
+                .zip(columns[a].iter().zip(columns[b]))
+                .map(|(w, (x, y))| w * ((x - mean[a]) * (y - mean[b])))
+                .sum();
+        }
+    }
+    covariance
+}
+
+/// Sum of `w f(x)`, in four running sums added in a fixed order.
+fn weighted_sum(weights: &[f32], column: &[f32], f: impl Fn(f32) -> f32) -> f32 {
+    let mut sum = [0.0f32; 4];
+    let (weight_blocks, weight_rest) = weights.as_chunks::<4>();
+    let (blocks, rest) = column.as_chunks::<4>();
+    for (w, x) in weight_blocks.iter().zip(blocks) {
+        for lane in 0..4 {
+            sum[lane] += w[lane] * f(x[lane]);
+        }
+    }
+    for (w, x) in weight_rest.iter().zip(rest) {
+        sum[0] += w * f(*x);
+    }
+    (sum[0] + sum[1]) + (sum[2] + sum[3])
+}
+
+/// Smallest value of `column` that, with all smaller ones, holds at least `probability` of the weight.
+///
+/// Needs no sorting and no memory: 32 passes over the column, one for each bit of the answer. NaN for an
+/// empty column, or when no value is reached because `probability` is above the sum of the weights.
+pub fn quantile(column: &[f32], weights: &[f32], probability: f32) -> f32 {
+    // The order of the floats is that of their bits once the negative ones are turned round.
+    let key = |x: f32| {
+        let bits = x.to_bits();
+        if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
+    };
+    let weight_up_to = |limit: u32| -> f32 {
+        weights.iter().zip(column).map(|(w, x)| if key(*x) <= limit { *w } else { 0.0 }).sum()
+    };
+    let mut answer = u32::MAX;
+    for bit in (0..32).rev() {
+        let lower = answer & !(1 << bit);
+        // With this bit cleared and all below it set: is that still enough?
+        if weight_up_to(lower) >= probability {
+            answer = lower;
+        }
+    }
+    // The next bits are cleared one by one, so what is left is the key of a value of the column.
+    f32::from_bits(if answer >> 31 == 1 { answer & !(1 << 31) } else { !answer })
+}
+
+/// An ellipse in the plane, and the region of a given probability of a two-dimensional normal distribution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Ellipse {
+    /// Its centre.
+    pub centre: [f32; 2],
+    /// Half of its longest diameter, in the unit of the centre.
+    pub semi_major: f32,
+    /// Half of its shortest diameter, in the unit of the centre.
+    pub semi_minor: f32,
+    /// Direction of the longest diameter: radians counter-clockwise from the first axis, in (-pi/2, pi/2].
+    pub orientation: f32,
+}
+
+impl Ellipse {
+    /// The smallest region that a normal distribution gives the probability `probability` (0 to 1).
+    ///
+    /// Its squared Mahalanobis radius is the quantile of the chi-squared distribution with two degrees of
+    /// freedom, `-2 ln(1 - probability)`: 5.99 for 95 %.
+    pub fn of_normal(centre: [f32; 2], covariance: [[f32; 2]; 2], probability: f32) -> Self {
+        let [[a, b], [_, c]] = covariance;
+        let middle = 0.5 * (a + c);
+        let half_difference = 0.5 * (a - c);
+        let reach = sqrt(half_difference * half_difference + b * b);
+        let radius_squared = -2.0 * ln(1.0 - probability);
+        // Rounding may push the small eigenvalue of a flat ellipse below zero; by the determinant it loses
+        // fewer digits than by the difference.
+        let major = middle + reach;
+        let determinant = a * c - b * b;
+        let minor = if determinant > 0.0 { determinant / major } else { 0.0 };
+        Self {
+            centre,
+            semi_major: sqrt(radius_squared * major),
+            semi_minor: sqrt(radius_squared * minor),
+            orientation: 0.5 * atan2(b, half_difference),
+        }
+    }
+
+    /// Whether `point` lies inside.
+    pub fn contains(&self, point: [f32; 2]) -> bool {
+        let (sin, cos) = sin_cos(self.orientation);
+        let (dx, dy) = (point[0] - self.centre[0], point[1] - self.centre[1]);
+        let along = (dx * cos + dy * sin) / self.semi_major;
+        let across = (dy * cos - dx * sin) / self.semi_minor;
+        along * along + across * across <= 1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
+    use std::vec::Vec;
+
+    #[test]
+    fn moments_of_five_points() {
+        let x = [1.0, 2.0, 3.0, 4.0, 100.0];
+        let y = [2.0, 4.0, 6.0, 8.0, -7.0];
+        let weights = [0.25, 0.25, 0.25, 0.25, 0.0];
+        assert_eq!(mean(&[&x, &y], &weights), [2.5, 5.0]);
+        assert_eq!(covariance(&[&x, &y], &weights), [[1.25, 2.5], [2.5, 5.0]]);
+    }
+
+    #[test]
+    fn quantiles_are_those_of_the_sorted_column() {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(21);
+        for n in [1usize, 2, 7, 100] {
+            let column: Vec<f32> = (0..n).map(|_| 10.0 * normal(&mut rng)).collect();
+            let raw: Vec<f32> = (0..n).map(|_| uniform(&mut rng)).collect();
+            let total: f32 = raw.iter().sum();
+            let weights: Vec<f32> = raw.iter().map(|w| w / total).collect();
+            let mut order: Vec<usize> = (0..n).collect();
+            order.sort_by(|&a, &b| column[a].total_cmp(&column[b]));
+            for p in [0.001f32, 0.025, 0.3, 0.5, 0.9, 0.999] {
+                let mut sum = 0.0;
+                let expected = order
+                    .iter()
+                    .find(|&&i| {
+                        sum += weights[i];
+                        sum >= p
+                    })
+                    .map(|&i| column[i])
+                    .unwrap();
+                assert_eq!(quantile(&column, &weights, p), expected, "n {n} p {p}");
+            }
+        }
+        assert_eq!(quantile(&[-1.0, 0.0, 1.0], &[0.5, 0.25, 0.25], 0.5), -1.0);
+        assert!(quantile(&[], &[], 0.5).is_nan());
+    }
+
+    #[test]
+    fn ellipse_of_a_known_covariance() {
+        // Eigenvalues 9 and 4, the longer axis 30 degrees from the first.
+        let (sin, cos) = (0.5f32, 0.75f32.sqrt());
+        let covariance = [
+            [9.0 * cos * cos + 4.0 * sin * sin, 5.0 * sin * cos],
+            [5.0 * sin * cos, 9.0 * sin * sin + 4.0 * cos * cos],
+        ];
+        let ellipse = Ellipse::of_normal([10.0, 20.0], covariance, 0.95);
+        let radius = 5.991_465f32.sqrt();
+        assert!((ellipse.semi_major - 3.0 * radius).abs() < 1e-4);
+        assert!((ellipse.semi_minor - 2.0 * radius).abs() < 1e-4);
+        assert!((ellipse.orientation - core::f32::consts::FRAC_PI_6).abs() < 1e-5);
+        assert!(ellipse.contains([10.0 + 2.9 * radius * cos, 20.0 + 2.9 * radius * sin]));
+        assert!(!ellipse.contains([10.0 - 2.1 * radius * sin, 20.0 + 2.1 * radius * cos]));
+    }
+
+    #[test]
+    fn ellipse_holds_its_share_of_a_normal_cloud() {
+        // 100,000 points: three standard errors of the share are 0.2 %, 0.5 % and 0.4 %.
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(22);
+        for (probability, tolerance) in [(0.95, 0.0021), (0.5, 0.0048), (0.8, 0.0038)] {
+            let ellipse = Ellipse::of_normal([1.0, -2.0], [[4.0, 1.2], [1.2, 1.0]], probability);
+            let inside = (0..100_000)
+                .filter(|_| {
+                    let (u, v) = (normal(&mut rng), normal(&mut rng));
+                    ellipse.contains([1.0 + 2.0 * u, -2.0 + 0.6 * u + 0.8 * v])
+                })
+                .count();
+            assert!((inside as f32 / 1e5 - probability).abs() < tolerance);
+        }
+    }
+
+    #[test]
+    fn a_flat_ellipse_is_no_nan() {
+        let ellipse = Ellipse::of_normal([0.0, 0.0], [[1.0, 1.0], [1.0, 1.0]], 0.95);
+        assert_eq!(ellipse.semi_minor, 0.0);
+        assert!(!ellipse.contains([1.0, -1.0]));
+    }
+}

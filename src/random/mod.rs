@@ -1,0 +1,86 @@
+//! Random numbers in f32, from any generator that implements [`rand_core::Rng`].
+//!
+//! The generator is always an argument: nothing here holds one, so one seed replays one run.
+//! [`Xoshiro128PlusPlus`] is a good default on 32-bit machines: 16 bytes of state and about a dozen instructions.
+//!
+//! ```
+//! use foxhunt::random::{self, SeedableRng, Xoshiro128PlusPlus};
+//!
+//! let mut rng = Xoshiro128PlusPlus::seed_from_u64(2026);
+//! let sample = random::normal(&mut rng);
+//! assert!(sample.abs() < 7.0);
+//! ```
+
+mod normal_table;
+
+pub use rand_core::{Rng, SeedableRng};
+pub use rand_xoshiro::Xoshiro128PlusPlus;
+
+use crate::math::{ln, sqrt};
+use normal_table::QUANTILE;
+
+const TWO_POW_MINUS_24: f32 = 1.0 / 16_777_216.0;
+
+/// Uniform on [0, 1): every multiple of 2^-24, equally often.
+#[inline(always)]
+pub fn uniform<R: Rng + ?Sized>(rng: &mut R) -> f32 {
+    (rng.next_u32() >> 8) as f32 * TWO_POW_MINUS_24
+}
+
+/// Uniform on the open interval (0, 1): safe to take the logarithm of, or of one minus it.
+#[inline(always)]
+pub fn uniform_open<R: Rng + ?Sized>(rng: &mut R) -> f32 {
+    ((rng.next_u32() >> 9) as f32 + 0.5) * (2.0 * TWO_POW_MINUS_24)
+}
+
+/// Standard normal, by inversion of the distribution function: one draw of the generator a sample, the
+/// same time for each, tails to 6.3 standard deviations, quantiles exact to 2e-4.
+#[inline(always)]
+pub fn normal<R: Rng + ?Sized>(rng: &mut R) -> f32 {
+    // A signed odd integer: its sign is that of the sample, its magnitude the distance from the end of the
+    // tail, whose exponent in turn selects the polynomial. Never zero.
+    let distance = (rng.next_u32() | 1) as i32 as f32;
+    let bits = distance.to_bits();
+    let [c0, c1, c2, c3] = QUANTILE[(bits >> 23 & 31) as usize];
+    let g = distance.abs();
+    f32::from_bits(c0.to_bits() ^ (bits & 0x8000_0000)) + distance * (c1 + g * (c2 + g * c3))
+}
+
+/// Gamma with the given `shape` and scale 1; multiply by the scale, or divide by the rate.
+///
+/// Marsaglia and Tsang, "A simple method for generating gamma variables" (2000). Bounded: after 16 rejections
+/// in a row, one chance in 10^20, it returns the mode of the proposal. A shape that is not positive and
+/// finite gives NaN.
+pub fn gamma<R: Rng + ?Sized>(rng: &mut R, shape: f32) -> f32 {
+    if !(shape > 0.0 && shape <= f32::MAX) {
+        return f32::NAN;
+    }
+    if shape >= 1.0 {
+        return gamma_above_one(rng, shape);
+    }
+    // A gamma of shape a is one of shape a + 1 times a uniform to the power 1 / a.
+    let larger = gamma_above_one(rng, shape + 1.0);
+    larger * crate::math::exp(ln(uniform_open(rng)) / shape)
+}
+
+fn gamma_above_one<R: Rng + ?Sized>(rng: &mut R, shape: f32) -> f32 {
+    const TRIES: u32 = 16;
+    let d = shape - 1.0 / 3.0;
+    let c = 1.0 / (3.0 * sqrt(d));
+    for _ in 0..TRIES {
+        let x = normal(rng);
+        let v = 1.0 + c * x;
+        let u = uniform_open(rng);
+        if v <= 0.0 {
+            continue;
+        }
+        let v = v * v * v;
+        if ln(u) < 0.5 * x * x + d * (1.0 - v + ln(v)) {
+            return d * v;
+        }
+    }
+    d
+}
+
+#[cfg(test)]
+mod tests;
