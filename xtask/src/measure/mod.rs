@@ -1,0 +1,7 @@
+//! Measuring firmware without a board: what it executes, how long that takes, what it occupies.
+
+pub mod cortex_m4;
+pub mod disassembly;
+pub mod regions;
+pub mod sections;
+pub mod stack;

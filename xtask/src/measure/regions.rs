@@ -1,0 +1,210 @@
+//! Instructions and modelled cycles of marked regions of a firmware, from the emulator's log of every
+//! instruction that it executes.
+//!
+//! The firmware calls a function `region_edge`, which does nothing, at the beginning and at the end of each
+//! region, and prints a line `region<TAB>name<TAB>items` for each, in the order of their execution. Its
+//! other lines, `figure<TAB>name<TAB>value<TAB>unit`, are figures that it knows itself.
+
+use std::{
+    collections::HashMap,
+    io::{BufRead, BufReader, Read},
+    path::Path,
+    process::{Command, Stdio},
+    thread,
+};
+
+use anyhow::{Context, Result, bail, ensure};
+
+use super::{
+    cortex_m4::{TAKEN_BRANCH, Timing},
+    disassembly,
+};
+use crate::{figures::Figure, qemu};
+
+/// What a region cost, all of it together.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Cost {
+    /// Executed instructions, exactly.
+    pub instructions: u64,
+    /// Cycles by the model of the Cortex-M4.
+    pub cycles: u64,
+}
+
+/// Runs the firmware in `elf` and returns two figures of each region, per item, and its own figures.
+pub fn measure(elf: &Path) -> Result<Vec<Figure>> {
+    let program = Program::of(elf)?;
+    let mut child = qemu::command()
+        .args(["-chardev", "stdio,id=text", "-semihosting-config", "chardev=text"])
+        .args(["-serial", "none", "-d", "exec,nochain"])
+        .args(one_instruction_per_block()?)
+        .arg("-kernel")
+        .arg(elf)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .context("cannot start qemu-system-arm")?;
+    let mut stdout = child.stdout.take().expect("stdout is piped");
+    let printed = thread::spawn(move || {
+        let mut text = String::new();
+        stdout.read_to_string(&mut text).map(|_| text)
+    });
+    let log = BufReader::with_capacity(1 << 20, child.stderr.take().expect("stderr is piped"));
+    let costs = program.follow(log)?;
+    let status = child.wait()?;
+    let printed = printed.join().expect("reading does not panic")?;
+    ensure!(status.success(), "the firmware failed:\n{printed}");
+    figures(&costs, &printed)
+}
+
+/// The emulator's option that makes its log name every instruction instead of every block of them.
+fn one_instruction_per_block() -> Result<&'static [&'static str]> {
+    let output = Command::new("qemu-system-arm").arg("--version").output()?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let mut numbers = text.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok());
+    let version: (u32, u32) = numbers.next().zip(numbers.next()).context("QEMU has no version")?;
+    Ok(if version < (8, 1) { &["-singlestep"] } else { &["-accel", "tcg,one-insn-per-tb=on"] })
+}
+
+/// Pairs the regions with what the firmware printed of them.
+fn figures(costs: &[Cost], printed: &str) -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    let mut costs = costs.iter();
+    for line in printed.lines() {
+        match line.split('\t').collect::<Vec<_>>().as_slice() {
+            ["region", name, items] => {
+                let cost = costs.next().with_context(|| format!("{name} has not run"))?;
+                let items: f64 = items.parse()?;
+                let figure = |what, count, unit| {
+                    Figure::new(format!("{name}.{what}"), count as f64 / items, unit)
+                };
+                figures.push(figure("instructions", cost.instructions, "instructions"));
+                figures.push(figure("cycles_modelled", cost.cycles, "cycles"));
+            }
+            ["figure", name, value, unit] => figures.push(Figure::new(*name, value.parse()?, *unit)),
+            _ => bail!("the firmware printed: {line}"),
+        }
+    }
+    ensure!(costs.next().is_none(), "a region has no name");
+    Ok(figures)
+}
+
+/// The instructions of a firmware by address, and the function that marks where regions begin and end.
+struct Program {
+    instructions: HashMap<u32, (u32, Timing)>,
+    edge: std::ops::Range<u32>,
+}
+
+impl Program {
+    fn of(elf: &Path) -> Result<Self> {
+        let functions = disassembly::functions(elf)?;
+        let edge = functions
+            .iter()
+            .find(|function| function.name().rsplit("::").next() == Some("region_edge"))
+            .context("the firmware has no function region_edge")?;
+        let last = edge.instructions.last().context("region_edge has no instructions")?;
+        let edge = edge.address..last.address + last.size;
+        let instructions = functions.iter().flat_map(|function| &function.instructions);
+        let instructions = instructions
+            .map(|instruction| (instruction.address, (instruction.size, Timing::of(instruction))))
+            .collect();
+        Ok(Self { instructions, edge })
+    }
+
+    /// Adds up the regions of the log.
+    fn follow(&self, log: impl BufRead) -> Result<Vec<Cost>> {
+        let mut costs = Vec::new();
+        let mut region: Option<Cost> = None;
+        let mut previous: Option<(u32, &Timing)> = None;
+        for line in log.lines() {
+            let Some(address) = executed(&line?) else { continue };
+            let follows = previous.filter(|(next, _)| *next == address).map(|(_, timing)| timing);
+            if let Some(cost) = region.as_mut().filter(|_| previous.is_some() && follows.is_none()) {
+                cost.cycles += u64::from(TAKEN_BRANCH);
+            }
+            if self.edge.contains(&address) {
+                if address == self.edge.start {
+                    match region.take() {
+                        Some(cost) => costs.push(cost),
+                        None => region = Some(Cost::default()),
+                    }
+                }
+                previous = None;
+            } else if let Some(cost) = &mut region {
+                let (size, timing) = self
+                    .instructions
+                    .get(&address)
+                    .with_context(|| format!("{address:#x} is not in the disassembly"))?;
+                cost.instructions += 1;
+                cost.cycles += u64::from(timing.cycles_after(follows));
+                previous = Some((address + size, timing));
+            }
+        }
+        ensure!(region.is_none(), "the last region has no end");
+        Ok(costs)
+    }
+}
+
+/// The address in a line of the log: `Trace 0: 0x7f48 [00000000/0000000000000400/00000110/ff000000]`.
+fn executed(line: &str) -> Option<u32> {
+    let fields = line.strip_prefix("Trace ")?.split_once('[')?.1;
+    u32::from_str_radix(fields.split('/').nth(1)?, 16).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::disassembly::Instruction;
+
+    fn program(listing: &[(u32, &str, &str)]) -> Program {
+        let timing = |mnemonic: &str, operands: &str| {
+            Timing::of(&Instruction {
+                address: 0,
+                size: 2,
+                mnemonic: mnemonic.into(),
+                operands: operands.into(),
+            })
+        };
+        let instructions = listing
+            .iter()
+            .map(|&(address, mnemonic, operands)| (address, (2, timing(mnemonic, operands))))
+            .collect();
+        Program { instructions, edge: 0x10..0x14 }
+    }
+
+    fn log(addresses: &[u32]) -> String {
+        let line = |address| format!("Trace 0: 0x7f48 [00000000/{address:016x}/00000110/ff000000]\n");
+        addresses.iter().map(line).collect()
+    }
+
+    #[test]
+    fn a_region_is_what_runs_between_the_markers() {
+        let program = program(&[
+            (0x40, "vadd.f32", "s0, s1, s2"),
+            (0x42, "vmul.f32", "s3, s0, s0"),
+            (0x44, "bl", "0x10"),
+        ]);
+        let log = log(&[0x30, 0x10, 0x12, 0x40, 0x42, 0x44, 0x10, 0x12, 0x46]);
+        // 1 + (1 + stall) + (1 + taken)
+        let cost = Cost { instructions: 3, cycles: 6 };
+        assert_eq!(program.follow(log.as_bytes()).unwrap(), [cost]);
+    }
+
+    #[test]
+    fn a_branch_costs_more_only_when_taken() {
+        let program = program(&[(0x40, "bne", "0x40"), (0x42, "nop", "")]);
+        let log = log(&[0x10, 0x40, 0x40, 0x42, 0x10]);
+        let costs = program.follow(log.as_bytes()).unwrap();
+        // Taken once, then the way on to the edge, which is not the next in memory.
+        assert_eq!(costs, [Cost { instructions: 3, cycles: 1 + 2 + 1 + 1 + 2 }]);
+    }
+
+    #[test]
+    fn figures_are_per_item_and_named_in_order() {
+        let costs = [Cost { instructions: 30, cycles: 40 }];
+        let figures = figures(&costs, "region\tm4f.x\t10\nfigure\tbytes\t5\tbytes\n").unwrap();
+        assert_eq!(figures[0], Figure::new("m4f.x.instructions", 3.0, "instructions"));
+        assert_eq!(figures[1], Figure::new("m4f.x.cycles_modelled", 4.0, "cycles"));
+        assert_eq!(figures[2], Figure::new("bytes", 5.0, "bytes"));
+    }
+}
