@@ -57,17 +57,20 @@ impl core::error::Error for SolveError {}
 /// Steps after which a search is given up.
 pub const MAX_STEPS: u32 = 40;
 
+/// A search ends with a step of less than a thousandth of a standard deviation; the errors of f32 are below that.
+const SETTLED: f32 = 1e-6;
+
 /// A symmetric matrix of two dimensions: xx, xy, yy.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Symmetric {
-    pub(crate) xx: f32,
-    pub(crate) xy: f32,
-    pub(crate) yy: f32,
+struct Symmetric {
+    xx: f32,
+    xy: f32,
+    yy: f32,
 }
 
 impl Symmetric {
     /// Inverse, or `None` if it is not positive definite as far as f32 can tell.
-    pub(crate) fn inverse(self) -> Option<Self> {
+    fn inverse(self) -> Option<Self> {
         let determinant = self.xx * self.yy - self.xy * self.xy;
         // The determinant of a product of rounded numbers is worth no more than this.
         let sure = determinant > 1e-6 * self.xx * self.yy && determinant.is_normal();
@@ -78,29 +81,29 @@ impl Symmetric {
         })
     }
 
-    pub(crate) fn times(self, [x, y]: [f32; 2]) -> [f32; 2] {
+    fn times(self, [x, y]: [f32; 2]) -> [f32; 2] {
         [self.xx * x + self.xy * y, self.xy * x + self.yy * y]
     }
 
-    pub(crate) fn rows(self) -> [[f32; 2]; 2] {
+    fn rows(self) -> [[f32; 2]; 2] {
         [[self.xx, self.xy], [self.xy, self.yy]]
     }
 }
 
 /// What one bearing says about a position: its error there, and the derivative of its direction.
-pub(crate) struct Linearised {
+pub(super) struct Linearised {
     /// Measured less expected direction, in radians.
-    pub(crate) residual: f32,
+    pub(super) residual: f32,
     /// Derivative of the expected direction, in radians a metre.
-    pub(crate) gradient: [f32; 2],
+    gradient: [f32; 2],
     /// 1 / sigma^2
-    pub(crate) information: f32,
+    information: f32,
 }
 
 /// Closer to a receiver than this many metres, the direction of a source turns with every step.
 const NEAREST_M: f32 = 1e-3;
 
-pub(crate) fn linearise(observation: &Observation, position: [f32; 2]) -> Linearised {
+pub(super) fn linearise(observation: &Observation, position: [f32; 2]) -> Linearised {
     let [dx, dy] = [position[0] - observation.position()[0], position[1] - observation.position()[1]];
     let square = dx * dx + dy * dy + NEAREST_M * NEAREST_M;
     Linearised {
@@ -170,6 +173,8 @@ pub fn solve(
             ..here.matrix
         };
         let [dx, dy] = damped.inverse().ok_or(SolveError::Parallel)?.times(here.gradient);
+        // The square of the undamped step in standard deviations.
+        let decrement = (dx * here.gradient[0] + dy * here.gradient[1]) * (1.0 + damping);
         let next = [position[0] + dx, position[1] + dy];
         let there = Normal::at(observations, errors, next);
         if there.cost <= here.cost {
@@ -179,25 +184,15 @@ pub fn solve(
         } else {
             damping = if damping > 0.0 { damping * 10.0 } else { 1e-3 };
         }
-        let size = position[0].abs() + position[1].abs();
-        if dx.abs() + dy.abs() <= 1e-6 * size + 1e-6 {
-            return finish(observations, errors, position, here.matrix);
+        if decrement < SETTLED {
+            let covariance = match errors {
+                Errors::Gaussian => here.matrix.inverse().ok_or(SolveError::Parallel)?.rows(),
+                Errors::VonMises => von_mises_covariance(observations, position)?,
+            };
+            return Ok(Solution { position, covariance });
         }
     }
     Err(SolveError::NotConverged)
-}
-
-fn finish(
-    observations: &[Observation],
-    errors: Errors,
-    position: [f32; 2],
-    matrix: Symmetric,
-) -> Result<Solution, SolveError> {
-    let covariance = match errors {
-        Errors::Gaussian => matrix.inverse().ok_or(SolveError::Parallel)?.rows(),
-        Errors::VonMises => von_mises_covariance(observations, position)?,
-    };
-    Ok(Solution { position, covariance })
 }
 
 /// Lenth (1981), the asymptotic covariance of the maximum-likelihood estimate.

@@ -1,0 +1,145 @@
+//! What all bearings say, in a bounded buffer.
+
+use heapless::Vec;
+
+use crate::aoa::gauss_newton::{Errors, SolveError, linearise, solve};
+use crate::aoa::{Bearing, BearingLikelihood, Observation};
+use crate::math::{atan2, sqrt};
+use crate::model::Likelihood;
+
+use super::moves::Proposal;
+
+/// The bearings that a locator rests on.
+///
+/// A full buffer makes room by averaging the two bearings that say most nearly the same, so a long drive thins
+/// out where it was far from the source, a parked vehicle's readings become one, and nothing is forgotten.
+#[derive(Debug, Clone)]
+pub(super) struct Evidence<const B: usize> {
+    observations: Vec<Observation, B>,
+    /// Of the observations, in the same order.
+    likelihoods: Vec<BearingLikelihood, B>,
+    latest: [f32; 2],
+    count: u32,
+}
+
+impl<const B: usize> Evidence<B> {
+    pub(super) const fn new() -> Self {
+        Self { observations: Vec::new(), likelihoods: Vec::new(), latest: [0.0; 2], count: 0 }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.observations.clear();
+        self.likelihoods.clear();
+        self.count = 0;
+    }
+
+    pub(super) fn observations(&self) -> &[Observation] {
+        &self.observations
+    }
+
+    /// How many bearings went in.
+    pub(super) fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// Distance of a point from where the latest bearing was taken.
+    pub(super) fn distance_to_latest(&self, point: [f32; 2]) -> f32 {
+        sqrt(square_of_distance(point, self.latest))
+    }
+
+    /// Takes a bearing. `source` is where the source is thought to be, if anywhere.
+    pub(super) fn push(&mut self, observation: Observation, source: Option<[f32; 2]>) {
+        self.latest = observation.position();
+        self.count = self.count.saturating_add(1);
+        if self.observations.push(observation).is_ok() {
+            let _ = self.likelihoods.push(BearingLikelihood::new(&observation));
+        } else if let Some((i, j)) = self.most_alike(source) {
+            if let Some((a, b)) = self.observations.get(i).zip(self.observations.get(j)) {
+                self.replace(i, average(a, b, source));
+            }
+            self.replace(j, observation);
+        }
+    }
+
+    /// The pair that was taken from places nearest to each other, in metres, or as seen from the source.
+    fn most_alike(&self, source: Option<[f32; 2]>) -> Option<(usize, usize)> {
+        let mut best = None;
+        let mut least = f32::INFINITY;
+        for (i, a) in self.observations.iter().enumerate() {
+            let range = source.map_or(1.0, |source| square_of_distance(source, a.position()));
+            for (j, b) in self.observations.iter().enumerate().skip(i + 1) {
+                let difference = square_of_distance(a.position(), b.position()) / range;
+                if difference < least {
+                    least = difference;
+                    best = Some((i, j));
+                }
+            }
+        }
+        best
+    }
+
+    fn replace(&mut self, place: usize, observation: Observation) {
+        if let Some(slot) = self.observations.get_mut(place) {
+            *slot = observation;
+        }
+        if let Some(slot) = self.likelihoods.get_mut(place) {
+            *slot = BearingLikelihood::new(&observation);
+        }
+    }
+
+    /// Log-density of the source being at `point`, up to a constant.
+    pub(super) fn log_density(&self, point: [f32; 2]) -> f32 {
+        self.likelihoods.iter().map(|likelihood| likelihood.log_likelihood(&point)).sum()
+    }
+
+    /// Log-densities of several points, up to the same constant.
+    pub(super) fn log_densities<const K: usize>(&self, [x, y]: &[[f32; K]; 2]) -> [f32; K] {
+        let mut sums = [0.0; K];
+        let mut one = [0.0; K];
+        for likelihood in &self.likelihoods {
+            likelihood.log_likelihoods(&[x.as_slice(), y.as_slice()], &mut one);
+            for (sum, one) in sums.iter_mut().zip(one) {
+                *sum += one;
+            }
+        }
+        sums
+    }
+
+    /// The mode nearest to `start`, and the normal distribution that has its curvature.
+    pub(super) fn mode(&self, start: [f32; 2]) -> Result<Proposal, SolveError> {
+        let solution = solve(&self.observations, Errors::Gaussian, start)?;
+        Proposal::new(solution.position, solution.covariance).ok_or(SolveError::Parallel)
+    }
+}
+
+fn square_of_distance(a: [f32; 2], b: [f32; 2]) -> f32 {
+    let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
+    dx * dx + dy * dy
+}
+
+/// Two bearings as one, from the place between them, each counting by its information.
+///
+/// The error that it has at the source is the average of theirs; far sources see the two under equal angles.
+fn average(a: &Observation, b: &Observation, source: Option<[f32; 2]>) -> Observation {
+    let information = |o: &Observation| 1.0 / (o.deviation() * o.deviation());
+    let (ia, ib) = (information(a), information(b));
+    let share = ib / (ia + ib);
+    let mix = |a: f32, b: f32| a + share * (b - a);
+    let position =
+        [mix(a.position()[0], b.position()[0]), mix(a.position()[1], b.position()[1])];
+    let radians = match source {
+        Some(source) => {
+            let error = mix(linearise(a, source).residual, linearise(b, source).residual);
+            atan2(source[1] - position[1], source[0] - position[0]) + error
+        }
+        None => {
+            let turn = Bearing::from_radians(b.bearing().radians() - a.bearing().radians());
+            a.bearing().radians() + share * turn.radians()
+        }
+    };
+    let deviation = 1.0 / sqrt(ia + ib);
+    let least = Observation::MIN_DEVIATION_RAD;
+    let deviation = if deviation > least { deviation } else { least };
+    // What lies between two observations is one.
+    Observation::new(position, Bearing::from_radians(radians), deviation).unwrap_or(*b)
+}

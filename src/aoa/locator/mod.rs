@@ -1,0 +1,352 @@
+//! The locator: bearings in, and a fix out as soon as there can be one.
+//!
+//! A particle filter for a source that does not move. It keeps the bearings, in a bounded buffer, because
+//! their joint likelihood is what particles must be moved by when they have become too few: a filter that
+//! forgets them can only jitter its particles, which costs accuracy and, with few particles, the source.
+//!
+//! * Before the bearings cross at a sufficient angle the answer is [`Answer::NotObservable`], with the reason.
+//! * Then particles start from intersections of random pairs of bearings (Du et al. 2016, eq. 22 and 23) and
+//!   are weighed by all bearings.
+//! * Each further bearing weighs them once. When the effective sample size falls, they are resampled and moved
+//!   by Metropolis-Hastings steps that leave the posterior of all bearings invariant (resample-move: Gilks and
+//!   Berzuini 2001).
+//! * When the buffer is full, the two bearings that say most nearly the same are averaged: none is forgotten.
+
+mod evidence;
+mod moves;
+
+use core::fmt;
+
+use super::gauss_newton::SolveError;
+use super::triangulation::{crossing_angle, random_intersection};
+use super::{BearingLikelihood, Observation};
+use crate::estimate::Ellipse;
+use crate::filter::ParticleFilter;
+use crate::math::sqrt;
+use crate::random::Rng;
+use crate::resample::Scheme;
+use evidence::Evidence;
+use moves::Proposal;
+
+/// What a [`Locator`] can be told; the defaults suit a direction finder on a vehicle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Settings {
+    relative_range_error: f32,
+    resample_share: f32,
+    moves: u8,
+}
+
+/// Why a setting was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum SettingsError {
+    /// `relative_range_error` is not within 0.01 and 1.
+    RelativeRangeError,
+    /// `resample_share` is not within 0 and 1.
+    ResampleShare,
+    /// `moves` is not within 1 and 16.
+    Moves,
+}
+
+impl fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::RelativeRangeError => "relative_range_error is not within 0.01 and 1",
+            Self::ResampleShare => "resample_share is not within 0 and 1",
+            Self::Moves => "moves is not within 1 and 16",
+        })
+    }
+}
+
+impl core::error::Error for SettingsError {}
+
+impl Settings {
+    /// The defaults.
+    pub const fn new() -> Self {
+        Self { relative_range_error: 0.3, resample_share: 0.5, moves: 2 }
+    }
+
+    /// Largest standard deviation of the range to the source, as a share of the range, that makes a fix:
+    /// 0.3 unless set.
+    ///
+    /// # Errors
+    /// Outside 0.01 to 1.
+    pub const fn relative_range_error(mut self, share: f32) -> Result<Self, SettingsError> {
+        if !(share >= 0.01 && share <= 1.0) {
+            return Err(SettingsError::RelativeRangeError);
+        }
+        self.relative_range_error = share;
+        Ok(self)
+    }
+
+    /// Particles are resampled and moved when the effective sample size falls below this share of their
+    /// number: 0.5 unless set.
+    ///
+    /// # Errors
+    /// Outside 0 to 1.
+    pub const fn resample_share(mut self, share: f32) -> Result<Self, SettingsError> {
+        if !(share >= 0.0 && share <= 1.0) {
+            return Err(SettingsError::ResampleShare);
+        }
+        self.resample_share = share;
+        Ok(self)
+    }
+
+    /// Metropolis-Hastings steps of every particle after a resampling: 2 unless set. Each evaluates all
+    /// bearings in the buffer once.
+    ///
+    /// # Errors
+    /// Outside 1 to 16.
+    pub const fn moves(mut self, moves: u8) -> Result<Self, SettingsError> {
+        if moves < 1 || moves > 16 {
+            return Err(SettingsError::Moves);
+        }
+        self.moves = moves;
+        Ok(self)
+    }
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// What is known of the source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Answer {
+    /// The bearings do not say where it is.
+    NotObservable(NotObservable),
+    /// Where it is.
+    Fix(Fix),
+}
+
+/// Why there is no fix yet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum NotObservable {
+    /// Two bearings are the least.
+    TooFewBearings {
+        /// How many there are.
+        have: u32,
+    },
+    /// The bearings cross at too small an angle: drive on, across the bearing.
+    CrossingAngle {
+        /// The largest angle between two of them, in radians.
+        radians: f32,
+        /// About the angle that their errors ask for, in radians.
+        needed: f32,
+    },
+    /// The bearings do not meet in front of their receivers.
+    NoIntersection,
+}
+
+/// A located source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Fix {
+    /// Posterior mean, in metres east and north.
+    pub position: [f32; 2],
+    /// Posterior covariance, in square metres; includes the sampling error of the particles.
+    pub covariance: [[f32; 2]; 2],
+    /// How many equally weighted particles the cloud is worth.
+    pub effective_sample_size: f32,
+    /// How many bearings the fix rests on.
+    pub bearings: u32,
+}
+
+impl Fix {
+    /// The ellipse that holds the source with the given probability (0 to 1).
+    pub fn ellipse(&self, probability: f32) -> Ellipse {
+        Ellipse::of_normal(self.position, self.covariance, probability)
+    }
+}
+
+/// Locates one source that does not move, with `N` particles and a buffer of `B` bearings.
+///
+/// ```
+/// use foxhunt::aoa::{Bearing, Observation};
+/// use foxhunt::aoa::locator::{Answer, Locator, Settings};
+/// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
+///
+/// let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+/// let mut locator = Locator::<100>::new(Settings::new());
+/// // Driving east, past a transmitter 800 m to the north.
+/// for (east, compass_degrees) in [(0.0, 36.6), (300.0, 20.8), (600.0, 359.7), (900.0, 339.9)] {
+///     let bearing = Bearing::from_compass_degrees(compass_degrees);
+///     let observation = Observation::new([east, 0.0], bearing, 0.02).unwrap();
+///     locator.push(observation, &mut rng);
+/// }
+/// let Answer::Fix(fix) = locator.answer() else { panic!("the bearings cross") };
+/// assert!(fix.ellipse(0.95).contains([600.0, 800.0]));
+/// ```
+#[derive(Debug, Clone)]
+pub struct Locator<const N: usize, const B: usize = 64> {
+    settings: Settings,
+    evidence: Evidence<B>,
+    filter: ParticleFilter<2, N>,
+    answer: Answer,
+}
+
+/// The smallest sine of the angle of two bearings whose intersection may start a particle.
+const LEAST_SINE: f32 = 0.02;
+
+impl<const N: usize, const B: usize> Locator<N, B> {
+    /// No bearings yet.
+    pub const fn new(settings: Settings) -> Self {
+        const { assert!(N >= 2 && B >= 2, "a locator needs particles and bearings") };
+        Self {
+            settings,
+            evidence: Evidence::new(),
+            filter: ParticleFilter::new(),
+            answer: Answer::NotObservable(NotObservable::TooFewBearings { have: 0 }),
+        }
+    }
+
+    /// Forgets everything but the settings.
+    pub fn reset(&mut self) {
+        self.evidence.clear();
+        self.answer = Answer::NotObservable(NotObservable::TooFewBearings { have: 0 });
+    }
+
+    /// Takes one bearing, and says what is known with it.
+    ///
+    /// Evaluates at most `N (B + 1) (moves + 1)` likelihoods, and `N` when no particle needs to move.
+    pub fn push<R: Rng + ?Sized>(&mut self, observation: Observation, rng: &mut R) -> Answer {
+        if let Answer::Fix(fix) = self.answer {
+            self.evidence.push(observation, Some(fix.position));
+            // A normal likelihood is never zero, so the update cannot fail.
+            let _ = self.filter.update(&BearingLikelihood::new(&observation));
+            self.rejuvenate(self.settings.resample_share * N as f32, rng);
+            self.answer = Answer::Fix(self.fix());
+        } else {
+            self.evidence.push(observation, None);
+            self.answer = match self.observe(rng) {
+                Err(reason) => Answer::NotObservable(reason),
+                Ok(start) => {
+                    self.start(start, rng);
+                    Answer::Fix(self.fix())
+                }
+            };
+        }
+        self.answer
+    }
+
+    /// What is known of the source.
+    pub const fn answer(&self) -> Answer {
+        self.answer
+    }
+
+    /// The particles' coordinates: metres east, metres north. They mean nothing before the first fix.
+    pub fn columns(&self) -> [&[f32]; 2] {
+        self.filter.particles().columns()
+    }
+
+    /// The particles' weights, which sum to one.
+    pub fn weights(&self) -> &[f32] {
+        self.filter.weights()
+    }
+
+    /// The bearings in the buffer, in no particular order; some are averages once it is full.
+    pub fn observations(&self) -> &[Observation] {
+        self.evidence.observations()
+    }
+
+    /// Whether the bearings make a fix: the normal distribution about their intersection, or the reason why not.
+    fn observe<R: Rng + ?Sized>(&self, rng: &mut R) -> Result<Proposal, NotObservable> {
+        /// The best of this many random intersections starts the search.
+        const CANDIDATES: u32 = 8;
+        let observations = self.evidence.observations();
+        if observations.len() < 2 {
+            return Err(NotObservable::TooFewBearings { have: observations.len() as u32 });
+        }
+        let radians = crossing_angle(observations);
+        let mut best = None;
+        for _ in 0..CANDIDATES {
+            if let Some(point) = random_intersection(observations, LEAST_SINE, rng) {
+                let density = self.evidence.log_density(point);
+                if best.is_none_or(|(_, highest)| density > highest) {
+                    best = Some((point, density));
+                }
+            }
+        }
+        let Some((start, _)) = best else {
+            return Err(if radians < LEAST_SINE {
+                NotObservable::CrossingAngle { radians, needed: LEAST_SINE }
+            } else {
+                NotObservable::NoIntersection
+            });
+        };
+        let mode = self.evidence.mode(start).map_err(|error| match error {
+            SolveError::Parallel => NotObservable::CrossingAngle { radians, needed: 2.0 * radians },
+            _ => NotObservable::NoIntersection,
+        })?;
+        let relative_error = mode.largest_deviation() / self.evidence.distance_to_latest(mode.mean());
+        let limit = self.settings.relative_range_error;
+        if relative_error > limit {
+            // The error of a range goes with the inverse of the crossing angle.
+            let needed = radians * relative_error / limit;
+            return Err(NotObservable::CrossingAngle { radians, needed });
+        }
+        Ok(mode)
+    }
+
+    /// Starts the particles from intersections of pairs of bearings.
+    fn start<R: Rng + ?Sized>(&mut self, mode: Proposal, rng: &mut R) {
+        let evidence = &self.evidence;
+        self.filter.initialise(rng, |rng| {
+            random_intersection(evidence.observations(), LEAST_SINE, rng)
+                .unwrap_or_else(|| mode.draw(rng))
+        });
+        let _ = self.filter.update(&|point: &[f32; 2]| evidence.log_density(*point));
+        self.filter.resample(Scheme::Systematic, rng);
+        moves::sweep(self.filter.columns_mut(), evidence, &mode, self.settings.moves, rng);
+    }
+
+    /// Resamples and moves the particles if they are worth fewer than `needed`.
+    fn rejuvenate<R: Rng + ?Sized>(&mut self, needed: f32, rng: &mut R) {
+        if self.filter.effective_sample_size() >= needed {
+            return;
+        }
+        let mean = self.filter.mean();
+        let proposal = self
+            .evidence
+            .mode(mean)
+            .ok()
+            .or_else(|| Proposal::new(mean, self.filter.covariance()));
+        self.filter.resample(Scheme::Systematic, rng);
+        if let Some(proposal) = proposal {
+            let moves = self.settings.moves;
+            moves::sweep(self.filter.columns_mut(), &self.evidence, &proposal, moves, rng);
+        }
+    }
+
+    fn fix(&self) -> Fix {
+        let n = self.filter.effective_sample_size();
+        // The covariance of n samples about their own mean is small by 1 - 1/n, and that mean is off by 1/n
+        // of the covariance.
+        let sampling = if n > 2.0 { (1.0 + 1.0 / n) / (1.0 - 1.0 / n) } else { 3.0 };
+        Fix {
+            position: self.filter.mean(),
+            covariance: self.filter.covariance().map(|row| row.map(|entry| entry * sampling)),
+            effective_sample_size: n,
+            bearings: self.evidence.count(),
+        }
+    }
+}
+
+impl Proposal {
+    /// Standard deviation along the longest axis of the distribution, in metres.
+    fn largest_deviation(&self) -> f32 {
+        let [[a, b], [_, c]] = self.covariance();
+        let half = 0.5 * (a - c);
+        sqrt(0.5 * (a + c) + sqrt(half * half + b * b))
+    }
+}
+
+#[cfg(test)]
+mod tests;
