@@ -168,3 +168,91 @@ impl<const D: usize, const N: usize> Default for ParticleFilter<D, N> {
         Self::new()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::model::{RandomWalk, Static};
+    use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
+
+    fn spread_out() -> (ParticleFilter<2, 200>, Xoshiro128PlusPlus) {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(61);
+        let mut filter = ParticleFilter::new();
+        filter.initialise(&mut rng, |rng| [normal(rng), normal(rng)]);
+        (filter, rng)
+    }
+
+    #[test]
+    fn memory_is_four_columns() {
+        assert!(size_of::<ParticleFilter<2, 200>>() <= 16 * 200 + 8);
+    }
+
+    #[test]
+    fn a_measurement_that_nothing_explains_changes_nothing() {
+        let (mut filter, _) = spread_out();
+        filter.update(&|[x, _]: &[f32; 2]| -x * x).unwrap();
+        let before = filter.clone();
+        for impossible in [f32::NEG_INFINITY, f32::NAN, f32::INFINITY] {
+            let result = filter.update(&|_: &[f32; 2]| impossible);
+            assert_eq!(result, Err(UpdateError::AllWeightsZero));
+            assert_eq!(filter.weights, before.weights);
+            assert_eq!(filter.log_sum, before.log_sum);
+            assert_eq!(filter.particles.log_weights(), before.particles.log_weights());
+        }
+    }
+
+    #[test]
+    fn a_particle_that_is_impossible_dies_and_the_others_live() {
+        let (mut filter, mut rng) = spread_out();
+        filter.update(&|[x, _]: &[f32; 2]| if *x > 0.0 { 0.0 } else { f32::NAN }).unwrap();
+        let alive = filter.weights().iter().zip(filter.particles().columns()[0]).filter(|(w, _)| **w > 0.0);
+        assert!(alive.count() > 0);
+        filter.resample(Scheme::Systematic, &mut rng);
+        assert!(filter.particles().columns()[0].iter().all(|x| *x > 0.0));
+    }
+
+    #[test]
+    fn evidence_is_the_probability_of_the_measurement() {
+        // Half of the cloud finds the measurement e times as likely as the other half: whatever the cloud's
+        // weights, and after resampling, the evidence of a constant is that constant.
+        let (mut filter, mut rng) = spread_out();
+        assert!((filter.update(&|_: &[f32; 2]| -7.0).unwrap() + 7.0).abs() < 1e-5);
+        filter.update(&|[x, y]: &[f32; 2]| -x * x - 0.3 * y).unwrap();
+        assert!((filter.update(&|_: &[f32; 2]| 3.0).unwrap() - 3.0).abs() < 1e-5);
+        filter.resample(Scheme::Stratified, &mut rng);
+        assert!((filter.update(&|_: &[f32; 2]| -200.0).unwrap() + 200.0).abs() < 1e-4);
+        // A new filter has equal weights as well.
+        let mut fresh = ParticleFilter::<1, 77>::new();
+        assert!((fresh.update(&|_: &[f32; 1]| 1.5).unwrap() - 1.5).abs() < 1e-5);
+    }
+
+    #[test]
+    fn resampling_waits_for_a_small_sample_size() {
+        let (mut filter, mut rng) = spread_out();
+        assert!(!filter.resample_below(0.5, &mut rng));
+        filter.update(&|[x, y]: &[f32; 2]| -20.0 * (x * x + y * y)).unwrap();
+        assert!(filter.effective_sample_size() < 100.0);
+        let mean = filter.mean();
+        assert!(filter.resample_below(0.5, &mut rng));
+        assert_eq!(filter.effective_sample_size(), 200.0);
+        assert!(filter.mean().iter().zip(mean).all(|(after, before)| (after - before).abs() < 0.05));
+    }
+
+    #[test]
+    fn the_columns_of_a_random_walk_are_its_steps() {
+        let (filter, rng) = spread_out();
+        let walk = RandomWalk { deviation: [2.0, 0.5] };
+        let (mut moved, mut still) = (filter.clone(), filter.clone());
+        moved.predict(&walk, 4.0, &mut rng.clone());
+        still.predict(&Static, 4.0, &mut rng.clone());
+        let variance = |a: &ParticleFilter<2, 200>, d: usize| {
+            let steps = a.particles.columns()[d].iter().zip(filter.particles.columns()[d]);
+            steps.map(|(after, before)| (after - before) * (after - before)).sum::<f32>() / 200.0
+        };
+        // 16 and 1; the deviation of a variance of 200 samples is a tenth of it.
+        assert!((variance(&moved, 0) - 16.0).abs() < 5.3);
+        assert!((variance(&moved, 1) - 1.0).abs() < 0.33);
+        assert_eq!((variance(&still, 0), variance(&still, 1)), (0.0, 0.0));
+    }
+}

@@ -57,8 +57,11 @@ impl core::error::Error for SolveError {}
 /// Steps after which a search is given up.
 pub const MAX_STEPS: u32 = 40;
 
-/// A search ends with a step of less than a thousandth of a standard deviation; the errors of f32 are below that.
+/// A search ends with a step of less than a thousandth of a standard deviation, here squared ...
 const SETTLED: f32 = 1e-6;
+
+/// ... or when what a step would gain is lost in the rounding of the cost, of which this is a share.
+const ROUNDING: f32 = 1e-5;
 
 /// A symmetric matrix of two dimensions: xx, xy, yy.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -177,14 +180,15 @@ pub fn solve(
         let decrement = (dx * here.gradient[0] + dy * here.gradient[1]) * (1.0 + damping);
         let next = [position[0] + dx, position[1] + dy];
         let there = Normal::at(observations, errors, next);
-        if there.cost <= here.cost {
+        let better = there.cost <= here.cost;
+        if better {
             position = next;
             here = there;
             damping *= 0.1;
         } else {
             damping = if damping > 0.0 { damping * 10.0 } else { 1e-3 };
         }
-        if decrement < SETTLED {
+        if decrement < SETTLED || (!better && decrement < ROUNDING * here.cost) {
             let covariance = match errors {
                 Errors::Gaussian => here.matrix.inverse().ok_or(SolveError::Parallel)?.rows(),
                 Errors::VonMises => von_mises_covariance(observations, position)?,
