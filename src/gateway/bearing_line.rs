@@ -1,0 +1,183 @@
+//! Lines of direction finders.
+
+use super::Rejected;
+use super::clock::TimeOfDay;
+use super::decimal::{decimal, fixed};
+use crate::aoa::geodesy::Geodetic;
+
+/// A bearing as its line gives it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BearingLine {
+    /// When, if the line says so.
+    pub time: Option<TimeOfDay>,
+    /// Clockwise from the bow or from north, in degrees within 0 and 360.
+    pub degrees: f32,
+    /// 0 to 100.
+    pub quality: f32,
+    /// Where, and with which heading (degrees clockwise from north), if the line says so.
+    pub place: Option<(Geodetic, f32)>,
+}
+
+impl BearingLine {
+    fn new(
+        time: Option<TimeOfDay>,
+        degrees: f32,
+        quality: f32,
+        place: Option<(Geodetic, f32)>,
+    ) -> Result<Self, Rejected> {
+        if (0.0..=360.0).contains(&degrees) && (0.0..=100.0).contains(&quality) {
+            Ok(Self {
+                time,
+                degrees,
+                quality,
+                place,
+            })
+        } else {
+            Err(Rejected::OutOfRange)
+        }
+    }
+
+    /// From the Agrelo form `%BBB/Q`: three digits of bearing, one of quality.
+    pub fn from_agrelo(line: &[u8]) -> Result<Self, Rejected> {
+        let [b'%', bearing @ .., b'/', quality] = line else {
+            return Err(Rejected::Unparsable);
+        };
+        let digits = bearing.len() == 3 && bearing.iter().chain([quality]).all(u8::is_ascii_digit);
+        let bearing = decimal(bearing)
+            .filter(|_| digits)
+            .ok_or(Rejected::Unparsable)?;
+        Self::new(
+            None,
+            bearing,
+            f32::from(quality - b'0') * (100.0 / 9.0),
+            None,
+        )
+    }
+
+    /// From the CSV line of KrakenSDR's app format, whose first 13 fields are: time in milliseconds since
+    /// 1970, bearing, confidence, power, frequency, array, latency, station, latitude, longitude, GPS
+    /// heading, compass heading, and which of the two is the main one.
+    ///
+    /// A latitude and longitude of zero mean that the receiver does not know where it is.
+    pub fn from_kraken(line: &[u8]) -> Result<Self, Rejected> {
+        let mut fields: [&[u8]; 13] = [&[]; 13];
+        let mut columns = line.split(|byte| *byte == b',');
+        for field in &mut fields {
+            *field = columns.next().ok_or(Rejected::Unparsable)?.trim_ascii();
+        }
+        let [
+            time,
+            bearing,
+            confidence,
+            ..,
+            latitude,
+            longitude,
+            gps,
+            compass,
+            main,
+        ] = fields;
+
+        let number = |text| decimal(text).ok_or(Rejected::Unparsable);
+        let degrees_e7 = |text| {
+            let value = fixed(text, 7).ok_or(Rejected::Unparsable)?;
+            i32::try_from(value).map_err(|_| Rejected::OutOfRange)
+        };
+        let time = match fixed(time, 0) {
+            Some(milliseconds) if time.len() == 13 => TimeOfDay::from_epoch(milliseconds),
+            _ => return Err(Rejected::Unparsable),
+        };
+        let place = match (degrees_e7(latitude)?, degrees_e7(longitude)?) {
+            (0, 0) => None,
+            (latitude, longitude) => {
+                let place = Geodetic::new(latitude, longitude).map_err(|_| Rejected::OutOfRange)?;
+                let heading = number(if main == b"Compass" { compass } else { gps })?;
+                if !(0.0..=360.0).contains(&heading) {
+                    return Err(Rejected::OutOfRange);
+                }
+                Some((place, heading))
+            }
+        };
+        Self::new(Some(time), number(bearing)?, number(confidence)?, place)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KRAKEN: &[u8] = b"1756823719250, 297, 87.80, -32.5, 433920000, UCA, 112, \
+        fox-1, 52.2296756, -21.0122287, 12.5, 341.25, Compass, R, R, R, R";
+
+    #[test]
+    fn kraken() {
+        let line = BearingLine::from_kraken(KRAKEN).unwrap();
+        assert_eq!(line.time, TimeOfDay::from_nmea(b"143519.25"));
+        assert_eq!((line.degrees, line.quality), (297.0, 87.8));
+        let place = Geodetic::new(522_296_756, -210_122_287).unwrap();
+        assert_eq!(line.place, Some((place, 341.25)));
+    }
+
+    #[test]
+    fn kraken_fields() {
+        let with = |field: usize, text: &str| {
+            let mut line = heapless::Vec::<u8, 240>::new();
+            for (index, old) in KRAKEN.split(|b| *b == b',').enumerate() {
+                if index > 0 {
+                    line.push(b',').unwrap();
+                }
+                line.extend_from_slice(if index == field { text.as_bytes() } else { old })
+                    .unwrap();
+            }
+            BearingLine::from_kraken(&line)
+        };
+        let gps_heading = with(12, "GPS").unwrap().place.unwrap().1;
+        assert_eq!(gps_heading, 12.5);
+        // On the equator, or on the meridian of Greenwich, but not on both.
+        assert!(with(8, "0.0").unwrap().place.is_some());
+        for (field, text, reason) in [
+            (0, "1756823719", Rejected::Unparsable),
+            (0, "175682371925x", Rejected::Unparsable),
+            (1, "361", Rejected::OutOfRange),
+            (1, "-1", Rejected::OutOfRange),
+            (1, "nan", Rejected::Unparsable),
+            (2, "101", Rejected::OutOfRange),
+            (2, "", Rejected::Unparsable),
+            (8, "90.0000001", Rejected::OutOfRange),
+            (8, "522296756", Rejected::OutOfRange),
+            (9, "-180.1", Rejected::OutOfRange),
+            (9, "E21", Rejected::Unparsable),
+            (11, "400", Rejected::OutOfRange),
+            (11, "inf", Rejected::Unparsable),
+        ] {
+            assert_eq!(with(field, text), Err(reason), "field {field} {text}");
+        }
+        let nowhere: &[u8] = b"1756823719250,5,50,-30,1,UCA,1,x,0.0,0,nan,nan,GPS";
+        assert_eq!(BearingLine::from_kraken(nowhere).unwrap().place, None);
+        assert_eq!(
+            BearingLine::from_kraken(b"1756823719250,5,50"),
+            Err(Rejected::Unparsable)
+        );
+    }
+
+    #[test]
+    fn agrelo() {
+        let line = BearingLine::from_agrelo(b"%270/9").unwrap();
+        assert_eq!(
+            (line.degrees, line.quality, line.time),
+            (270.0, 100.0, None)
+        );
+        assert_eq!(BearingLine::from_agrelo(b"%000/0").unwrap().quality, 0.0);
+        assert_eq!(
+            BearingLine::from_agrelo(b"%361/5"),
+            Err(Rejected::OutOfRange)
+        );
+        for line in [
+            "%27/9", "%270/", "%270-9", "%2 0/9", "%-70/9", "%1.0/9", "%270/x", "%",
+        ] {
+            assert_eq!(
+                BearingLine::from_agrelo(line.as_bytes()),
+                Err(Rejected::Unparsable)
+            );
+        }
+    }
+}

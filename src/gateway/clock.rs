@@ -1,0 +1,150 @@
+//! Time, as the stream tells it.
+
+use super::Rejected;
+
+/// Milliseconds in a day.
+const DAY: i32 = 86_400_000;
+
+/// A time of day, in milliseconds after midnight UTC.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct TimeOfDay(i32);
+
+impl TimeOfDay {
+    /// From the NMEA form `hhmmss.sss`. The leap second counts with the one before it.
+    pub fn from_nmea(text: &[u8]) -> Option<Self> {
+        let value = i32::try_from(super::decimal::fixed(text, 3)?).ok()?;
+        let (hours, minutes, milliseconds) =
+            (value / 10_000_000, value / 100_000 % 100, value % 100_000);
+        if !(0..24).contains(&hours) || minutes >= 60 || milliseconds >= 61_000 {
+            return None;
+        }
+        let milliseconds = if milliseconds < 60_000 {
+            milliseconds
+        } else {
+            59_999
+        };
+        Some(Self((hours * 60 + minutes) * 60_000 + milliseconds))
+    }
+
+    /// From milliseconds since 1970.
+    pub fn from_epoch(milliseconds: i64) -> Self {
+        Self((milliseconds % i64::from(DAY)) as i32)
+    }
+
+    /// Hours, minutes, milliseconds.
+    pub fn parts(self) -> (u32, u32, u32) {
+        let time = self.0.unsigned_abs();
+        (time / 3_600_000, time / 60_000 % 60, time % 60_000)
+    }
+
+    /// Milliseconds from `earlier` to this time, the short way round the clock: negative if it is the later.
+    pub fn since(self, earlier: Self) -> i32 {
+        let difference = self.0 - earlier.0;
+        if difference > DAY / 2 {
+            difference - DAY
+        } else if difference <= -DAY / 2 {
+            difference + DAY
+        } else {
+            difference
+        }
+    }
+}
+
+/// The clock of one talker: its time may stand still, pass midnight, but not run backwards.
+///
+/// One wild stamp far ahead must not silence the talker for hours: when a few lines in a row run backwards
+/// and agree among themselves, it is their time that holds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Clock {
+    now: Option<TimeOfDay>,
+    doubt: Option<TimeOfDay>,
+    doubts: u8,
+}
+
+impl Clock {
+    /// Lines that run backwards before they are believed.
+    const BELIEF: u8 = 5;
+
+    pub const fn new() -> Self {
+        Self {
+            now: None,
+            doubt: None,
+            doubts: 0,
+        }
+    }
+
+    pub const fn now(&self) -> Option<TimeOfDay> {
+        self.now
+    }
+
+    pub fn advance(&mut self, time: TimeOfDay) -> Result<(), Rejected> {
+        if self.now.is_some_and(|now| time.since(now) < 0) {
+            let agrees = self.doubt.is_some_and(|doubt| time.since(doubt) >= 0);
+            self.doubts = if agrees {
+                self.doubts.saturating_add(1)
+            } else {
+                1
+            };
+            self.doubt = Some(time);
+            if self.doubts < Self::BELIEF {
+                return Err(Rejected::TimeBackwards);
+            }
+        }
+        *self = Self {
+            now: Some(time),
+            ..Self::new()
+        };
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(text: &str) -> TimeOfDay {
+        TimeOfDay::from_nmea(text.as_bytes()).unwrap()
+    }
+
+    #[test]
+    fn times() {
+        assert_eq!(at("000000"), TimeOfDay(0));
+        assert_eq!(at("235959.999"), TimeOfDay(DAY - 1));
+        assert_eq!(at("235960.50"), TimeOfDay(DAY - 1));
+        assert_eq!(at("123519.25").parts(), (12, 35, 19_250));
+        assert_eq!(
+            TimeOfDay::from_epoch(1_756_823_719_250).parts(),
+            (14, 35, 19_250)
+        );
+        for text in [
+            "", "240000", "126000", "120061", "-10000", "12:35:19", "1e5",
+        ] {
+            assert_eq!(TimeOfDay::from_nmea(text.as_bytes()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn midnight() {
+        assert_eq!(at("000001").since(at("235959")), 2_000);
+        assert_eq!(at("235959").since(at("000001")), -2_000);
+        assert_eq!(at("120000").since(at("000000")), DAY / 2);
+        let mut clock = Clock::new();
+        assert_eq!(clock.advance(at("235959")), Ok(()));
+        assert_eq!(clock.advance(at("000000")), Ok(()));
+        assert_eq!(clock.advance(at("235959")), Err(Rejected::TimeBackwards));
+        assert_eq!(clock.now(), Some(at("000000")));
+    }
+
+    #[test]
+    fn a_wild_stamp_does_not_last() {
+        let mut clock = Clock::new();
+        assert_eq!(clock.advance(at("100000")), Ok(()));
+        assert_eq!(clock.advance(at("150000")), Ok(()));
+        for second in 1..Clock::BELIEF {
+            let time = TimeOfDay(at("100000").0 + i32::from(second) * 1_000);
+            assert_eq!(clock.advance(time), Err(Rejected::TimeBackwards));
+        }
+        assert_eq!(clock.advance(at("100010")), Ok(()));
+        assert_eq!(clock.now(), Some(at("100010")));
+    }
+}

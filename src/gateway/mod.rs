@@ -1,0 +1,63 @@
+//! The serial gateway: bytes in, fixes out, without input or output of its own.
+//!
+//! [`Vehicle`] takes one byte after the other from the line that a navigation receiver and a direction finder
+//! share (or from two lines, whole line by whole line) and tells what each line led to. It is the same state
+//! machine in firmware, on a desk and in tests: it holds no clock, every time is one that the lines state, so
+//! a replay of the bytes gives the same answers to the last bit.
+//!
+//! # Lines in
+//!
+//! Ended by CR, LF or both.
+//!
+//! | line | what is taken from it |
+//! |---|---|
+//! | `$--RMC` `$--GGA` | time and position; RMC also speed and course over ground |
+//! | `$--VTG` | speed and course over ground |
+//! | `$--HDT` `$--THS` | true heading |
+//! | `%BBB/Q` | Agrelo: bearing in degrees, quality 0 to 9 |
+//! | `1756823719250, 297, 87.8, ...` | KrakenSDR's app format: time, bearing, confidence 0 to 99, and unless it is zero its own position and heading; the spectrum is skipped |
+//! | `$PFOXQ*50` | a query: the answer and the status are sent whenever they were sent last |
+//!
+//! Every NMEA sentence must carry its checksum. Other correct sentences are ignored and counted; everything
+//! else that is not used is counted by its reason, [`Rejected`], and has no effect on the locator.
+//!
+//! A relative bearing needs a heading: that of its own line, else a fresh true heading, else the course of a
+//! vehicle that is fast enough. A bearing without a position of its own takes the last one of the receiver,
+//! if that is fresh by the times that both state (the clock of a direction finder that states times must
+//! therefore be right; one that states none is taken at the receiver's time). The quality decides on the
+//! standard deviation: see [`Settings::with_deviations`].
+//!
+//! # Lines out
+//!
+//! Sentences with a checksum, ended by CR and LF. One `$PFOXF` or `$PFOXN` after an accepted bearing, if the
+//! last is at least [`Settings::report_interval_ms`] old; one of them and a `$PFOXS` for a query, which thus
+//! also tells that all bytes before it were processed.
+//!
+//! **`$PFOXF,hhmmss.sss,ddmm.mmmmmm,N,dddmm.mmmmmm,E,major,minor,orientation,bearings,ess*hh`**, a fix:
+//! UTC time of the last bearing; latitude and longitude of the source, to 1e-7 degree; standard deviations, in
+//! metres, along the longer and the shorter axis of its uncertainty (times 2.448: the 95 % ellipse); the
+//! direction of the longer axis, in degrees clockwise from north within 0 and 180; how many bearings it rests
+//! on; the effective sample size of the particles.
+//!
+//! **`$PFOXN,hhmmss.sss,reason,bearings,has,needs*hh`**, no fix yet: the time of the last bearing, empty if
+//! there was none; the reason: `FEW` fewer than two bearings, `ANGLE` the bearings are too nearly
+//! parallel, `APART` their lines do not meet, `RANGE` the source is further from the origin than
+//! [`MAX_RANGE_M`](crate::aoa::geodesy::LocalPlane::MAX_RANGE_M); how many bearings there were; for `ANGLE` the
+//! angle in degrees at which they cross and the least that is needed.
+//!
+//! **`$PFOXS,lines,sentences,bearings,ignored,...*hh`**, the status: the counts of [`Counters`] and then, in
+//! the order of [`Rejected::ALL`], of every reason for a rejection.
+
+mod bearing_line;
+mod clock;
+mod counters;
+mod decimal;
+mod line;
+mod nmea;
+mod report;
+mod settings;
+mod vehicle;
+
+pub use counters::{Counters, Rejected};
+pub use settings::{BearingReference, Settings, SettingsError};
+pub use vehicle::{Event, Vehicle};

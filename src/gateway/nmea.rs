@@ -1,0 +1,362 @@
+//! Sentences of the navigation receiver.
+
+use nmeasis::message::{gga::Gga, rmc::Rmc, vtg::Vtg};
+use nmeasis::parser::NmeaParse;
+
+use super::Rejected;
+use super::clock::TimeOfDay;
+use super::decimal::{decimal, fixed};
+use crate::aoa::geodesy::Geodetic;
+
+const METRES_PER_SECOND_PER_KNOT: f32 = 1852.0 / 3600.0;
+
+/// What a sentence says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Sentence {
+    /// Where the vehicle is, and how it moves if the sentence tells.
+    Position(TimeOfDay, Geodetic, Option<Motion>),
+    /// The receiver has no position at this time.
+    NoFix(Option<TimeOfDay>),
+    /// How the vehicle moves.
+    Motion(Motion),
+    /// Where the bow points: degrees clockwise from true north.
+    Heading(f32),
+    /// The host asks for a report.
+    Query,
+    /// Of no use here.
+    Other,
+}
+
+/// How a vehicle moves over ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Motion {
+    /// Degrees clockwise from true north; not known to a receiver that stands.
+    pub course: Option<f32>,
+    /// Metres per second.
+    pub speed: f32,
+}
+
+/// Checks the sentence `$payload*hh` and reads it.
+pub(super) fn parse(line: &[u8]) -> Result<Sentence, Rejected> {
+    let payload = checked(line)?;
+    let payload = core::str::from_utf8(payload).map_err(|_| Rejected::Unparsable)?;
+    if payload == "PFOXQ" {
+        return Ok(Sentence::Query);
+    }
+    // Two letters of the talker, three of the sentence, a comma, the fields.
+    let Some((address, fields)) = payload.split_at_checked(6) else {
+        return Ok(Sentence::Other);
+    };
+    match address.as_bytes() {
+        [b'P', ..] => Ok(Sentence::Other),
+        [_, _, b'R', b'M', b'C', b','] => rmc(fields),
+        [_, _, b'G', b'G', b'A', b','] => gga(fields),
+        [_, _, b'V', b'T', b'G', b','] => vtg(fields),
+        [_, _, b'H', b'D', b'T', b','] => heading(fields.as_bytes(), b"T"),
+        [_, _, b'T', b'H', b'S', b','] => heading(fields.as_bytes(), b"AEMS"),
+        _ => Ok(Sentence::Other),
+    }
+}
+
+/// What stands between `$` and `*hh`, if its exclusive or is `hh`.
+fn checked(line: &[u8]) -> Result<&[u8], Rejected> {
+    let [b'$', payload @ .., b'*', high, low] = line else {
+        return Err(Rejected::Checksum);
+    };
+    let digit = |byte: u8| char::from(byte).to_digit(16);
+    let stated = digit(*high)
+        .zip(digit(*low))
+        .map(|(high, low)| high << 4 | low);
+    if stated == Some(u32::from(checksum(payload))) {
+        Ok(payload)
+    } else {
+        Err(Rejected::Checksum)
+    }
+}
+
+/// The exclusive or of all bytes.
+pub(super) fn checksum(payload: &[u8]) -> u8 {
+    payload.iter().fold(0, |sum, byte| sum ^ byte)
+}
+
+fn rmc(fields: &str) -> Result<Sentence, Rejected> {
+    let rmc = Rmc::parse(fields).map_err(|_| Rejected::Unparsable)?;
+    let time = time(rmc.time)?;
+    let void = rmc.status != "A" || rmc.faa_mode == Some("N");
+    match (time, void) {
+        (Some(time), false) => {
+            let place = place(
+                rmc.latitude,
+                rmc.latitude_dir,
+                rmc.longitude,
+                rmc.longitude_dir,
+            )?;
+            Ok(Sentence::Position(
+                time,
+                place,
+                motion(rmc.track_made, rmc.speed)?,
+            ))
+        }
+        _ => Ok(Sentence::NoFix(time)),
+    }
+}
+
+fn gga(fields: &str) -> Result<Sentence, Rejected> {
+    let gga = Gga::parse(fields).map_err(|_| Rejected::Unparsable)?;
+    let time = time(gga.time)?;
+    match (time, gga.fix_quality) {
+        (Some(time), "1" | "2" | "3" | "4" | "5" | "6" | "7" | "8" | "9") => {
+            let place = place(
+                gga.latitude,
+                gga.latitude_dir,
+                gga.longitude,
+                gga.longitude_dir,
+            )?;
+            Ok(Sentence::Position(time, place, None))
+        }
+        (_, "0" | "") | (None, _) => Ok(Sentence::NoFix(time)),
+        _ => Err(Rejected::Unparsable),
+    }
+}
+
+fn vtg(fields: &str) -> Result<Sentence, Rejected> {
+    let vtg = Vtg::parse(fields).map_err(|_| Rejected::Unparsable)?;
+    match motion(vtg.degrees_true, vtg.speed_knots)? {
+        Some(motion) if vtg.faa_mode != Some("N") => Ok(Sentence::Motion(motion)),
+        _ => Ok(Sentence::NoFix(None)),
+    }
+}
+
+/// `heading,mode` with one of the `valid` modes: HDT and THS, which the parser does not know.
+fn heading(fields: &[u8], valid: &[u8]) -> Result<Sentence, Rejected> {
+    let mut parts = fields.split(|byte| *byte == b',');
+    match (parts.next(), parts.next()) {
+        (Some([]), _) => Ok(Sentence::NoFix(None)),
+        (Some(degrees), Some([mode])) if valid.contains(mode) => {
+            Ok(Sentence::Heading(angle(degrees)?))
+        }
+        (_, Some([b'V'])) => Ok(Sentence::NoFix(None)),
+        _ => Err(Rejected::Unparsable),
+    }
+}
+
+#[inline(never)]
+fn time(text: &str) -> Result<Option<TimeOfDay>, Rejected> {
+    if text.is_empty() {
+        return Ok(None);
+    }
+    TimeOfDay::from_nmea(text.as_bytes())
+        .map(Some)
+        .ok_or(Rejected::Unparsable)
+}
+
+#[inline(never)]
+fn motion(course: &str, speed: &str) -> Result<Option<Motion>, Rejected> {
+    if speed.is_empty() {
+        return Ok(None);
+    }
+    let knots = decimal(speed.as_bytes()).ok_or(Rejected::Unparsable)?;
+    let course = if course.is_empty() {
+        None
+    } else {
+        Some(angle(course.as_bytes())?)
+    };
+    Ok(Some(Motion {
+        course,
+        speed: knots * METRES_PER_SECOND_PER_KNOT,
+    }))
+}
+
+fn angle(degrees: &[u8]) -> Result<f32, Rejected> {
+    let degrees = decimal(degrees).ok_or(Rejected::Unparsable)?;
+    if (0.0..=360.0).contains(&degrees) {
+        Ok(degrees)
+    } else {
+        Err(Rejected::OutOfRange)
+    }
+}
+
+#[inline(never)]
+fn place(
+    latitude: &str,
+    latitude_side: &str,
+    longitude: &str,
+    longitude_side: &str,
+) -> Result<Geodetic, Rejected> {
+    let latitude = degrees_e7(latitude, latitude_side, ["N", "S"])?;
+    let longitude = degrees_e7(longitude, longitude_side, ["E", "W"])?;
+    if latitude == 0 && longitude == 0 {
+        return Err(Rejected::NullPosition);
+    }
+    Geodetic::new(latitude, longitude).map_err(|_| Rejected::OutOfRange)
+}
+
+/// From `dddmm.mmmm` and one of the two `sides`, of which the second is negative.
+#[inline(never)]
+fn degrees_e7(text: &str, side: &str, sides: [&str; 2]) -> Result<i32, Rejected> {
+    let value = fixed(text.as_bytes(), 7)
+        .filter(|v| *v >= 0)
+        .ok_or(Rejected::Unparsable)?;
+    let (degrees, minutes_e7) = (value / 1_000_000_000, value % 1_000_000_000);
+    if minutes_e7 >= 600_000_000 || degrees > 180 {
+        return Err(Rejected::OutOfRange);
+    }
+    let degrees_e7 = (degrees * 10_000_000 + (minutes_e7 + 30) / 60) as i32;
+    match sides.map(|s| s == side) {
+        [true, _] => Ok(degrees_e7),
+        [_, true] => Ok(-degrees_e7),
+        _ => Err(Rejected::Unparsable),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::format;
+
+    fn read(payload: &str) -> Result<Sentence, Rejected> {
+        parse(format!("${payload}*{:02X}", checksum(payload.as_bytes())).as_bytes())
+    }
+
+    fn at(time: &str) -> TimeOfDay {
+        TimeOfDay::from_nmea(time.as_bytes()).unwrap()
+    }
+
+    #[test]
+    fn rmc_tells_position_and_motion() {
+        let munich = Geodetic::new(481_173_000, 115_166_667).unwrap();
+        let Ok(Sentence::Position(time, place, Some(motion))) =
+            parse(b"$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A")
+        else {
+            panic!("not a position");
+        };
+        assert_eq!(
+            (time, place, motion.course),
+            (at("123519"), munich, Some(84.4))
+        );
+        assert!((motion.speed - 11.523_556).abs() < 1e-5);
+
+        // NMEA 4.1, seven decimals of a minute, standing: no course.
+        let standing = Motion {
+            course: None,
+            speed: 0.0,
+        };
+        assert_eq!(
+            read("GNRMC,000000.10,A,3352.1234567,S,15112.7654321,W,0.000,,221126,,,A,V"),
+            Ok(Sentence::Position(
+                at("000000.10"),
+                Geodetic::new(-338_687_243, -1_512_127_572).unwrap(),
+                Some(standing)
+            ))
+        );
+    }
+
+    #[test]
+    fn other_sentences() {
+        let munich = Geodetic::new(481_173_000, 115_166_667).unwrap();
+        assert_eq!(
+            parse(b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47"),
+            Ok(Sentence::Position(at("123519"), munich, None))
+        );
+        let Ok(Sentence::Motion(motion)) = parse(b"$GPVTG,054.7,T,034.4,M,005.5,N,010.2,K*48")
+        else {
+            panic!("not a motion");
+        };
+        assert_eq!(motion.course, Some(54.7));
+        assert!((motion.speed - 2.829_444).abs() < 1e-6);
+        assert_eq!(read("HEHDT,274.07,T"), Ok(Sentence::Heading(274.07)));
+        assert_eq!(read("GNTHS,77.5,A"), Ok(Sentence::Heading(77.5)));
+        assert_eq!(read("PFOXQ"), Ok(Sentence::Query));
+        for payload in [
+            "GPGSV,1,1,00",
+            "GPTXT,01,01,02,ANTSTATUS=OK",
+            "PUBX,00",
+            "X",
+            "",
+        ] {
+            assert_eq!(read(payload), Ok(Sentence::Other), "{payload}");
+        }
+    }
+
+    #[test]
+    fn no_fix() {
+        let time = Some(at("123519.00"));
+        for (payload, time) in [
+            ("GPRMC,123519.00,V,,,,,,,230394,,,N", time),
+            ("GPRMC,,V,,,,,,,,,,N", None),
+            (
+                "GPRMC,123519.00,A,4807.038,N,01131.000,E,0,,230394,,,N",
+                time,
+            ),
+            ("GPGGA,123519.00,,,,,0,00,99.99,,,,,,", time),
+            ("GPVTG,,,,,,,,,N", None),
+            ("GPHDT,,T", None),
+            ("GPTHS,,V", None),
+            ("GPTHS,10.0,V", None),
+        ] {
+            assert_eq!(read(payload), Ok(Sentence::NoFix(time)), "{payload}");
+        }
+    }
+
+    #[test]
+    fn rejected() {
+        for (line, reason) in [
+            ("$GPHDT,274.07,T*04", Rejected::Checksum),
+            ("$GPHDT,274.07,T", Rejected::Checksum),
+            ("$GPHDT,274.07,T*0", Rejected::Checksum),
+            ("$GPHDT,274.07,T*+3", Rejected::Checksum),
+            ("$", Rejected::Checksum),
+        ] {
+            assert_eq!(parse(line.as_bytes()), Err(reason), "{line}");
+        }
+        for (payload, reason) in [
+            (
+                "GPRMC,123519,A,0000.000,N,00000.000,E,0.0,,230394,,",
+                Rejected::NullPosition,
+            ),
+            (
+                "GPRMC,123519,A,4860.000,N,01131.000,E,0.0,,230394,,",
+                Rejected::OutOfRange,
+            ),
+            (
+                "GPRMC,123519,A,9000.001,N,01131.000,E,0.0,,230394,,",
+                Rejected::OutOfRange,
+            ),
+            (
+                "GPRMC,123519,A,4807.038,N,18000.001,E,0.0,,230394,,",
+                Rejected::OutOfRange,
+            ),
+            (
+                "GPRMC,123519,A,4807.038,X,01131.000,E,0.0,,230394,,",
+                Rejected::Unparsable,
+            ),
+            (
+                "GPRMC,123519,A,4807.038,E,01131.000,N,0.0,,230394,,",
+                Rejected::Unparsable,
+            ),
+            (
+                "GPRMC,123519,A,-4807.038,N,01131.000,E,0.0,,230394,,",
+                Rejected::Unparsable,
+            ),
+            ("GPRMC,123519,A,,,,,0.0,,230394,,", Rejected::Unparsable),
+            ("GPRMC,123519,A,4807.038,N", Rejected::Unparsable),
+            (
+                "GPRMC,253519,A,4807.038,N,01131.000,E,0.0,,230394,,",
+                Rejected::Unparsable,
+            ),
+            (
+                "GPRMC,123519,A,4807.038,N,01131.000,E,0.0,361,230394,,",
+                Rejected::OutOfRange,
+            ),
+            (
+                "GPGGA,123519,4807.038,N,01131.000,E,x,08,0.9,545.4,M,46.9,M,,",
+                Rejected::Unparsable,
+            ),
+            ("HEHDT,274.07", Rejected::Unparsable),
+            ("HEHDT,-1,T", Rejected::OutOfRange),
+        ] {
+            assert_eq!(read(payload), Err(reason), "{payload}");
+        }
+    }
+}

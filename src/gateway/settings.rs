@@ -1,0 +1,268 @@
+//! How a gateway behaves.
+
+use core::fmt;
+
+use crate::aoa::{Observation, locator};
+
+/// What the angles of bearing lines count from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum BearingReference {
+    /// The bow: the heading of the vehicle is added.
+    #[default]
+    Relative,
+    /// True north: a rotating antenna with a compass of its own, or a fixed station.
+    TrueNorth,
+}
+
+/// How a [`super::Vehicle`] treats its lines.
+///
+/// ```
+/// use foxhunt::gateway::{BearingReference, Settings};
+///
+/// const SETTINGS: Settings = Settings::new().with_seed(7).with_reference(BearingReference::TrueNorth);
+/// let strict = SETTINGS.with_minimum_quality(60.0)?;
+/// assert!((strict.deviation_rad(100.0).to_degrees() - 2.0).abs() < 1e-4);
+/// # Ok::<(), foxhunt::gateway::SettingsError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Settings {
+    locator: locator::Settings,
+    seed: u64,
+    reference: BearingReference,
+    minimum_quality: f32,
+    best_deviation_rad: f32,
+    worst_deviation_rad: f32,
+    maximum_age_ms: u32,
+    minimum_speed_m_s: f32,
+    report_interval_ms: u32,
+}
+
+/// Which of the [`Settings`] was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum SettingsError {
+    /// `minimum_quality` is not within 0 and 100.
+    MinimumQuality,
+    /// A deviation is out of the range of [`Observation::new`], or the best is larger than the worst.
+    Deviation,
+    /// `minimum_speed_m_s` is negative or not finite.
+    MinimumSpeed,
+    /// `maximum_age_ms` or `report_interval_ms` is longer than an hour.
+    Duration,
+}
+
+impl fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::MinimumQuality => "minimum quality is not within 0 and 100",
+            Self::Deviation => "deviation is out of range, or the best is larger than the worst",
+            Self::MinimumSpeed => "minimum speed is negative or not finite",
+            Self::Duration => "duration is longer than an hour",
+        })
+    }
+}
+
+impl core::error::Error for SettingsError {}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Settings {
+    const LONGEST_MS: u32 = 3_600_000;
+
+    /// For a car: relative bearings of quality 40 or better, 2 to 10 degrees of deviation, positions and
+    /// headings up to 2 s old, a course that holds from 1.5 m/s, a report a second.
+    pub const fn new() -> Self {
+        const RADIANS: f32 = core::f32::consts::PI / 180.0;
+        Self {
+            locator: locator::Settings::new(),
+            seed: 1,
+            reference: BearingReference::Relative,
+            minimum_quality: 40.0,
+            best_deviation_rad: 2.0 * RADIANS,
+            worst_deviation_rad: 10.0 * RADIANS,
+            maximum_age_ms: 2_000,
+            minimum_speed_m_s: 1.5,
+            report_interval_ms: 1_000,
+        }
+    }
+
+    /// Of the locator.
+    pub const fn with_locator(mut self, locator: locator::Settings) -> Self {
+        self.locator = locator;
+        self
+    }
+
+    /// Seeds the particles; the same bytes with the same seed give the same reports. Initially 1.
+    pub const fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// What the angles of bearing lines count from.
+    pub const fn with_reference(mut self, reference: BearingReference) -> Self {
+        self.reference = reference;
+        self
+    }
+
+    /// The quality, 0 to 100, below which a bearing is rejected.
+    ///
+    /// # Errors
+    /// [`SettingsError::MinimumQuality`] outside that range.
+    pub const fn with_minimum_quality(mut self, quality: f32) -> Result<Self, SettingsError> {
+        if !(quality >= 0.0 && quality <= 100.0) {
+            return Err(SettingsError::MinimumQuality);
+        }
+        self.minimum_quality = quality;
+        Ok(self)
+    }
+
+    /// The standard deviation, in radians, of a bearing of quality 100 and of one of quality 0; between
+    /// them it is linear in the quality.
+    ///
+    /// # Errors
+    /// [`SettingsError::Deviation`] if one is not fit for an [`Observation`], or `best` above `worst`.
+    pub const fn with_deviations(mut self, best: f32, worst: f32) -> Result<Self, SettingsError> {
+        let ordered = best >= Observation::MIN_DEVIATION_RAD && worst >= best;
+        if !(ordered && worst <= Observation::MAX_DEVIATION_RAD) {
+            return Err(SettingsError::Deviation);
+        }
+        self.best_deviation_rad = best;
+        self.worst_deviation_rad = worst;
+        Ok(self)
+    }
+
+    /// How far apart in time, in milliseconds, a bearing and its position or heading may be.
+    ///
+    /// # Errors
+    /// [`SettingsError::Duration`] above an hour.
+    pub const fn with_maximum_age_ms(mut self, age: u32) -> Result<Self, SettingsError> {
+        if age > Self::LONGEST_MS {
+            return Err(SettingsError::Duration);
+        }
+        self.maximum_age_ms = age;
+        Ok(self)
+    }
+
+    /// The speed, in metres per second, from which the course over ground is the heading.
+    ///
+    /// # Errors
+    /// [`SettingsError::MinimumSpeed`] if negative or not finite.
+    pub const fn with_minimum_speed_m_s(mut self, speed: f32) -> Result<Self, SettingsError> {
+        if !(speed >= 0.0 && speed <= f32::MAX) {
+            return Err(SettingsError::MinimumSpeed);
+        }
+        self.minimum_speed_m_s = speed;
+        Ok(self)
+    }
+
+    /// The shortest time, in milliseconds, between two reports; 0 reports on every bearing.
+    ///
+    /// # Errors
+    /// [`SettingsError::Duration`] above an hour.
+    pub const fn with_report_interval_ms(mut self, interval: u32) -> Result<Self, SettingsError> {
+        if interval > Self::LONGEST_MS {
+            return Err(SettingsError::Duration);
+        }
+        self.report_interval_ms = interval;
+        Ok(self)
+    }
+
+    /// See [`Self::with_locator`].
+    pub const fn locator(&self) -> locator::Settings {
+        self.locator
+    }
+
+    /// See [`Self::with_seed`].
+    pub const fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// See [`Self::with_reference`].
+    pub const fn reference(&self) -> BearingReference {
+        self.reference
+    }
+
+    /// See [`Self::with_minimum_quality`].
+    pub const fn minimum_quality(&self) -> f32 {
+        self.minimum_quality
+    }
+
+    /// Standard deviation, in radians, of a bearing of this quality (0 to 100).
+    pub const fn deviation_rad(&self, quality: f32) -> f32 {
+        let share = (100.0 - quality) * 0.01;
+        self.best_deviation_rad + (self.worst_deviation_rad - self.best_deviation_rad) * share
+    }
+
+    /// See [`Self::with_maximum_age_ms`].
+    pub const fn maximum_age_ms(&self) -> u32 {
+        self.maximum_age_ms
+    }
+
+    /// See [`Self::with_minimum_speed_m_s`].
+    pub const fn minimum_speed_m_s(&self) -> f32 {
+        self.minimum_speed_m_s
+    }
+
+    /// See [`Self::with_report_interval_ms`].
+    pub const fn report_interval_ms(&self) -> u32 {
+        self.report_interval_ms
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refused() {
+        let settings = Settings::default();
+        assert_eq!(
+            settings.with_minimum_quality(101.0).err(),
+            Some(SettingsError::MinimumQuality)
+        );
+        assert_eq!(
+            settings.with_minimum_quality(f32::NAN).err(),
+            Some(SettingsError::MinimumQuality)
+        );
+        assert_eq!(
+            settings.with_deviations(0.2, 0.1).err(),
+            Some(SettingsError::Deviation)
+        );
+        assert_eq!(
+            settings.with_deviations(0.0, 0.1).err(),
+            Some(SettingsError::Deviation)
+        );
+        assert_eq!(
+            settings.with_deviations(0.1, f32::NAN).err(),
+            Some(SettingsError::Deviation)
+        );
+        assert_eq!(
+            settings.with_minimum_speed_m_s(-1.0).err(),
+            Some(SettingsError::MinimumSpeed)
+        );
+        assert_eq!(
+            settings.with_maximum_age_ms(u32::MAX).err(),
+            Some(SettingsError::Duration)
+        );
+        assert_eq!(
+            settings.with_report_interval_ms(3_600_001).err(),
+            Some(SettingsError::Duration)
+        );
+    }
+
+    #[test]
+    fn deviation_is_linear_in_quality() {
+        let settings = Settings::default().with_deviations(0.1, 0.3).unwrap();
+        for (quality, deviation) in [(100.0, 0.1), (50.0, 0.2), (0.0, 0.3)] {
+            assert!((settings.deviation_rad(quality) - deviation).abs() < 1e-6);
+        }
+    }
+}
