@@ -1,0 +1,179 @@
+//! UART0 of the MPS2 boards (a CMSDK APB UART), driven by its interrupts through two queues.
+//!
+//! Nothing here waits. When the queue of received bytes is full, the receive interrupt is switched off until
+//! there is room: the emulator then holds the sender back, as a line with hardware flow control would.
+
+use core::cell::UnsafeCell;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use cortex_m::interrupt::InterruptNumber;
+use cortex_m::peripheral::NVIC;
+use heapless::spsc::{Consumer, Producer, Queue};
+
+/// The registers, from 0x4000_4000 on; the manual is that of the Cortex-M System Design Kit.
+#[repr(C)]
+struct Registers {
+    data: UnsafeCell<u32>,
+    state: UnsafeCell<u32>,
+    control: UnsafeCell<u32>,
+    interrupts: UnsafeCell<u32>,
+    baud_divider: UnsafeCell<u32>,
+}
+
+const STATE_TRANSMIT_FULL: u32 = 1 << 0;
+const STATE_RECEIVE_FULL: u32 = 1 << 1;
+const STATE_RECEIVE_OVERRUN: u32 = 1 << 3;
+/// Transmitter and receiver on, with an interrupt each.
+const CONTROL_ALL: u32 = 0b1111;
+const TRANSMIT: u32 = 1 << 0;
+const RECEIVE: u32 = 1 << 1;
+/// 115,200 baud from 25 MHz.
+const BAUD_DIVIDER: u32 = 217;
+
+#[derive(Clone, Copy)]
+#[repr(u16)]
+enum Interrupt {
+    Receive = 0,
+    Transmit = 1,
+}
+
+// SAFETY: these are the numbers of the two interrupts of UART0.
+unsafe impl InterruptNumber for Interrupt {
+    fn number(self) -> u16 {
+        self as u16
+    }
+}
+
+/// The ends of the queues that belong to the interrupts.
+struct Ends {
+    received: Producer<'static, u8>,
+    to_send: Consumer<'static, u8>,
+}
+
+struct Shared(UnsafeCell<Option<Ends>>);
+
+// SAFETY: `Uart::start` writes it before the interrupts are on; afterwards only `interrupt` uses it, and that
+// does not preempt itself, because both interrupts keep the priority that they have after a reset.
+unsafe impl Sync for Shared {}
+
+static ENDS: Shared = Shared(UnsafeCell::new(None));
+static OVERRUNS: AtomicU32 = AtomicU32::new(0);
+
+/// UART0, seen from the main loop.
+pub struct Uart {
+    received: Consumer<'static, u8>,
+    to_send: Producer<'static, u8>,
+}
+
+impl Uart {
+    /// Switches the UART and its interrupts on. To be called once.
+    pub fn start<const R: usize, const S: usize>(
+        received: &'static mut Queue<u8, R>,
+        to_send: &'static mut Queue<u8, S>,
+    ) -> Self {
+        let (received_in, received_out) = received.split();
+        let (to_send_in, to_send_out) = to_send.split();
+        // SAFETY: the interrupts are off, so nobody else looks.
+        unsafe {
+            *ENDS.0.get() = Some(Ends {
+                received: received_in,
+                to_send: to_send_out,
+            })
+        };
+        let uart = registers();
+        write(&uart.baud_divider, BAUD_DIVIDER);
+        write(&uart.control, CONTROL_ALL);
+        // SAFETY: no critical section relies on them being off.
+        unsafe {
+            NVIC::unmask(Interrupt::Receive);
+            NVIC::unmask(Interrupt::Transmit);
+        }
+        Self {
+            received: received_out,
+            to_send: to_send_in,
+        }
+    }
+
+    /// The next received byte.
+    pub fn read(&mut self) -> Option<u8> {
+        let byte = self.received.dequeue()?;
+        // There is room again, should the interrupt have switched itself off.
+        // SAFETY: no critical section relies on it being off.
+        unsafe { NVIC::unmask(Interrupt::Receive) };
+        Some(byte)
+    }
+
+    /// Whether there is something to read.
+    pub fn has_received(&self) -> bool {
+        self.received.ready()
+    }
+
+    /// How many bytes may be written.
+    pub fn room(&self) -> usize {
+        self.to_send.capacity() - self.to_send.len()
+    }
+
+    /// Sends the bytes for which there is room.
+    pub fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            if self.to_send.enqueue(*byte).is_err() {
+                break;
+            }
+        }
+        // The transmitter may be idle: let the interrupt take the first byte.
+        NVIC::pend(Interrupt::Transmit);
+    }
+
+    /// How often bytes were lost because the receiver was not read in time.
+    pub fn overruns(&self) -> u32 {
+        OVERRUNS.load(Ordering::Relaxed)
+    }
+}
+
+/// To be called by the handler of the device's interrupts, with the number of the interrupt.
+pub fn interrupt(number: i16) {
+    // SAFETY: see the implementation of `Sync`.
+    let Some(ends) = (unsafe { &mut *ENDS.0.get() }) else {
+        return;
+    };
+    let uart = registers();
+    if number == Interrupt::Receive as i16 {
+        if !ends.received.ready() {
+            // Still pending: it comes back as soon as the main loop has made room.
+            NVIC::mask(Interrupt::Receive);
+            return;
+        }
+        write(&uart.interrupts, RECEIVE);
+        let state = read(&uart.state);
+        if state & STATE_RECEIVE_OVERRUN != 0 {
+            write(&uart.state, STATE_RECEIVE_OVERRUN);
+            OVERRUNS.fetch_add(1, Ordering::Relaxed);
+        }
+        if state & STATE_RECEIVE_FULL != 0 {
+            // There is room: this was checked above.
+            let _ = ends.received.enqueue(read(&uart.data) as u8);
+        }
+    } else if number == Interrupt::Transmit as i16 {
+        write(&uart.interrupts, TRANSMIT);
+        if read(&uart.state) & STATE_TRANSMIT_FULL == 0
+            && let Some(byte) = ends.to_send.dequeue()
+        {
+            write(&uart.data, u32::from(byte));
+        }
+    }
+}
+
+fn registers() -> &'static Registers {
+    // SAFETY: UART0 is there on this board, and all its registers may be read and written at any time.
+    unsafe { &*(0x4000_4000 as *const Registers) }
+}
+
+fn read(register: &UnsafeCell<u32>) -> u32 {
+    // SAFETY: only `registers` makes references to registers.
+    unsafe { register.get().read_volatile() }
+}
+
+fn write(register: &UnsafeCell<u32>, value: u32) {
+    // SAFETY: as above.
+    unsafe { register.get().write_volatile(value) }
+}
