@@ -1,1 +1,223 @@
-fn main() {}
+//! What the library costs: one step of a filter, phase by phase, and the kernels it is made of.
+//!
+//! `cargo xtask cost` runs it in the emulator, where the tasks count the instructions between the edges of
+//! its regions, and on the host, where it takes the time itself.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+use core::hint::black_box;
+
+use foxhunt::{
+    aoa::{Bearing, BearingLikelihood, Observation},
+    filter::ParticleFilter,
+    math,
+    model::RandomWalk,
+    random::{SeedableRng, Xoshiro128PlusPlus, normal},
+    resample::Scheme,
+};
+
+/// Where the source stands, in metres east and north.
+const SOURCE: [f32; 2] = [1200.0, 800.0];
+/// Standard deviation of a bearing, in radians.
+const BEARING_DEVIATION: f32 = 0.0195;
+/// A metre after one second: two normal samples for each particle and step.
+const DYNAMICS: RandomWalk<2> = RandomWalk {
+    deviation: [1.0, 1.0],
+};
+
+/// A filter that tracks the source by bearings from a vehicle, which drives east at 25 m/s.
+struct Track<const N: usize> {
+    filter: ParticleFilter<2, N>,
+    rng: Xoshiro128PlusPlus,
+    second: u32,
+}
+
+impl<const N: usize> Track<N> {
+    fn new() -> Self {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+        let mut filter = ParticleFilter::new();
+        filter.initialise(&mut rng, |rng| {
+            [
+                SOURCE[0] + 50.0 * normal(rng),
+                SOURCE[1] + 50.0 * normal(rng),
+            ]
+        });
+        Self {
+            filter,
+            rng,
+            second: 0,
+        }
+    }
+
+    /// The next bearing, with its error.
+    fn likelihood(&mut self) -> BearingLikelihood {
+        let east = 25.0 * self.second as f32;
+        self.second += 1;
+        let direction = math::atan2(SOURCE[1], SOURCE[0] - east);
+        let measured = direction + BEARING_DEVIATION * normal(&mut self.rng);
+        let bearing = Bearing::from_radians(measured);
+        let observation = Observation::new([east, 0.0], bearing, BEARING_DEVIATION);
+        black_box(BearingLikelihood::new(
+            &observation.expect("the drive is short"),
+        ))
+    }
+
+    fn predict(&mut self) {
+        self.filter.predict(&DYNAMICS, 1.0, &mut self.rng);
+    }
+
+    fn update(&mut self, likelihood: &BearingLikelihood) {
+        black_box(self.filter.update(likelihood)).expect("the cloud lies around the source");
+    }
+
+    fn resample(&mut self) {
+        self.filter.resample(Scheme::Systematic, &mut self.rng);
+    }
+
+    /// A whole step, which always resamples.
+    fn step(&mut self, likelihood: &BearingLikelihood) {
+        self.predict();
+        self.update(likelihood);
+        black_box(self.filter.mean());
+        self.resample();
+    }
+}
+
+#[cfg(target_os = "none")]
+mod board {
+    pub mod semihosting;
+}
+
+#[cfg(target_os = "none")]
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    target::steps();
+    target::kernels();
+    board::semihosting::exit(true)
+}
+
+#[cfg(target_os = "none")]
+mod target {
+    use core::sync::atomic::{Ordering, compiler_fence};
+
+    use cortex_m_semihosting::hprintln;
+    use foxhunt::model::Likelihood;
+
+    use super::*;
+
+    const N: usize = 200;
+    /// Steps until the cloud has taken its usual shape.
+    const WARM_UP: usize = 4;
+    const STEPS: usize = 8;
+
+    /// Marks the beginning and the end of a region.
+    #[inline(never)]
+    fn region_edge() {
+        compiler_fence(Ordering::SeqCst);
+        cortex_m::asm::nop();
+    }
+
+    /// A region whose cost is divided by `items`. Regions of one name are added up.
+    fn region<T>(name: &str, items: usize, work: impl FnOnce() -> T) -> T {
+        hprintln!("region\t{}\t{}", name, items);
+        region_edge();
+        let result = black_box(work());
+        region_edge();
+        result
+    }
+
+    /// Whole steps, then each phase of as many others.
+    pub fn steps() {
+        hprintln!(
+            "figure\tfilter.d2.n200.bytes\t{}\tbytes",
+            size_of::<ParticleFilter<2, N>>()
+        );
+        let mut track = black_box(Track::<N>::new());
+        for _ in 0..WARM_UP {
+            let likelihood = track.likelihood();
+            track.step(&likelihood);
+        }
+        for _ in 0..STEPS {
+            let likelihood = track.likelihood();
+            region("m4f.step.n200", N, || track.step(&likelihood));
+        }
+        let mut log_likelihoods = [0.0; N];
+        for _ in 0..STEPS {
+            let likelihood = track.likelihood();
+            region("m4f.step.n200.predict", N, || track.predict());
+            let columns = track.filter.particles().columns();
+            region("m4f.step.n200.weigh", N, || {
+                likelihood.log_likelihoods(&columns, &mut log_likelihoods);
+            });
+            black_box(&log_likelihoods);
+            region("m4f.step.n200.update", N, || track.update(&likelihood));
+            region("m4f.step.n200.mean", N, || track.filter.mean());
+            region("m4f.step.n200.resample", N, || track.resample());
+        }
+    }
+
+    /// Each kernel, over an array.
+    pub fn kernels() {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
+        let mut a = [0.0; N];
+        a.fill_with(|| normal(&mut rng));
+        let mut b = [0.0; N];
+        b.fill_with(|| normal(&mut rng));
+
+        kernel("m4f.math.exp", &a, |x| math::exp(x));
+        kernel("m4f.math.ln", &a.map(f32::abs), math::ln);
+        kernel("m4f.math.sqrt", &a.map(f32::abs), math::sqrt);
+        kernel("m4f.math.wrap", &a, math::wrap);
+        let mut pairs = [[0.0; 2]; N];
+        for ((pair, &y), &x) in pairs.iter_mut().zip(&a).zip(&b) {
+            *pair = [y, x];
+        }
+        kernel("m4f.math.atan2", &pairs, |[y, x]| math::atan2(y, x));
+        kernel("m4f.math.sin_cos", &a, math::sin_cos);
+        kernel("m4f.random.normal", &a, |_| normal(&mut rng));
+    }
+
+    fn kernel<A: Copy, B: Copy + Default>(
+        name: &str,
+        arguments: &[A; N],
+        mut function: impl FnMut(A) -> B,
+    ) {
+        let arguments = black_box(arguments);
+        let mut results = [B::default(); N];
+        region(name, N, || {
+            for (result, &argument) in results.iter_mut().zip(arguments) {
+                *result = function(argument);
+            }
+            black_box(&mut results);
+        });
+    }
+}
+
+/// Takes the time on the host. The smallest of several medians is what the work takes when nothing disturbs
+/// it.
+#[cfg(not(target_os = "none"))]
+fn main() {
+    use std::time::Instant;
+
+    const N: usize = 1000;
+    const STEPS: u32 = 40;
+    const REPETITIONS: usize = 101;
+    const ROUNDS: usize = 9;
+
+    let mut fastest = f64::INFINITY;
+    for _ in 0..ROUNDS {
+        let mut times = Vec::new();
+        for _ in 0..REPETITIONS {
+            let mut track = Box::new(Track::<N>::new());
+            let likelihoods: Vec<_> = (0..STEPS).map(|_| track.likelihood()).collect();
+            let start = Instant::now();
+            for likelihood in &likelihoods {
+                track.step(likelihood);
+            }
+            times.push(start.elapsed().as_nanos() as f64 / f64::from(STEPS) / N as f64);
+        }
+        times.sort_by(f64::total_cmp);
+        fastest = fastest.min(times[REPETITIONS / 2]);
+    }
+    println!("figure\thost.step.n1000.ns\t{fastest}\tns");
+}

@@ -1,1 +1,240 @@
+//! The proof that the library cannot panic: this firmware calls all of it with arguments that the compiler
+//! cannot see, and its panic handler calls a function that does not exist. It links only if no path to the
+//! handler is left.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
 fn main() {}
+
+#[cfg(target_os = "none")]
+mod proof {
+    use core::{hint::black_box, panic::PanicInfo};
+
+    use foxhunt::{
+        aoa::{
+            Bearing, BearingLikelihood, Observation,
+            correction::{Correction, Pull},
+            gauss_newton::{self, Errors},
+            geodesy::{Geodetic, LocalPlane},
+            locator::{self, Answer, Locator},
+            triangulation,
+        },
+        estimate::{self, Ellipse},
+        filter::ParticleFilter,
+        gateway::{self, BearingReference, Vehicle},
+        math,
+        model::{ConstantVelocity, Dynamics, Likelihood, RandomWalk, Static},
+        particles::{self, Particles},
+        random::{self, SeedableRng, Xoshiro128PlusPlus},
+        resample::{Scheme, resample},
+        weights,
+    };
+
+    unsafe extern "C" {
+        // SAFETY: never linked, never called.
+        safe fn a_panic_is_possible() -> !;
+    }
+
+    #[panic_handler]
+    fn panic(_: &PanicInfo) -> ! {
+        a_panic_is_possible()
+    }
+
+    /// Any value at all, as far as the compiler knows.
+    fn any<T>(value: T) -> T {
+        black_box(value)
+    }
+
+    /// A slice of any length.
+    fn some<T>(slice: &[T]) -> &[T] {
+        slice.get(..any(slice.len())).unwrap_or_default()
+    }
+
+    /// A slice of any length.
+    fn some_mut<T>(slice: &mut [T]) -> &mut [T] {
+        let length = any(slice.len());
+        slice.get_mut(..length).unwrap_or_default()
+    }
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(any(1));
+        math();
+        random(&mut rng);
+        cloud(&mut rng);
+        filter(&mut rng);
+        bearings(&mut rng);
+        locate(&mut rng);
+        gateway();
+        loop {}
+    }
+
+    fn math() {
+        black_box(math::exp(any(0.0)));
+        black_box(math::ln(any(0.0)));
+        black_box(math::sqrt(any(0.0)));
+        black_box(math::wrap(any(0.0)));
+        black_box(math::sin_cos(any(0.0)));
+        black_box(math::atan2(any(0.0), any(0.0)));
+    }
+
+    fn random(rng: &mut Xoshiro128PlusPlus) {
+        black_box(random::uniform(rng));
+        black_box(random::uniform_open(rng));
+        black_box(random::normal(rng));
+        black_box(random::gamma(rng, any(0.0)));
+    }
+
+    fn cloud(rng: &mut Xoshiro128PlusPlus) {
+        let mut cloud = any(Particles::<3, 50>::new());
+        cloud.initialise(rng, |_| any([0.0; 3]));
+        cloud.set(any(0), any([0.0; 3]));
+        black_box(cloud.get(any(0)));
+        cloud.log_weights_mut().fill(any(0.0));
+        black_box(cloud.log_weights());
+
+        let (mut a, mut b, mut c) = (any([0.0; 20]), any([0.0; 20]), any([0.0; 20]));
+        let mut columns = [some_mut(&mut a), some_mut(&mut b)];
+        particles::copy(&mut columns, any(0), any(0));
+        particles::write(&mut columns, any(0), any([0.0; 2]));
+        Static.predict(&mut columns, any(0.0), rng);
+        let walk = any(RandomWalk {
+            deviation: [0.0; 2],
+        });
+        walk.predict(&mut columns, any(0.0), rng);
+        black_box(walk.step(any([0.0; 2]), any(0.0), rng));
+        let [a, b] = columns;
+        let columns = [&*a, &*b];
+        black_box(particles::read(&columns, any(0)));
+        black_box(estimate::mean(&columns, some(&c)));
+        black_box(estimate::covariance(&columns, some(&c)));
+        black_box(estimate::quantile(some(a), some(b), any(0.0)));
+        black_box(weights::effective_sample_size(some(a)));
+        black_box(weights::normalise(some_mut(a), some_mut(b)));
+        let scheme = any(Scheme::Systematic);
+        resample(scheme, some_mut(&mut c), rng, |from, to| {
+            _ = black_box((from, to))
+        });
+        let ellipse = Ellipse::of_normal(any([0.0; 2]), any([[0.0; 2]; 2]), any(0.0));
+        black_box(ellipse.contains(any([0.0; 2])));
+    }
+
+    fn filter(rng: &mut Xoshiro128PlusPlus) {
+        let mut filter = any(ParticleFilter::<4, 50>::new());
+        filter.initialise(rng, |_| any([0.0; 4]));
+        filter.predict(
+            &any(ConstantVelocity {
+                acceleration: [0.0; 2],
+            }),
+            any(0.0),
+            rng,
+        );
+        _ = black_box(filter.update(&|state: &[f32; 4]| any(state[0])));
+        if let Some(observation) = observation() {
+            _ = black_box(filter.update(&BearingLikelihood::new(&observation)));
+        }
+        black_box(filter.resample_below(any(0.0), rng));
+        filter.resample(any(Scheme::Systematic), rng);
+        black_box((
+            filter.mean(),
+            filter.covariance(),
+            filter.effective_sample_size(),
+        ));
+        black_box((filter.columns_mut(), any(0.0)));
+        black_box((filter.particles(), filter.weights()));
+    }
+
+    fn observation() -> Option<Observation> {
+        let bearing = match any(0) {
+            0 => Bearing::from_radians(any(0.0)),
+            1 => Bearing::from_compass_degrees(any(0.0)),
+            _ => Bearing::from_relative_degrees(any(0.0), any(0.0)),
+        };
+        black_box(bearing.compass_degrees());
+        Observation::new(any([0.0; 2]), bearing, any(0.0)).ok()
+    }
+
+    fn bearings(rng: &mut Xoshiro128PlusPlus) {
+        let mut correction = Correction::new(any(Pull::Continuous));
+        correction.add(Bearing::from_radians(any(0.0)), any(0.0));
+        black_box((correction.bearing(), correction.readings()));
+
+        let Some(observation) = observation() else {
+            return;
+        };
+        let observations = any([observation; 8]);
+        let observations = some(&observations);
+        black_box(triangulation::intersection(
+            &observation,
+            &any(observation),
+            any(0.0),
+        ));
+        black_box(triangulation::crossing_angle(observations));
+        black_box(triangulation::random_intersection(
+            observations,
+            any(0.0),
+            rng,
+        ));
+        let errors = any(Errors::Gaussian);
+        _ = black_box(gauss_newton::solve(observations, errors, any([0.0; 2])));
+        let (mut a, mut out) = (any([0.0; 20]), any([0.0; 20]));
+        let likelihood = BearingLikelihood::new(&observation);
+        likelihood.log_likelihoods(
+            &[some(&any([0.0; 20])), some_mut(&mut a)],
+            some_mut(&mut out),
+        );
+        black_box(out);
+
+        if let Ok(origin) = Geodetic::new(any(0), any(0))
+            && let Ok(plane) = LocalPlane::new(origin)
+        {
+            _ = black_box(plane.to_local(any(origin)));
+            _ = black_box(plane.to_geodetic(any([0.0; 2])));
+        }
+    }
+
+    fn locate(rng: &mut Xoshiro128PlusPlus) {
+        let settings = locator::Settings::new()
+            .relative_range_error(any(0.0))
+            .and_then(|settings| settings.resample_share(any(0.0)))
+            .and_then(|settings| settings.moves(any(0)));
+        let mut locator = any(Locator::<50, 16>::new(settings.unwrap_or_default()));
+        if let Some(observation) = observation()
+            && let Answer::Fix(fix) = locator.push(observation, rng)
+        {
+            black_box(fix.ellipse(any(0.0)));
+        }
+        black_box((
+            locator.answer(),
+            locator.columns(),
+            locator.weights(),
+            locator.observations(),
+        ));
+        locator.reset();
+    }
+
+    fn gateway() {
+        let settings = gateway::Settings::new()
+            .with_locator(any(locator::Settings::new()))
+            .with_reference(any(BearingReference::Relative))
+            .with_seed(any(0))
+            .with_deviations(any(0.0), any(0.0))
+            .and_then(|settings| settings.with_minimum_quality(any(0.0)))
+            .and_then(|settings| settings.with_maximum_age_ms(any(0)))
+            .and_then(|settings| settings.with_minimum_speed_m_s(any(0.0)))
+            .and_then(|settings| settings.with_report_interval_ms(any(0)));
+        let Ok(settings) = settings else { return };
+        let mut vehicle = any(Vehicle::<50, 16>::new(settings));
+        for _ in 0..any(100) {
+            black_box(vehicle.push(any(0)));
+            black_box((
+                vehicle.report(),
+                vehicle.counters(),
+                vehicle.plane(),
+                vehicle.locator(),
+            ));
+        }
+        vehicle.restart();
+    }
+}

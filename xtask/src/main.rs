@@ -3,13 +3,17 @@
 use anyhow::Result;
 use clap::Parser;
 
+mod cost;
 mod demo;
+mod expected;
 mod figures;
 mod llvm;
+mod measure;
 mod papers;
 mod project;
 mod qemu;
 mod setup;
+mod test;
 
 /// The tasks of this repository.
 #[derive(Parser)]
@@ -17,6 +21,10 @@ mod setup;
 enum Task {
     /// Install what the tasks need: Rust targets and components, and the emulator.
     Setup,
+    /// Check everything: style, tests here and on the emulated board, panics, features, cost.
+    Test(test::Options),
+    /// Measure what the library and its firmware take, beside other filters.
+    Cost(cost::Options),
     /// Locate a transmitter with the vehicle firmware in the emulator, and draw it.
     Demo(demo::Options),
     /// Reproduce published results, and compare with their figures.
@@ -26,6 +34,8 @@ enum Task {
 fn main() -> Result<()> {
     match Task::parse() {
         Task::Setup => setup::run(),
+        Task::Test(options) => test::run_all(&options),
+        Task::Cost(options) => cost::run(&options),
         Task::Demo(options) => demo::run(&options),
         Task::Papers(options) => papers::run(&options),
     }

@@ -35,8 +35,9 @@ pub const TAKEN_BRANCH: u32 = 2;
 const CONDITIONS: [&str; 16] = [
     "eq", "ne", "hs", "cs", "lo", "cc", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le",
 ];
-const MULTIPLY_ACCUMULATE: [&str; 8] =
-    ["vmla", "vmls", "vnmla", "vnmls", "vfma", "vfms", "vfnma", "vfnms"];
+const MULTIPLY_ACCUMULATE: [&str; 8] = [
+    "vmla", "vmls", "vnmla", "vnmls", "vfma", "vfms", "vfnma", "vfnms",
+];
 const FLOAT_ARITHMETIC: [&str; 5] = ["vadd", "vsub", "vmul", "vnmul", "vcvt"];
 const DIVISION: [&str; 2] = ["vdiv", "vsqrt"];
 
@@ -49,7 +50,11 @@ impl Timing {
         let starts = |prefixes: &[&str]| prefixes.iter().any(|&prefix| name.starts_with(prefix));
 
         let late = is(&FLOAT_ARITHMETIC) || is(&MULTIPLY_ACCUMULATE) || is(&DIVISION);
-        let list = || operands.find('{').map_or(0, |at| list_length(&operands[at..]));
+        let list = || {
+            operands
+                .find('{')
+                .map_or(0, |at| list_length(&operands[at..]))
+        };
         let (cycles, class) = if is(&DIVISION) {
             (14, Class::Other)
         } else if is(&MULTIPLY_ACCUMULATE) {
@@ -88,13 +93,22 @@ impl Timing {
             all => all.get(1..).unwrap_or_default().to_vec(),
         };
         let late_result = registers.first().copied().filter(|_| late);
-        Self { cycles, class, late_result, sources }
+        Self {
+            cycles,
+            class,
+            late_result,
+            sources,
+        }
     }
 
     /// The cycles of this instruction after `previous`, whose successor in memory it is.
     pub fn cycles_after(&self, previous: Option<&Self>) -> u32 {
-        let Some(previous) = previous else { return self.cycles };
-        let stall = previous.late_result.is_some_and(|result| self.sources.contains(&result));
+        let Some(previous) = previous else {
+            return self.cycles;
+        };
+        let stall = previous
+            .late_result
+            .is_some_and(|result| self.sources.contains(&result));
         let follows_memory = matches!(previous.class, Class::IntegerLoad | Class::IntegerStore);
         let overlapped = self.class == Class::IntegerLoad && follows_memory;
         self.cycles - u32::from(overlapped) + u32::from(stall)
@@ -103,18 +117,27 @@ impl Timing {
 
 /// Whether `name` is `known`, perhaps with a condition behind it.
 fn is_named(name: &str, known: &str) -> bool {
-    name.strip_prefix(known).is_some_and(|rest| rest.is_empty() || CONDITIONS.contains(&rest))
+    name.strip_prefix(known)
+        .is_some_and(|rest| rest.is_empty() || CONDITIONS.contains(&rest))
 }
 
 /// How many words a list such as `{r4-r7, lr}` or `{d8, d9}` moves.
 pub(super) fn list_length(list: &str) -> u32 {
-    list.trim_matches(['{', '}']).split(',').map(|range| span(range).len() as u32).sum()
+    list.trim_matches(['{', '}'])
+        .split(',')
+        .map(|range| span(range).len() as u32)
+        .sum()
 }
 
 /// The single-precision registers that `operands` name, in their order.
 fn float_registers(operands: &str) -> Vec<Register> {
-    let words = operands.split([',', '{', '}', '[', ']', '!']).map(str::trim);
-    words.filter(|word| word.starts_with(['s', 'd'])).flat_map(span).collect()
+    let words = operands
+        .split([',', '{', '}', '[', ']', '!'])
+        .map(str::trim);
+    words
+        .filter(|word| word.starts_with(['s', 'd']))
+        .flat_map(span)
+        .collect()
 }
 
 /// The registers of `s3`, `d1` (two) or `s16-s19`; those with other names count as one.

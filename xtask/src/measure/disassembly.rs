@@ -47,7 +47,9 @@ pub fn functions(elf: &Path) -> Result<Vec<Function>> {
         // What the linker fills the gap to the next function with also looks like instructions.
         if let Some(size) = sizes.get(&function.address) {
             let end = function.address + size;
-            function.instructions.retain(|instruction| instruction.address < end);
+            function
+                .instructions
+                .retain(|instruction| instruction.address < end);
         }
     }
     Ok(functions)
@@ -57,17 +59,25 @@ pub fn functions(elf: &Path) -> Result<Vec<Function>> {
 fn sizes(elf: &Path) -> Result<HashMap<u32, u32>> {
     let data = fs::read(elf).with_context(|| format!("cannot read {}", elf.display()))?;
     let file = File::parse(data.as_slice())?;
-    let functions = file.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text);
+    let functions = file
+        .symbols()
+        .filter(|symbol| symbol.kind() == SymbolKind::Text);
     let functions = functions.filter(|symbol| symbol.size() > 0);
     // The lowest bit of an address only says that the code is Thumb.
-    Ok(functions.map(|symbol| (symbol.address() as u32 & !1, symbol.size() as u32)).collect())
+    Ok(functions
+        .map(|symbol| (symbol.address() as u32 & !1, symbol.size() as u32))
+        .collect())
 }
 
 fn parse(text: &str) -> Result<Vec<Function>> {
     let mut functions: Vec<Function> = Vec::new();
     for line in text.lines() {
         if let Some((address, symbol)) = header(line) {
-            functions.push(Function { symbol, address, instructions: Vec::new() });
+            functions.push(Function {
+                symbol,
+                address,
+                instructions: Vec::new(),
+            });
         } else if let Some(instruction) = instruction(line) {
             match functions.last_mut() {
                 Some(function) => function.instructions.push(instruction),
@@ -75,7 +85,9 @@ fn parse(text: &str) -> Result<Vec<Function>> {
             }
         }
     }
-    functions.last().context("there are no functions in the disassembly")?;
+    functions
+        .last()
+        .context("there are no functions in the disassembly")?;
     Ok(functions)
 }
 

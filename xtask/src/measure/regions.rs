@@ -34,7 +34,12 @@ pub struct Cost {
 pub fn measure(elf: &Path) -> Result<Vec<Figure>> {
     let program = Program::of(elf)?;
     let mut child = qemu::command()
-        .args(["-chardev", "stdio,id=text", "-semihosting-config", "chardev=text"])
+        .args([
+            "-chardev",
+            "stdio,id=text",
+            "-semihosting-config",
+            "chardev=text",
+        ])
         .args(["-serial", "none", "-d", "exec,nochain"])
         .args(one_instruction_per_block()?)
         .arg("-kernel")
@@ -61,31 +66,54 @@ pub fn measure(elf: &Path) -> Result<Vec<Figure>> {
 fn one_instruction_per_block() -> Result<&'static [&'static str]> {
     let output = Command::new("qemu-system-arm").arg("--version").output()?;
     let text = String::from_utf8_lossy(&output.stdout);
-    let mut numbers = text.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok());
-    let version: (u32, u32) = numbers.next().zip(numbers.next()).context("QEMU has no version")?;
-    Ok(if version < (8, 1) { &["-singlestep"] } else { &["-accel", "tcg,one-insn-per-tb=on"] })
+    let mut numbers = text
+        .split(|c: char| !c.is_ascii_digit())
+        .filter_map(|word| word.parse().ok());
+    let version: (u32, u32) = numbers
+        .next()
+        .zip(numbers.next())
+        .context("QEMU has no version")?;
+    Ok(if version < (8, 1) {
+        &["-singlestep"]
+    } else {
+        &["-accel", "tcg,one-insn-per-tb=on"]
+    })
 }
 
-/// Pairs the regions with what the firmware printed of them.
-fn figures(costs: &[Cost], printed: &str) -> Result<Vec<Figure>> {
+/// Pairs the regions with what the firmware printed of them. Regions of one name are added up.
+pub fn figures(costs: &[Cost], printed: &str) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
+    let mut regions: Vec<(&str, f64, Cost)> = Vec::new();
     let mut costs = costs.iter();
     for line in printed.lines() {
         match line.split('\t').collect::<Vec<_>>().as_slice() {
             ["region", name, items] => {
-                let cost = costs.next().with_context(|| format!("{name} has not run"))?;
+                let cost = costs
+                    .next()
+                    .with_context(|| format!("{name} has not run"))?;
                 let items: f64 = items.parse()?;
-                let figure = |what, count, unit| {
-                    Figure::new(format!("{name}.{what}"), count as f64 / items, unit)
-                };
-                figures.push(figure("instructions", cost.instructions, "instructions"));
-                figures.push(figure("cycles_modelled", cost.cycles, "cycles"));
+                match regions.iter_mut().find(|(known, ..)| known == name) {
+                    Some((_, all_items, sum)) => {
+                        *all_items += items;
+                        sum.instructions += cost.instructions;
+                        sum.cycles += cost.cycles;
+                    }
+                    None => regions.push((*name, items, *cost)),
+                }
             }
-            ["figure", name, value, unit] => figures.push(Figure::new(*name, value.parse()?, *unit)),
+            ["figure", name, value, unit] => {
+                figures.push(Figure::new(*name, value.parse()?, *unit))
+            }
             _ => bail!("the firmware printed: {line}"),
         }
     }
     ensure!(costs.next().is_none(), "a region has no name");
+    for (name, items, cost) in regions {
+        let figure =
+            |what, count, unit| Figure::new(format!("{name}.{what}"), count as f64 / items, unit);
+        figures.push(figure("instructions", cost.instructions, "instructions"));
+        figures.push(figure("cycles_modelled", cost.cycles, "cycles"));
+    }
     Ok(figures)
 }
 
@@ -102,11 +130,19 @@ impl Program {
             .iter()
             .find(|function| function.name().rsplit("::").next() == Some("region_edge"))
             .context("the firmware has no function region_edge")?;
-        let last = edge.instructions.last().context("region_edge has no instructions")?;
+        let last = edge
+            .instructions
+            .last()
+            .context("region_edge has no instructions")?;
         let edge = edge.address..last.address + last.size;
         let instructions = functions.iter().flat_map(|function| &function.instructions);
         let instructions = instructions
-            .map(|instruction| (instruction.address, (instruction.size, Timing::of(instruction))))
+            .map(|instruction| {
+                (
+                    instruction.address,
+                    (instruction.size, Timing::of(instruction)),
+                )
+            })
             .collect();
         Ok(Self { instructions, edge })
     }
@@ -117,9 +153,16 @@ impl Program {
         let mut region: Option<Cost> = None;
         let mut previous: Option<(u32, &Timing)> = None;
         for line in log.lines() {
-            let Some(address) = executed(&line?) else { continue };
-            let follows = previous.filter(|(next, _)| *next == address).map(|(_, timing)| timing);
-            if let Some(cost) = region.as_mut().filter(|_| previous.is_some() && follows.is_none()) {
+            let Some(address) = executed(&line?) else {
+                continue;
+            };
+            let follows = previous
+                .filter(|(next, _)| *next == address)
+                .map(|(_, timing)| timing);
+            if let Some(cost) = region
+                .as_mut()
+                .filter(|_| previous.is_some() && follows.is_none())
+            {
                 cost.cycles += u64::from(TAKEN_BRANCH);
             }
             if self.edge.contains(&address) {
@@ -169,11 +212,15 @@ mod tests {
             .iter()
             .map(|&(address, mnemonic, operands)| (address, (2, timing(mnemonic, operands))))
             .collect();
-        Program { instructions, edge: 0x10..0x14 }
+        Program {
+            instructions,
+            edge: 0x10..0x14,
+        }
     }
 
     fn log(addresses: &[u32]) -> String {
-        let line = |address| format!("Trace 0: 0x7f48 [00000000/{address:016x}/00000110/ff000000]\n");
+        let line =
+            |address| format!("Trace 0: 0x7f48 [00000000/{address:016x}/00000110/ff000000]\n");
         addresses.iter().map(line).collect()
     }
 
@@ -186,7 +233,10 @@ mod tests {
         ]);
         let log = log(&[0x30, 0x10, 0x12, 0x40, 0x42, 0x44, 0x10, 0x12, 0x46]);
         // 1 + (1 + stall) + (1 + taken)
-        let cost = Cost { instructions: 3, cycles: 6 };
+        let cost = Cost {
+            instructions: 3,
+            cycles: 6,
+        };
         assert_eq!(program.follow(log.as_bytes()).unwrap(), [cost]);
     }
 
@@ -196,15 +246,33 @@ mod tests {
         let log = log(&[0x10, 0x40, 0x40, 0x42, 0x10]);
         let costs = program.follow(log.as_bytes()).unwrap();
         // Taken once, then the way on to the edge, which is not the next in memory.
-        assert_eq!(costs, [Cost { instructions: 3, cycles: 1 + 2 + 1 + 1 + 2 }]);
+        assert_eq!(
+            costs,
+            [Cost {
+                instructions: 3,
+                cycles: 1 + 2 + 1 + 1 + 2
+            }]
+        );
     }
 
     #[test]
-    fn figures_are_per_item_and_named_in_order() {
-        let costs = [Cost { instructions: 30, cycles: 40 }];
-        let figures = figures(&costs, "region\tm4f.x\t10\nfigure\tbytes\t5\tbytes\n").unwrap();
-        assert_eq!(figures[0], Figure::new("m4f.x.instructions", 3.0, "instructions"));
-        assert_eq!(figures[1], Figure::new("m4f.x.cycles_modelled", 4.0, "cycles"));
-        assert_eq!(figures[2], Figure::new("bytes", 5.0, "bytes"));
+    fn figures_are_per_item_and_regions_of_one_name_add_up() {
+        let costs = [(30, 40), (1, 1), (50, 80)];
+        let costs = costs.map(|(instructions, cycles)| Cost {
+            instructions,
+            cycles,
+        });
+        let printed = "region\tx\t10\nregion\ty\t1\nfigure\tbytes\t5\tbytes\nregion\tx\t10\n";
+        let figures = figures(&costs, printed).unwrap();
+        assert_eq!(figures[0], Figure::new("bytes", 5.0, "bytes"));
+        assert_eq!(
+            figures[1],
+            Figure::new("x.instructions", 4.0, "instructions")
+        );
+        assert_eq!(figures[2], Figure::new("x.cycles_modelled", 6.0, "cycles"));
+        assert_eq!(
+            figures[3],
+            Figure::new("y.instructions", 1.0, "instructions")
+        );
     }
 }

@@ -21,7 +21,9 @@ pub fn occupied(elf: &Path) -> Result<Occupied> {
     let file = File::parse(data.as_slice())?;
     let mut occupied = Occupied { flash: 0, ram: 0 };
     for section in file.sections() {
-        let SectionFlags::Elf { sh_flags, .. } = section.flags() else { continue };
+        let SectionFlags::Elf { sh_flags, .. } = section.flags() else {
+            continue;
+        };
         if !sh_flags.contains(SHF_ALLOC) {
             continue;
         }

@@ -35,18 +35,25 @@ pub fn deepest(elf: &Path) -> Result<Stack> {
     let functions = disassembly::functions(elf)?;
     let mut graph = Graph::new(&functions, constants(&file)?)?;
 
-    let table = file.section_by_name(".vector_table").context("there is no vector table")?;
+    let table = file
+        .section_by_name(".vector_table")
+        .context("there is no vector table")?;
     let vectors = words(table.data()?).skip(1).filter(|&vector| vector != 0);
     let vectors: Vec<u32> = vectors.map(|vector| vector & !1).collect();
     // Only the core calls what the vector table names.
-    graph.pointed_at.retain(|function| !vectors.contains(function));
+    graph
+        .pointed_at
+        .retain(|function| !vectors.contains(function));
     let (&reset, handlers) = vectors.split_first().context("the vector table is empty")?;
     let main = graph.deepest_from(reset)?;
     let mut deepest_handler = 0;
     for &handler in handlers {
         deepest_handler = deepest_handler.max(graph.deepest_from(handler)?.bytes);
     }
-    Ok(Stack { bytes: main.bytes + EXCEPTION_FRAME + deepest_handler, path: main.path })
+    Ok(Stack {
+        bytes: main.bytes + EXCEPTION_FRAME + deepest_handler,
+        path: main.path,
+    })
 }
 
 /// The words of every section that is loaded, but for the vector table.
@@ -65,7 +72,8 @@ fn constants(file: &File) -> Result<BTreeSet<u32>> {
 }
 
 fn words(data: &[u8]) -> impl Iterator<Item = u32> {
-    data.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+    data.chunks_exact(4)
+        .map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
 }
 
 /// Functions by address, what each takes from the stack, and whom it calls.
@@ -86,7 +94,9 @@ impl Graph {
     fn new(functions: &[Function], mut constants: BTreeSet<u32>) -> Result<Self> {
         let mut nodes = BTreeMap::new();
         // Symbols without instructions are data.
-        let functions = functions.iter().filter(|function| !function.instructions.is_empty());
+        let functions = functions
+            .iter()
+            .filter(|function| !function.instructions.is_empty());
         let starts: BTreeSet<u32> = functions.clone().map(|function| function.address).collect();
         for function in functions {
             let name = function.name();
@@ -101,11 +111,21 @@ impl Graph {
             }
             constants.extend(built_constants(&function.instructions));
             let calls_through_pointer = function.instructions.iter().any(is_indirect);
-            let node = Node { name, frame, calls, calls_through_pointer };
+            let node = Node {
+                name,
+                frame,
+                calls,
+                calls_through_pointer,
+            };
             nodes.insert(function.address, node);
         }
-        let pointed_at = starts.into_iter().filter(|start| constants.contains(&(start | 1)));
-        Ok(Self { pointed_at: pointed_at.collect(), nodes })
+        let pointed_at = starts
+            .into_iter()
+            .filter(|start| constants.contains(&(start | 1)));
+        Ok(Self {
+            pointed_at: pointed_at.collect(),
+            nodes,
+        })
     }
 
     /// The deepest path from the function at `address`.
@@ -126,10 +146,20 @@ impl Graph {
             .nodes
             .get(&address)
             .with_context(|| format!("no function begins at {address:#x}"))?;
-        ensure!(!above.contains(&address), "{} calls itself: its stack has no bound", node.name);
+        ensure!(
+            !above.contains(&address),
+            "{} calls itself: its stack has no bound",
+            node.name
+        );
         above.push(address);
-        let mut deepest = Stack { bytes: 0, path: Vec::new() };
-        let pointed_at = self.pointed_at.iter().filter(|_| node.calls_through_pointer);
+        let mut deepest = Stack {
+            bytes: 0,
+            path: Vec::new(),
+        };
+        let pointed_at = self
+            .pointed_at
+            .iter()
+            .filter(|_| node.calls_through_pointer);
         for &callee in node.calls.iter().chain(pointed_at) {
             let stack = self.descend(callee, above, known)?;
             if stack.bytes > deepest.bytes {
@@ -149,15 +179,17 @@ fn branch_target(instruction: &Instruction) -> Option<u32> {
     if !instruction.mnemonic.starts_with(['b', 'c']) || !instruction.operands.ends_with('>') {
         return None;
     }
-    let (_, target) = instruction.operands.rsplit_once("0x").filter(|(_, rest)| rest.contains(" <"))
+    let (_, target) = instruction
+        .operands
+        .rsplit_once("0x")
+        .filter(|(_, rest)| rest.contains(" <"))
         .or_else(|| instruction.operands.split_once("0x"))?;
     u32::from_str_radix(target.split(' ').next()?, 16).ok()
 }
 
 /// Whether it is a call or a tail call through a register.
 fn is_indirect(instruction: &Instruction) -> bool {
-    matches!(instruction.mnemonic.as_str(), "blx" | "bx")
-        && instruction.operands.starts_with('r')
+    matches!(instruction.mnemonic.as_str(), "blx" | "bx") && instruction.operands.starts_with('r')
 }
 
 /// The bytes that an instruction takes from the stack.
@@ -169,10 +201,16 @@ fn pushed(instruction: &Instruction) -> Result<u32> {
     if operands.starts_with("sp!") && (name.starts_with("stmdb") || name.starts_with("vstmdb")) {
         return Ok(4 * super::cortex_m4::list_length(operands.trim_start_matches("sp!, ")));
     }
-    if let Some(bytes) = operands.split_once("[sp, #-").and_then(|(_, rest)| rest.strip_suffix("]!")) {
+    if let Some(bytes) = operands
+        .split_once("[sp, #-")
+        .and_then(|(_, rest)| rest.strip_suffix("]!"))
+    {
         return number(bytes);
     }
-    let Some(difference) = operands.strip_prefix("sp, ").filter(|_| name.starts_with("sub")) else {
+    let Some(difference) = operands
+        .strip_prefix("sp, ")
+        .filter(|_| name.starts_with("sub"))
+    else {
         return Ok(0);
     };
     match difference.trim_start_matches("sp, ").strip_prefix('#') {
@@ -186,7 +224,9 @@ fn pushed(instruction: &Instruction) -> Result<u32> {
 /// The constants that pairs of `movw` and `movt` build in a function, whichever pairs they are.
 fn built_constants(instructions: &[Instruction]) -> BTreeSet<u32> {
     let halves = |name: &str| {
-        let halves = instructions.iter().filter(|instruction| instruction.mnemonic == name);
+        let halves = instructions
+            .iter()
+            .filter(|instruction| instruction.mnemonic == name);
         let halves = halves.filter_map(|instruction| {
             let (register, half) = instruction.operands.split_once(", #")?;
             Some((register, number(half).ok()?))
@@ -196,10 +236,15 @@ fn built_constants(instructions: &[Instruction]) -> BTreeSet<u32> {
     let (low, high) = (halves("movw"), halves("movt"));
     let pair = |&(register, low): &(&str, u32)| {
         let of_register = high.iter().filter(|(other, _)| *other == register);
-        of_register.map(|(_, high)| high << 16 | low).collect::<Vec<_>>()
+        of_register
+            .map(|(_, high)| high << 16 | low)
+            .collect::<Vec<_>>()
     };
     // Without `movt` the upper half is zero.
-    low.iter().map(|&(_, low)| low).chain(low.iter().flat_map(pair)).collect()
+    low.iter()
+        .map(|&(_, low)| low)
+        .chain(low.iter().flat_map(pair))
+        .collect()
 }
 
 /// `24` or `0x18`.

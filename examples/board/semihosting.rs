@@ -1,0 +1,24 @@
+//! Firmware that runs to its end in the emulator: how it reports failure.
+
+use core::panic::PanicInfo;
+
+// Brings the critical section that printing needs.
+use cortex_m as _;
+use cortex_m_semihosting::{debug, hprintln};
+
+/// Switches the emulator off; its exit code is 0 for success.
+pub fn exit(success: bool) -> ! {
+    debug::exit(if success {
+        debug::EXIT_SUCCESS
+    } else {
+        debug::EXIT_FAILURE
+    });
+    // The emulator is off by now.
+    loop {}
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo) -> ! {
+    hprintln!("{}", info);
+    exit(false)
+}

@@ -1,0 +1,103 @@
+use foxhunt::{
+    aoa::{
+        Bearing, Observation,
+        correction::{Correction, Pull},
+        gauss_newton::{Errors, solve},
+        geodesy::{Geodetic, LocalPlane},
+        locator::{Answer, Locator, Settings},
+    },
+    math,
+    random::{SeedableRng, Xoshiro128PlusPlus, normal},
+};
+
+use crate::{Case, digest::Digest};
+
+pub const CASES: &[Case] = &[
+    ("aoa::locator_finds_the_source", locator_finds_the_source),
+    (
+        "aoa::gauss_newton_finds_the_source",
+        gauss_newton_finds_the_source,
+    ),
+    ("aoa::correction", correction),
+    ("aoa::geodesy", geodesy),
+];
+
+const SOURCE: [f32; 2] = [1200.0, 800.0];
+
+/// Bearings of two degrees on the source, from a drive past it.
+fn drive() -> [Observation; 40] {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+    core::array::from_fn(|i| {
+        let east = 50.0 * i as f32;
+        let direction = math::atan2(SOURCE[1], SOURCE[0] - east) + 0.035 * normal(&mut rng);
+        let bearing = Bearing::from_radians(direction);
+        Observation::new([east, 0.0], bearing, 0.035).expect("all is in range")
+    })
+}
+
+fn is_near([x, y]: [f32; 2], metres: f32) -> bool {
+    (x - SOURCE[0]).abs() < metres && (y - SOURCE[1]).abs() < metres
+}
+
+fn locator_finds_the_source() -> Digest {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
+    let mut locator = Locator::<100, 64>::new(Settings::new());
+    let mut digest = Digest::new();
+    for observation in drive() {
+        if let Answer::Fix(fix) = locator.push(observation, &mut rng) {
+            digest.add(&fix.position);
+            digest.add(fix.covariance.as_flattened());
+            digest.add(&[fix.effective_sample_size]);
+        }
+    }
+    let Answer::Fix(fix) = locator.answer() else {
+        panic!("no fix")
+    };
+    assert!(is_near(fix.position, 40.0), "{:?}", fix.position);
+    assert!(fix.ellipse(0.999).contains(SOURCE));
+    digest
+}
+
+fn gauss_newton_finds_the_source() -> Digest {
+    let mut digest = Digest::new();
+    for errors in [Errors::Gaussian, Errors::VonMises] {
+        let solution = solve(&drive(), errors, [1000.0, 500.0]).expect("the bearings meet");
+        assert!(is_near(solution.position, 40.0), "{:?}", solution.position);
+        digest.add(&solution.position);
+        digest.add(solution.covariance.as_flattened());
+    }
+    digest
+}
+
+fn correction() -> Digest {
+    let mut digest = Digest::new();
+    for pull in [Pull::Continuous, Pull::Printed] {
+        let mut correction = Correction::new(pull);
+        for i in 0..20_u8 {
+            let degrees = 90.0 + f32::from(i % 7);
+            correction.add(
+                Bearing::from_compass_degrees(degrees),
+                40.0 + 3.0 * f32::from(i),
+            );
+            digest.add(&[correction.bearing().map_or(0.0, Bearing::radians)]);
+        }
+    }
+    digest
+}
+
+fn geodesy() -> Digest {
+    let place = |latitude, longitude| Geodetic::new(latitude, longitude).expect("on the globe");
+    let plane = LocalPlane::new(place(481_173_000, 115_166_667)).expect("far from the poles");
+    let mut digest = Digest::new();
+    for i in -50..50 {
+        let there = place(481_173_000 + i * 31_415, 115_166_667 - i * 27_182);
+        let local = plane.to_local(there).expect("near");
+        digest.add(&local);
+        let back = plane.to_geodetic(local).expect("near");
+        assert!((back.latitude_e7() - there.latitude_e7()).abs() < 100);
+        assert!((back.longitude_e7() - there.longitude_e7()).abs() < 100);
+        digest.add_bytes(&back.latitude_e7().to_le_bytes());
+        digest.add_bytes(&back.longitude_e7().to_le_bytes());
+    }
+    digest
+}

@@ -1,0 +1,27 @@
+/// One number for everything that a case computed: a 64-bit FNV-1a hash.
+pub struct Digest(pub u64);
+
+impl Digest {
+    pub fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    /// Adds numbers by their bits. Which NaN a platform makes is its own affair: all of them count as the same.
+    pub fn add(&mut self, numbers: &[f32]) {
+        for number in numbers {
+            let bits = if number.is_nan() {
+                f32::NAN.to_bits()
+            } else {
+                number.to_bits()
+            };
+            self.add_bytes(&bits.to_le_bytes());
+        }
+    }
+
+    /// Adds bytes.
+    pub fn add_bytes(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! The task `cost`: what the library and its firmware take, beside what others take.
+
+use std::{
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use anyhow::{Context, Result, ensure};
+
+use crate::{
+    expected::Expected,
+    figures::{self, Figure},
+    measure::{regions, sections, stack},
+    project::{self, BOARD},
+    setup,
+};
+
+/// The options of `cargo xtask cost`.
+#[derive(clap::Args)]
+pub struct Options {
+    /// Write the figures as JSON, too.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Take the figures of the firmware as the expected ones of `cargo xtask test`.
+    #[arg(long)]
+    bless: bool,
+    /// Leave out the other filters.
+    #[arg(long)]
+    no_peers: bool,
+}
+
+/// The most that a figure may be: the kernels' floors with short polynomials good to 1e-6, and the promises
+/// of the README.
+const LIMITS: &[(&str, f64)] = &[
+    ("m4f.step.n200.instructions", 300.0),
+    ("host.step.n1000.ns", 25.0),
+    ("filter.d2.n200.bytes", 16.0 * 200.0 + 256.0),
+    ("vehicle.flash.bytes", 65_536.0),
+    ("m4f.math.exp.instructions", 24.0),
+    ("m4f.math.exp.cycles_modelled", 39.0),
+    ("m4f.math.ln.instructions", 28.0),
+    ("m4f.math.ln.cycles_modelled", 45.0),
+    ("m4f.math.atan2.instructions", 35.0),
+    ("m4f.math.atan2.cycles_modelled", 65.0),
+    ("m4f.math.sin_cos.instructions", 37.0),
+    ("m4f.math.sin_cos.cycles_modelled", 54.0),
+    ("m4f.math.sqrt.instructions", 6.4),
+    ("m4f.math.sqrt.cycles_modelled", 22.0),
+    ("m4f.random.normal.instructions", 26.5),
+    ("m4f.random.normal.cycles_modelled", 32.0),
+];
+
+/// Measures everything, prints it, and fails if a limit is missed.
+pub fn run(options: &Options) -> Result<()> {
+    setup::ensure(setup::COST)?;
+    let firmware = firmware()?;
+    let mut figures = firmware.clone();
+    figures.extend(host()?);
+    if !options.no_peers {
+        figures.extend(peers()?);
+    }
+    figures::print(&figures);
+    println!(
+        "modelled: cycles of a Cortex-M4F by its manual's timings, with memory that never waits"
+    );
+    if let Some(file) = &options.json {
+        figures::write_json(&figures, file)?;
+    }
+    if options.bless {
+        Expected::of(&firmware)?.write()?;
+    }
+    figures::check(&figures)
+}
+
+/// The figures that the firmware alone decides: they do not depend on the machine that measures them.
+pub fn firmware() -> Result<Vec<Figure>> {
+    let mut figures = phases(regions::measure(&project::firmware("cost")?)?)?;
+    let vehicle = project::firmware("vehicle")?;
+    let occupied = sections::occupied(&vehicle)?;
+    let stack = stack::deepest(&vehicle)?;
+    figures.push(Figure::new(
+        "vehicle.flash.bytes",
+        occupied.flash as f64,
+        "bytes",
+    ));
+    figures.push(Figure::new(
+        "vehicle.ram.bytes",
+        occupied.ram as f64,
+        "bytes",
+    ));
+    figures.push(Figure::new(
+        "vehicle.stack.bytes",
+        f64::from(stack.bytes),
+        "bytes",
+    ));
+    Ok(with_limits(figures))
+}
+
+/// Splits the update into its phases: weighing, which was measured alone, and normalising, the rest of it.
+fn phases(mut figures: Vec<Figure>) -> Result<Vec<Figure>> {
+    for measure in ["instructions", "cycles_modelled"] {
+        let name = |phase: &str| format!("m4f.step.n200.{phase}.{measure}");
+        let value = |phase: &str| {
+            let mut figures = figures.iter();
+            let figure = figures.find(|figure| figure.name == name(phase));
+            figure
+                .map(|figure| figure.value)
+                .with_context(|| format!("no {} was measured", name(phase)))
+        };
+        let normalise = value("update")? - value("weigh")?;
+        for figure in figures
+            .iter_mut()
+            .filter(|figure| figure.name == name("update"))
+        {
+            (figure.name, figure.value) = (name("normalise"), normalise);
+        }
+    }
+    Ok(figures)
+}
+
+/// The figures of this machine.
+fn host() -> Result<Vec<Figure>> {
+    let program = project::executable(&["--release", "--example", "cost"])?;
+    let output = Command::new(program).output()?;
+    ensure!(
+        output.status.success(),
+        "the measurement on the host failed"
+    );
+    Ok(with_limits(regions::figures(
+        &[],
+        &String::from_utf8(output.stdout)?,
+    )?))
+}
+
+/// The figures of other filters on the same work, from a crate of its own.
+fn peers() -> Result<Vec<Figure>> {
+    let directory = project::root().join("peers");
+    let host = peer_program(&directory, &["--bin", "peers"])?;
+    let board = peer_program(&directory, &["--bin", "peers_m4", "--target", BOARD])?;
+    let mut figures = Vec::new();
+    let _ = (host, board);
+    figures.shrink_to_fit();
+    Ok(figures)
+}
+
+fn peer_program(_directory: &Path, _arguments: &[&str]) -> Result<PathBuf> {
+    Ok(PathBuf::new())
+}
+
+fn with_limits(figures: Vec<Figure>) -> Vec<Figure> {
+    let limited = |figure: Figure| match LIMITS.iter().find(|(name, _)| *name == figure.name) {
+        Some(&(_, limit)) => figure.at_most(limit),
+        None => figure,
+    };
+    figures.into_iter().map(limited).collect()
+}
