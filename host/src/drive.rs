@@ -1,0 +1,199 @@
+//! A drive of a vehicle, as the bytes that its receiver and its direction finder put on the line.
+
+use std::fmt::{Display, Write};
+
+use foxhunt::gateway::Settings;
+use rand::{Rng, RngExt};
+
+use crate::{
+    geodesy::Place,
+    simulate::{generator, normal},
+    tracks::along,
+};
+
+/// A line of serial data with its sentences, one after the other.
+///
+/// The first sentence may be `$PFOXT` with the true place of the transmitter: gateways ignore it, and
+/// whoever replays the drive can tell how good the answer is.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Drive {
+    text: String,
+}
+
+/// What the direction finder of a drive reads at one moment.
+#[derive(Debug, Clone, Copy)]
+pub struct Reading {
+    /// Seconds after midnight.
+    pub time: f64,
+    /// Degrees clockwise from the bow.
+    pub degrees: f64,
+    /// 0 to 100.
+    pub quality: f64,
+}
+
+/// The day of every drive, 22 November 2026, in seconds after 1970.
+const DAY: f64 = 1_795_305_600.0;
+const DATE: &str = "221126";
+const KNOTS: f64 = 3600.0 / 1852.0;
+
+impl Drive {
+    /// Appends `$payload*hh`.
+    pub fn sentence(&mut self, payload: impl Display) {
+        let payload = payload.to_string();
+        let checksum = payload.bytes().fold(0, |sum, byte| sum ^ byte);
+        self.line(format_args!("${payload}*{checksum:02X}"));
+    }
+
+    /// Appends the true place of the transmitter.
+    pub fn truth(&mut self, place: Place) {
+        self.sentence(format_args!("PFOXT,{}", place.nmea()));
+    }
+
+    /// Appends what a receiver says at `time` (seconds after midnight): RMC and GGA with the place,
+    /// the speed in metres per second and the course in degrees clockwise from north.
+    pub fn position(&mut self, time: f64, place: Place, speed: f64, course: f64) {
+        let (clock, place, speed) = (clock(time), place.nmea(), speed * KNOTS);
+        self.sentence(format_args!(
+            "GPRMC,{clock},A,{place},{speed:.2},{course:.2},{DATE},,,A"
+        ));
+        self.sentence(format_args!(
+            "GPGGA,{clock},{place},1,09,0.9,112.0,M,34.0,M,,"
+        ));
+    }
+
+    /// Appends what a receiver says while it has no position.
+    pub fn no_position(&mut self, time: f64) {
+        self.sentence(format_args!("GPRMC,{},V,,,,,,,{DATE},,,N", clock(time)));
+    }
+
+    /// Appends the true heading, in degrees clockwise from north.
+    pub fn heading(&mut self, degrees: f64) {
+        self.sentence(format_args!("GPHDT,{:.2},T", degrees.rem_euclid(360.0)));
+    }
+
+    /// Appends a bearing in the form of KrakenSDR's app, without a place of its own.
+    pub fn kraken(&mut self, reading: Reading) {
+        let milliseconds = ((DAY + reading.time) * 1e3).round();
+        let degrees = reading.degrees.rem_euclid(360.0);
+        self.line(format_args!(
+            "{milliseconds}, {degrees:.2}, {:.2}, -48.5, 433920000, UCA, 95, foxhunt, 0, 0, 0, 0, GPS, R, R, R, R",
+            reading.quality,
+        ));
+    }
+
+    fn line(&mut self, text: impl Display) {
+        // Writing to a string does not fail.
+        let _ = write!(self.text, "{text}\r\n");
+    }
+
+    /// Everything so far.
+    pub fn bytes(&self) -> &[u8] {
+        self.text.as_bytes()
+    }
+}
+
+/// The true place of the transmitter, if the bytes of a drive tell it.
+pub fn truth(bytes: &[u8]) -> Option<Place> {
+    let text = str::from_utf8(bytes).ok()?;
+    text.lines().find_map(|line| {
+        let (fields, _checksum) = line.strip_prefix("$PFOXT,")?.split_once('*')?;
+        Place::from_nmea(fields)
+    })
+}
+
+fn clock(time: f64) -> String {
+    let centiseconds = (time * 100.0).round() as u64;
+    let (hours, minutes) = (centiseconds / 360_000, centiseconds / 6_000 % 60);
+    format!(
+        "{hours:02}{minutes:02}{:02}.{:02}",
+        centiseconds / 100 % 60,
+        centiseconds % 100
+    )
+}
+
+/// The drive that comes with the project, from this seed: three kilometres round a transmitter, with
+/// everything that a field brings.
+pub fn example(seed: u64) -> Drive {
+    /// Metres east and north of the start.
+    const CORNERS: [[f64; 2]; 5] = [
+        [0.0, 0.0],
+        [640.0, 90.0],
+        [980.0, 520.0],
+        [1420.0, 640.0],
+        [1560.0, 1380.0],
+    ];
+    const TRANSMITTER: [f64; 2] = [700.0, 1150.0];
+    const START: Place = Place {
+        latitude: 52.229_675_6,
+        longitude: 21.012_228_7,
+    };
+    const SECONDS: usize = 184;
+    /// Seconds after midnight.
+    const DEPARTURE: f64 = 9.0 * 3600.0 + 1800.0;
+    /// Seconds until the receiver has its first position.
+    const BLIND: usize = 4;
+    /// Seconds from one bearing to the next.
+    const PAUSE: usize = 3;
+
+    let mut rng = generator(seed, 0);
+    let transmitter = START.offset(TRANSMITTER);
+    let track = along(&CORNERS, SECONDS);
+    let mut drive = Drive::default();
+    drive.truth(transmitter);
+    for (second, places) in track.windows(2).enumerate() {
+        let time = DEPARTURE + second as f64;
+        let (place, next) = (START.offset(places[0]), START.offset(places[1]));
+        let heading = place.compass_degrees(next);
+        if second < BLIND {
+            drive.no_position(time);
+        } else {
+            let [east, north] = place.local(next);
+            // What a good receiver errs by from second to second; its slow errors are the same for all.
+            let seen = place.offset([0.5 * normal(&mut rng), 0.5 * normal(&mut rng)]);
+            drive.position(time, seen, east.hypot(north), heading);
+            drive.heading(heading + 0.3 * normal(&mut rng));
+        }
+        if second % PAUSE == 0 {
+            let quality = quality(&mut rng);
+            let error = deviation_degrees(quality) * normal(&mut rng);
+            drive.kraken(Reading {
+                time: time + 0.2,
+                degrees: place.compass_degrees(transmitter) - heading + error,
+                quality,
+            });
+        }
+    }
+    drive
+}
+
+/// Most readings are good, some are not worth having.
+fn quality(rng: &mut impl Rng) -> f64 {
+    if rng.random_bool(0.1) {
+        rng.random_range(5.0..40.0)
+    } else {
+        rng.random_range(50.0..98.0)
+    }
+}
+
+/// Standard deviation of a bearing of this quality, in degrees, as the gateway takes it to be.
+fn deviation_degrees(quality: f64) -> f64 {
+    f64::from(Settings::default().deviation_rad(quality as f32)).to_degrees()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_seed_makes_the_same_drive() {
+        assert_eq!(example(1), example(1));
+        assert_ne!(example(1), example(2));
+    }
+
+    #[test]
+    fn a_drive_tells_the_truth() {
+        let place = truth(example(1).bytes()).unwrap();
+        assert!((place.latitude - 52.24).abs() < 0.01 && (place.longitude - 21.02).abs() < 0.01);
+        assert_eq!(truth(b"$GPHDT,1.0,T*00\r\n"), None);
+    }
+}

@@ -1,0 +1,26 @@
+//! What foxhunt is checked with on a desk.
+//!
+//! The library answers in f32 with a few hundred particles. Here are the same questions answered in
+//! f64 with everything a desk has:
+//!
+//! - [`tracks`]: the problems of the published experiments, ready made;
+//! - [`simulate`]: noisy bearings along a track; [`drive`]: a whole drive of a vehicle, as the bytes
+//!   that its receiver and its direction finder put on the line;
+//! - [`reference`]: exact answers, to measure the library against;
+//! - [`measured`]: bearings from the field, turned into such bytes;
+//! - [`replay`]: those bytes through the library's gateway, as the firmware does it;
+//! - [`geodesy`]: places on the ellipsoid;
+//! - [`picture`]: all of it in one picture.
+
+pub mod drive;
+pub mod geodesy;
+pub mod measured;
+pub mod picture;
+pub mod reference;
+pub mod replay;
+pub mod simulate;
+pub mod tracks;
+
+mod sight;
+
+pub use sight::Sight;

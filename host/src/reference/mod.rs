@@ -1,0 +1,23 @@
+//! Exact answers in f64, to measure the library against.
+
+mod bound;
+mod gauss_newton;
+pub mod growth;
+mod kalman;
+mod posterior;
+
+pub use bound::cramer_rao;
+pub use gauss_newton::{Maximum, gauss_newton};
+pub use kalman::Kalman;
+pub use posterior::Posterior;
+
+use nalgebra::{Matrix2, Vector2};
+
+/// Square root of the squared Mahalanobis distance of `error` under `covariance`.
+pub fn mahalanobis(error: [f64; 2], covariance: &Matrix2<f64>) -> f64 {
+    let error = Vector2::from(error);
+    match covariance.cholesky() {
+        Some(factor) => error.dot(&factor.solve(&error)).sqrt(),
+        None => f64::INFINITY,
+    }
+}

@@ -1,0 +1,143 @@
+//! A stream of bytes through the gateway of the firmware, on the host.
+
+use foxhunt::{
+    aoa::locator::{Answer, Fix},
+    gateway::{Event, Settings, Vehicle},
+};
+
+use crate::Sight;
+
+/// The gateway of the firmware `vehicle`, with as many particles and bearings.
+pub type Gateway = Vehicle<200, 64>;
+
+/// A gateway and all that it has said so far.
+#[derive(Debug)]
+pub struct Replay {
+    gateway: Box<Gateway>,
+    output: Vec<u8>,
+    events: Vec<Event>,
+    sights: Vec<Sight>,
+}
+
+impl Default for Replay {
+    /// With the settings of the firmware.
+    fn default() -> Self {
+        Self::new(Settings::default())
+    }
+}
+
+impl Replay {
+    /// A gateway that has read nothing yet.
+    pub fn new(settings: Settings) -> Self {
+        Self {
+            gateway: Box::new(Gateway::new(settings)),
+            output: Vec::new(),
+            events: Vec::new(),
+            sights: Vec::new(),
+        }
+    }
+
+    /// What `bytes` lead to with the settings of the firmware.
+    pub fn of(bytes: &[u8]) -> Self {
+        let mut replay = Self::default();
+        replay.push(bytes);
+        replay
+    }
+
+    /// Lets the gateway read on.
+    pub fn push(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            let Some(event) = self.gateway.push(byte) else {
+                continue;
+            };
+            self.output
+                .extend_from_slice(self.gateway.report().as_bytes());
+            self.events.push(event);
+            if let Event::Fix(_) | Event::NotObservable(_) = event {
+                self.sights
+                    .extend(self.gateway.observation().as_ref().map(Sight::from));
+            }
+        }
+    }
+
+    /// The gateway, with its counters and its plane.
+    pub fn gateway(&self) -> &Gateway {
+        &self.gateway
+    }
+
+    /// The reports: to the last byte what the firmware sends.
+    pub fn output(&self) -> &[u8] {
+        &self.output
+    }
+
+    /// What the lines led to, in their order.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// Every bearing that was used, in their order.
+    pub fn sights(&self) -> &[Sight] {
+        &self.sights
+    }
+
+    /// Where the source is, if that is known by now.
+    pub fn fix(&self) -> Option<Fix> {
+        match self.gateway.locator().answer() {
+            Answer::Fix(fix) => Some(fix),
+            Answer::NotObservable(_) => None,
+        }
+    }
+
+    /// The cloud, in metres east and north of the origin; none before the first fix.
+    pub fn particles(&self) -> Vec<[f64; 2]> {
+        if self.fix().is_none() {
+            return Vec::new();
+        }
+        let [east, north] = self.gateway.locator().columns();
+        east.iter()
+            .zip(north)
+            .map(|(e, n)| [f64::from(*e), f64::from(*n)])
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{drive, geodesy::Place};
+
+    #[test]
+    fn the_example_drive_is_located() {
+        let drive = drive::example(1);
+        let replay = Replay::of(drive.bytes());
+        let fix = replay.fix().unwrap();
+        assert_eq!(replay.sights().len() as u32, fix.bearings);
+        assert_eq!(replay.particles().len(), 200);
+
+        let origin = replay.gateway().plane().unwrap().origin();
+        let origin = Place {
+            latitude: f64::from(origin.latitude_e7()) * 1e-7,
+            longitude: f64::from(origin.longitude_e7()) * 1e-7,
+        };
+        let truth = origin.local(drive::truth(drive.bytes()).unwrap());
+        assert!(
+            fix.ellipse(0.9999).contains(truth.map(|v| v as f32)),
+            "{fix:?} for a source at {truth:?}"
+        );
+        for line in std::str::from_utf8(replay.output()).unwrap().lines() {
+            assert!(line.starts_with("$PFOX") && line.is_ascii(), "{line}");
+        }
+    }
+
+    #[test]
+    fn pieces_make_no_difference() {
+        let bytes = drive::example(2);
+        let whole = Replay::of(bytes.bytes());
+        let mut pieces = Replay::default();
+        for piece in bytes.bytes().chunks(7) {
+            pieces.push(piece);
+        }
+        assert_eq!(pieces.output(), whole.output());
+        assert_eq!(pieces.events(), whole.events());
+    }
+}

@@ -1,0 +1,56 @@
+//! A bearing in f64.
+
+use std::f64::consts::{PI, TAU};
+
+use foxhunt::aoa::{Bearing, Observation, ObservationError};
+
+/// What [`Observation`] is to the library: one bearing and where it was taken, in f64.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sight {
+    /// Where it was taken, in metres east and north of the origin.
+    pub position: [f64; 2],
+    /// Direction of the source, in radians counter-clockwise from east.
+    pub bearing: f64,
+    /// Standard deviation of `bearing`, in radians.
+    pub deviation: f64,
+}
+
+impl Sight {
+    /// How far the bearing is from the direction of `place`: measured less true, in (-pi, pi].
+    pub fn residual(&self, place: [f64; 2]) -> f64 {
+        wrap(self.bearing - direction(self.position, place))
+    }
+}
+
+impl TryFrom<Sight> for Observation {
+    type Error = ObservationError;
+
+    fn try_from(sight: Sight) -> Result<Self, ObservationError> {
+        Self::new(
+            sight.position.map(|v| v as f32),
+            Bearing::from_radians(sight.bearing as f32),
+            sight.deviation as f32,
+        )
+    }
+}
+
+impl From<&Observation> for Sight {
+    fn from(observation: &Observation) -> Self {
+        Self {
+            position: observation.position().map(f64::from),
+            bearing: f64::from(observation.bearing().radians()),
+            deviation: f64::from(observation.deviation()),
+        }
+    }
+}
+
+/// Direction from one place to another, in radians counter-clockwise from east.
+pub(crate) fn direction(from: [f64; 2], to: [f64; 2]) -> f64 {
+    (to[1] - from[1]).atan2(to[0] - from[0])
+}
+
+/// The same angle in (-pi, pi].
+pub(crate) fn wrap(angle: f64) -> f64 {
+    let angle = angle.rem_euclid(TAU);
+    if angle > PI { angle - TAU } else { angle }
+}
