@@ -52,7 +52,9 @@ pub struct Vehicle<const N: usize, const B: usize = 64> {
     plane: Option<LocalPlane>,
     locator: Locator<N, B>,
     generator: Option<Xoshiro128PlusPlus>,
-    located: Option<TimeOfDay>,
+    /// The last bearing that was used.
+    latest: Option<(TimeOfDay, Observation)>,
+    /// The time of the bearing that was reported last.
     reported: Option<TimeOfDay>,
     report: Report,
 }
@@ -72,7 +74,7 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
             plane: None,
             locator: Locator::new(settings.locator()),
             generator: None,
-            located: None,
+            latest: None,
             reported: None,
             report: Report::new(),
         }
@@ -83,7 +85,7 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
         self.locator.reset();
         self.plane = None;
         self.generator = None;
-        self.located = None;
+        self.latest = None;
         self.reported = None;
         self.report.clear();
     }
@@ -129,6 +131,11 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
     /// The plane of the particles and fixes; its origin is where the first bearing was taken.
     pub fn plane(&self) -> Option<&LocalPlane> {
         self.plane.as_ref()
+    }
+
+    /// The last bearing that was used, in metres and radians of [`Self::plane`].
+    pub fn observation(&self) -> Option<Observation> {
+        self.latest.map(|(_, observation)| observation)
     }
 
     /// The locator, with its particles and bearings.
@@ -214,7 +221,7 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
             .get_or_insert_with(|| Xoshiro128PlusPlus::seed_from_u64(seed));
         let answer = self.locator.push(observation, generator);
         self.plane = Some(plane);
-        self.located = Some(time);
+        self.latest = Some((time, observation));
         self.counters.bearings = self.counters.bearings.saturating_add(1);
         if self.report_is_due(time) {
             self.reported = Some(time);
@@ -246,23 +253,266 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
         time.since(taken).unsigned_abs() <= self.settings.maximum_age_ms()
     }
 
-    /// Also when the time has jumped back, by which a wild time of the last report does no harm.
+    /// By the time of the bearings. Those of two clocks may alternate by twice the age that is fresh; a longer
+    /// way back is a clock that was set, and begins anew.
     fn report_is_due(&self, time: TimeOfDay) -> bool {
-        let interval = self.settings.report_interval_ms();
         self.reported.is_none_or(|reported| {
-            u32::try_from(time.since(reported)).map_or(true, |elapsed| elapsed >= interval)
+            let elapsed = time.since(reported);
+            match u32::try_from(elapsed) {
+                Ok(elapsed) => elapsed >= self.settings.report_interval_ms(),
+                Err(_) => elapsed.unsigned_abs() > 2 * self.settings.maximum_age_ms(),
+            }
         })
     }
 
     // Called for queries and bearings: once in flash is enough.
     #[inline(never)]
     fn write_answer(&mut self) {
+        let time = self.latest.map(|(time, _)| time);
         match self.locator.answer() {
-            Answer::Fix(fix) => self.report.fix(self.located, &fix, self.plane.as_ref()),
+            Answer::Fix(fix) => self.report.fix(time, &fix, self.plane.as_ref()),
             Answer::NotObservable(reason) => {
                 self.report
-                    .not_observable(self.located, reason, self.counters.bearings);
+                    .not_observable(time, reason, self.counters.bearings);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::{format, string::String, vec::Vec};
+
+    type Gateway = Vehicle<60, 16>;
+
+    fn sentence(payload: &str) -> String {
+        format!("${payload}*{:02X}\r\n", nmea::checksum(payload.as_bytes()))
+    }
+
+    /// Position, moving east at 50 knots.
+    fn rmc(time: &str) -> String {
+        sentence(&format!(
+            "GPRMC,{time},A,4807.038,N,01131.000,E,50.0,090.0,221126,,,A"
+        ))
+    }
+
+    fn kraken(milliseconds: i64, degrees: f32, place: &str) -> String {
+        format!(
+            "{milliseconds}, {degrees}, 80.0, -30, 433920000, UCA, 112, fox, {place}, R, R, R, R\n"
+        )
+    }
+
+    /// 12:00:00 UTC on 22 November 2026.
+    const NOON: i64 = 1_795_348_800_000;
+    const NOWHERE: &str = "0.0, 0.0, 0, 0, GPS";
+
+    fn push(gateway: &mut Gateway, text: &str) -> Vec<Event> {
+        text.bytes().filter_map(|byte| gateway.push(byte)).collect()
+    }
+
+    /// The events of all lines.
+    fn events(settings: Settings, text: &str) -> Vec<Event> {
+        push(&mut Gateway::new(settings), text)
+    }
+
+    /// What the last line leads to, if it is a bearing: degrees clockwise from north, or the reason.
+    fn last_bearing(settings: Settings, text: &str) -> Result<f32, Rejected> {
+        let mut gateway = Gateway::new(settings);
+        match push(&mut gateway, text).last() {
+            Some(Event::Rejected(reason)) => Err(*reason),
+            _ => Ok(gateway.observation().unwrap().bearing().compass_degrees()),
+        }
+    }
+
+    #[test]
+    fn heading_by_compass_by_course_or_none() {
+        let settings = Settings::default();
+        let near = |result: Result<f32, Rejected>, degrees: f32| {
+            assert!(
+                (result.unwrap() - degrees).abs() < 1e-3,
+                "{result:?} is not {degrees}"
+            );
+        };
+        let fix = rmc("120000");
+        near(last_bearing(settings, &format!("{fix}%010/9\r")), 100.0);
+        let compass = format!("{fix}{}", sentence("HEHDT,300.0,T"));
+        near(last_bearing(settings, &format!("{compass}%010/9\r")), 310.0);
+        let north = settings.with_reference(BearingReference::TrueNorth);
+        near(last_bearing(north, &format!("{compass}%010/9\r")), 10.0);
+
+        // The course of a vehicle that has slowed down is none.
+        let slow = sentence("GPVTG,090.0,T,,M,002.0,N,3.7,K,A");
+        assert_eq!(
+            last_bearing(settings, &format!("{fix}{slow}%010/9\r")),
+            Err(Rejected::NoHeading)
+        );
+        near(last_bearing(north, &format!("{fix}{slow}%010/9\r")), 10.0);
+        // An old heading does not hold: back to the course.
+        let later = format!("{compass}{}%010/9\r", rmc("120003"));
+        near(last_bearing(settings, &later), 100.0);
+    }
+
+    #[test]
+    fn a_line_with_its_own_position_needs_no_receiver() {
+        let own = kraken(NOON, 20.0, "48.1, -11.5, 5.0, 350.0, Compass");
+        let bearing = last_bearing(Settings::default(), &own).unwrap();
+        assert!((bearing - 10.0).abs() < 1e-3);
+        let none = kraken(NOON, 20.0, NOWHERE);
+        assert_eq!(
+            last_bearing(Settings::default(), &none),
+            Err(Rejected::NoPosition)
+        );
+    }
+
+    #[test]
+    fn positions_must_be_fresh() {
+        let settings = Settings::default();
+        let fix = rmc("120000");
+        for (milliseconds, result) in [
+            (0, Ok(())),
+            (2_000, Ok(())),
+            (-2_000, Ok(())),
+            (2_001, Err(Rejected::StalePosition)),
+            (-2_001, Err(Rejected::StalePosition)),
+        ] {
+            let text = format!("{fix}{}", kraken(NOON + milliseconds, 10.0, NOWHERE));
+            assert_eq!(
+                last_bearing(settings, &text).map(|_| ()),
+                result,
+                "{milliseconds} ms"
+            );
+        }
+        // The receiver has lost its fix but not its time.
+        let void = sentence("GPRMC,120003,V,,,,,,,221126,,,N");
+        let text = format!("{fix}{void}%010/9\r");
+        assert_eq!(last_bearing(settings, &text), Err(Rejected::StalePosition));
+        // Over midnight.
+        let text = format!(
+            "{}{}",
+            rmc("235959.500"),
+            kraken(NOON + 43_200_500, 10.0, NOWHERE)
+        );
+        assert!(last_bearing(settings, &text).is_ok());
+    }
+
+    #[test]
+    fn rejected_with_the_reason() {
+        let fix = rmc("120000");
+        let run = |text: String| last_bearing(Settings::default(), &text);
+        assert_eq!(run(format!("{fix}%010/3\r")), Err(Rejected::LowQuality));
+        assert_eq!(run(format!("{fix}%361/9\r")), Err(Rejected::OutOfRange));
+        assert_eq!(run(String::from("%010/9\r")), Err(Rejected::NoPosition));
+        assert_eq!(run(format!("{fix}hello\r")), Err(Rejected::Unparsable));
+        assert_eq!(
+            run(format!("{fix}{}", rmc("115959"))),
+            Err(Rejected::TimeBackwards)
+        );
+        let first = kraken(NOON, 10.0, NOWHERE);
+        let second = kraken(NOON - 1, 10.0, NOWHERE);
+        assert_eq!(
+            run(format!("{fix}{first}{second}")),
+            Err(Rejected::TimeBackwards)
+        );
+        // A thousand kilometres from the first bearing; and one that is first, but at the pole.
+        let here = kraken(NOON, 10.0, "48.1, 11.5, 0, 0, GPS");
+        let far = kraken(NOON, 10.0, "58.1, 11.5, 0, 0, GPS");
+        assert_eq!(run(format!("{here}{far}")), Err(Rejected::OutOfRange));
+        assert_eq!(
+            run(kraken(NOON, 10.0, "89.9, 11.5, 0, 0, GPS")),
+            Err(Rejected::OutOfRange)
+        );
+    }
+
+    /// Two seconds apart, 100 m further east each, a source 100 m ahead and 600 m to the left.
+    fn drive(lines: i32) -> String {
+        (0..lines)
+            .map(|k| {
+                let (east, time) = (100.0 * k as f32, 2 * k);
+                let longitude = sentence(&format!(
+                    "GPRMC,1200{time:02},A,4807.038,N,01131.{:06.0},E,97.2,090.0,221126,,,A",
+                    east / 1_240.0 * 1e6,
+                ));
+                let relative = (0.0f32 - 600.0)
+                    .atan2(500.0 - east)
+                    .to_degrees()
+                    .rem_euclid(360.0);
+                format!("{longitude}%{relative:03.0}/8\r")
+            })
+            .collect()
+    }
+
+    #[test]
+    fn reports_a_fix_and_its_status() {
+        let mut gateway = Gateway::new(Settings::default());
+        push(&mut gateway, &drive(1));
+        assert!(
+            gateway.report().starts_with("$PFOXN,120000.000,FEW,1,,*"),
+            "{}",
+            gateway.report()
+        );
+        push(&mut gateway, &drive(10));
+        let fix = String::from(gateway.report());
+        assert!(fix.starts_with("$PFOXF,120018.000,4807."), "{fix}");
+
+        let queried = push(&mut gateway, "$PFOXQ*50\r\n");
+        assert_eq!(queried, [Event::Queried]);
+        let (again, status) = gateway.report().split_at(fix.len());
+        assert_eq!(again, fix);
+        assert!(status.starts_with("$PFOXS,23,11,11,0,"), "{status}");
+
+        // The next line takes the report away.
+        push(&mut gateway, "\r\n%");
+        assert!(!gateway.report().is_empty());
+        push(&mut gateway, "x\r\n");
+        assert!(gateway.report().is_empty());
+
+        gateway.restart();
+        push(&mut gateway, "$PFOXQ*50\r\n");
+        assert!(
+            gateway.report().starts_with("$PFOXN,,FEW,11,,*"),
+            "{}",
+            gateway.report()
+        );
+    }
+
+    #[test]
+    fn reports_are_rare() {
+        let fix = rmc("120000");
+        let mut gateway = Gateway::new(Settings::default());
+        push(&mut gateway, &fix);
+        let mut reports = 0;
+        for k in 0..20 {
+            let time = NOON + i64::from(k) * 100;
+            assert_eq!(push(&mut gateway, &kraken(time, 10.0, NOWHERE)).len(), 1);
+            reports += usize::from(!gateway.report().is_empty());
+        }
+        assert_eq!(reports, 2);
+    }
+
+    #[test]
+    fn sentences_are_counted() {
+        let settings = Settings::default();
+        let text = format!(
+            "{}{}{}$GPHDT,1,T*00\r\n",
+            rmc("120000"),
+            sentence("GPGSV,1,1,00"),
+            sentence("GPRMC,120001,A,0000.0,N,00000.0,E,0,,221126,,,A"),
+        );
+        let mut gateway = Gateway::new(settings);
+        push(&mut gateway, &text);
+        let counters = gateway.counters();
+        assert_eq!(
+            (counters.lines, counters.sentences, counters.ignored),
+            (4, 1, 1)
+        );
+        assert_eq!(counters.rejected(Rejected::NullPosition), 1);
+        assert_eq!(counters.rejected(Rejected::Checksum), 1);
+        assert!(
+            events(settings, &text)
+                .iter()
+                .all(|e| matches!(e, Event::Rejected(_)))
+        );
     }
 }

@@ -1,0 +1,145 @@
+//! Whatever the line carries, the gateway stands, and what it rejects leaves no trace.
+
+use foxhunt::aoa::locator::Locator;
+use foxhunt::gateway::{Event, Settings, Vehicle};
+use proptest::prelude::*;
+
+type Gateway = Vehicle<50, 16>;
+
+fn sentence(payload: &str) -> String {
+    let checksum = payload.bytes().fold(0, |sum, byte| sum ^ byte);
+    format!("${payload}*{checksum:02X}\r\n")
+}
+
+/// A drive east at 25 m/s past a source 800 m to the north: RMC, a heading, one bearing of each kind a second.
+fn drive() -> Vec<u8> {
+    let mut text = String::new();
+    for second in 0..20 {
+        let east = 25.0 * f64::from(second);
+        // A minute of longitude is 1,240 m there.
+        let minutes = 31.0 + east / 1_240.0;
+        text += &sentence(&format!(
+            "GPRMC,1200{second:02}.00,A,4807.038,N,011{minutes:09.6},E,48.6,090.0,221126,,,A"
+        ));
+        text += &sentence("HEHDT,90.0,T");
+        let relative = (0.0 - 800.0_f64)
+            .atan2(250.0 - east)
+            .to_degrees()
+            .rem_euclid(360.0);
+        let time = 1_795_348_800_100_i64 + i64::from(second) * 1_000;
+        let spectrum = vec!["0.5"; 360].join(", ");
+        text += &format!(
+            "{time}, {relative:.1}, 90.0, -30, 433920000, UCA, 112, fox, 0, 0, 0, 0, GPS, R, R, R, R, {spectrum}\n"
+        );
+        text += &format!("%{:03}/7\r", relative as u32 % 360);
+    }
+    text += &sentence("PFOXQ");
+    text.into_bytes()
+}
+
+/// Everything that a gateway has sent.
+fn run<'a>(gateway: &mut Gateway, bytes: impl IntoIterator<Item = &'a u8>) -> String {
+    let mut output = String::new();
+    for byte in bytes {
+        if gateway.push(*byte).is_some() {
+            output += gateway.report();
+        }
+    }
+    output
+}
+
+/// All that the locator knows, bit by bit.
+fn state(locator: &Locator<50, 16>) -> (Vec<u32>, String) {
+    let [east, north] = locator.columns();
+    let columns = [east, north, locator.weights()];
+    let bits = columns.into_iter().flatten().map(|v| v.to_bits()).collect();
+    (
+        bits,
+        format!("{:?} {:?}", locator.observations(), locator.answer()),
+    )
+}
+
+/// Every report is a sentence with a correct checksum.
+fn check(output: &str) {
+    for line in output.split_terminator("\r\n") {
+        let (payload, checksum) = line[1..].split_once('*').expect("a checksum");
+        assert!(line.starts_with("$PFOX") && line.is_ascii(), "{line}");
+        assert_eq!(sentence(payload), format!("${payload}*{checksum}\r\n"));
+    }
+}
+
+#[test]
+fn the_drive_is_located() {
+    let mut gateway = Gateway::new(Settings::default());
+    let output = run(&mut gateway, &drive());
+    check(&output);
+    let fix = output.lines().rev().nth(1).unwrap();
+    assert!(fix.starts_with("$PFOXF,120019.000,4807."), "{fix}");
+    assert_eq!(gateway.counters().bearings, 40);
+    // One report a second, and the two that answer the query.
+    assert_eq!(output.lines().count(), 20 + 2);
+}
+
+proptest! {
+    #[test]
+    fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..20_000)) {
+        check(&run(&mut Gateway::new(Settings::default()), &bytes));
+    }
+
+    /// Closer to real lines than random bytes.
+    #[test]
+    fn any_text(lines in prop::collection::vec(
+        "(\\$(GP|HE|PF)(RMC|GGA|VTG|HDT|THS|OXQ),|%|1[0-9]{12},)[-+.,0-9ANSEWTKM/*]{0,100}[\r\n]", 0..100)
+    ) {
+        check(&run(&mut Gateway::new(Settings::default()), lines.concat().as_bytes()));
+    }
+
+    #[test]
+    fn rejected_lines_leave_no_trace(
+        flips in prop::collection::vec((any::<prop::sample::Index>(), 0..8), 1..200)
+    ) {
+        let mut bytes = drive();
+        for (index, bit) in flips {
+            let index = index.index(bytes.len());
+            bytes[index] ^= 1u8 << bit;
+        }
+        let mut gateway = Gateway::new(Settings::default());
+        let mut output = String::new();
+        let mut known = state(gateway.locator());
+        for byte in bytes {
+            let event = gateway.push(byte);
+            match event {
+                Some(Event::Fix(_) | Event::NotObservable(_)) => known = state(gateway.locator()),
+                None => {}
+                _ => prop_assert_eq!(&state(gateway.locator()), &known),
+            }
+            if event.is_some() {
+                output += gateway.report();
+            }
+        }
+        prop_assert_eq!(&state(gateway.locator()), &known);
+        check(&output);
+    }
+
+    /// Line ends may be CR, LF, or both, and empty lines mean nothing.
+    #[test]
+    fn line_ends_do_not_matter(ends in prop::collection::vec("(\r|\n|\r\n|\n\r\n\n)", 200)) {
+        let drive = String::from_utf8(drive()).unwrap();
+        let lines = drive.split(['\r', '\n']).filter(|line| !line.is_empty());
+        let other: String = lines.zip(&ends).flat_map(|(line, end)| [line, end.as_str()]).collect();
+        prop_assert_eq!(
+            run(&mut Gateway::new(Settings::default()), other.as_bytes()),
+            run(&mut Gateway::new(Settings::default()), drive.as_bytes())
+        );
+    }
+
+    /// What was on the line before costs at most the line that it runs into.
+    #[test]
+    fn noise_before_a_drive(noise in prop::collection::vec(any::<u8>(), 0..500)) {
+        let mut gateway = Gateway::new(Settings::default());
+        run(&mut gateway, &noise);
+        gateway.restart();
+        run(&mut gateway, &drive());
+        prop_assert!(gateway.counters().bearings >= 38);
+    }
+}
