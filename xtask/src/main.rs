@@ -5,6 +5,7 @@ use clap::Parser;
 
 mod cost;
 mod demo;
+mod drive;
 mod expected;
 mod figures;
 mod llvm;
@@ -14,6 +15,7 @@ mod project;
 mod qemu;
 mod setup;
 mod test;
+mod trace;
 
 /// The tasks of this repository.
 #[derive(Parser)]
@@ -27,6 +29,8 @@ enum Task {
     Cost(cost::Options),
     /// Locate a transmitter with the vehicle firmware in the emulator, and draw it.
     Demo(demo::Options),
+    /// Simulate the drive of the demo again, from its seed, and write its file.
+    Drive,
     /// Reproduce published results, and compare with their figures.
     Papers(papers::Options),
 }
@@ -37,6 +41,7 @@ fn main() -> Result<()> {
         Task::Test(options) => test::run_all(&options),
         Task::Cost(options) => cost::run(&options),
         Task::Demo(options) => demo::run(&options),
+        Task::Drive => drive::run(),
         Task::Papers(options) => papers::run(&options),
     }
 }

@@ -48,7 +48,13 @@ pub fn firmware(example: &str) -> Result<PathBuf> {
 
 /// Builds the one executable that `arguments` of `cargo build` select and returns its file.
 pub fn executable(arguments: &[&str]) -> Result<PathBuf> {
+    executable_in(root(), arguments)
+}
+
+/// The same for the workspace in `directory`.
+pub fn executable_in(directory: &Path, arguments: &[&str]) -> Result<PathBuf> {
     let mut child = cargo()
+        .current_dir(directory)
         .args([
             "build",
             "--quiet",

@@ -14,7 +14,7 @@ use crate::{
     expected::Expected,
     project::{self, BARE_METAL, BOARD, cargo},
     qemu::Machine,
-    setup,
+    setup, trace,
 };
 
 /// The options of `cargo xtask test`.
@@ -50,6 +50,7 @@ const STEPS: &[Step] = &[
         run(cargo().args(["test", "--workspace", "--doc"]))
     }),
     ("portable tests, emulated board", portable_on_board),
+    ("a whole drive, board against host", trace::compare),
     ("no panic can happen", || {
         project::firmware("no_panic")
             .map(drop)
