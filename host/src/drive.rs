@@ -111,7 +111,10 @@ fn clock(time: f64) -> String {
     )
 }
 
-/// The drive that comes with the project, from this seed: three kilometres round a transmitter, with
+/// The seed of the drive that comes with the project.
+pub const EXAMPLE_SEED: u64 = 2016;
+
+/// The drive that comes with the project, from a seed: three kilometres round a transmitter, with
 /// everything that a field brings.
 pub fn example(seed: u64) -> Drive {
     /// Metres east and north of the start.
