@@ -23,6 +23,7 @@ const fn gateway() -> Gateway {
 
 #[cfg(target_os = "none")]
 mod board {
+    mod log;
     pub mod uart;
     pub mod watchdog;
 }
@@ -32,7 +33,6 @@ mod firmware {
     use cortex_m::Peripherals;
     use cortex_m::peripheral::syst::SystClkSource;
     use cortex_m_rt::{entry, exception};
-    use defmt_semihosting as _;
     use foxhunt::gateway::Event;
     use heapless::spsc::Queue;
 

@@ -38,6 +38,7 @@ impl BearingLine {
     }
 
     /// From the Agrelo form `%BBB/Q`: three digits of bearing, one of quality.
+    #[inline(never)]
     pub fn from_agrelo(line: &[u8]) -> Result<Self, Rejected> {
         let [b'%', bearing @ .., b'/', quality] = line else {
             return Err(Rejected::Unparsable);
@@ -59,6 +60,7 @@ impl BearingLine {
     /// heading, compass heading, and which of the two is the main one.
     ///
     /// A latitude and longitude of zero mean that the receiver does not know where it is.
+    #[inline(never)]
     pub fn from_kraken(line: &[u8]) -> Result<Self, Rejected> {
         let mut fields: [&[u8]; 13] = [&[]; 13];
         let mut columns = line.split(|byte| *byte == b',');

@@ -37,6 +37,7 @@ pub(super) struct Motion {
 }
 
 /// Checks the sentence `$payload*hh` and reads it.
+#[inline(never)]
 pub(super) fn parse(line: &[u8]) -> Result<Sentence, Rejected> {
     let payload = checked(line)?;
     let payload = core::str::from_utf8(payload).map_err(|_| Rejected::Unparsable)?;
@@ -79,6 +80,7 @@ pub(super) fn checksum(payload: &[u8]) -> u8 {
     payload.iter().fold(0, |sum, byte| sum ^ byte)
 }
 
+#[inline(never)]
 fn rmc(fields: &str) -> Result<Sentence, Rejected> {
     let rmc = Rmc::parse(fields).map_err(|_| Rejected::Unparsable)?;
     let time = time(rmc.time)?;
@@ -101,6 +103,7 @@ fn rmc(fields: &str) -> Result<Sentence, Rejected> {
     }
 }
 
+#[inline(never)]
 fn gga(fields: &str) -> Result<Sentence, Rejected> {
     let gga = Gga::parse(fields).map_err(|_| Rejected::Unparsable)?;
     let time = time(gga.time)?;
@@ -119,6 +122,7 @@ fn gga(fields: &str) -> Result<Sentence, Rejected> {
     }
 }
 
+#[inline(never)]
 fn vtg(fields: &str) -> Result<Sentence, Rejected> {
     let vtg = Vtg::parse(fields).map_err(|_| Rejected::Unparsable)?;
     match motion(vtg.degrees_true, vtg.speed_knots)? {

@@ -143,6 +143,7 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
         &self.locator
     }
 
+    #[inline(never)]
     fn sentence(&mut self, sentence: Sentence) -> Result<Option<Event>, Rejected> {
         match sentence {
             Sentence::Position(time, place, motion) => {
@@ -182,6 +183,7 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
         self.course = self.receiver.now().zip(course);
     }
 
+    #[inline(never)]
     fn bearing(&mut self, line: &BearingLine) -> Result<Option<Event>, Rejected> {
         if let Some(time) = line.time {
             self.finder.advance(time)?;
