@@ -39,7 +39,7 @@ mod firmware {
     use crate::board::{uart, uart::Uart, watchdog::Watchdog};
     use crate::{Gateway, gateway};
 
-    /// A second of bytes at 115,200 baud would be 11,520; the longest work on one takes a tenth of that.
+    /// What arrives in a third of a second at 115,200 baud, while the locator works on a bearing.
     const RECEIVED_BYTES: usize = 4_096;
     const SENT_BYTES: usize = 1_024;
     /// No byte leads to a longer report.
