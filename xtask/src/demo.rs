@@ -42,6 +42,8 @@ struct Scene {
     /// Name of the pictures.
     name: String,
     title: String,
+    /// Whether the bearings were taken on one way.
+    joined: bool,
     bytes: Vec<u8>,
 }
 
@@ -92,7 +94,7 @@ pub fn run(options: &Options) -> Result<()> {
     println!("{assessment}");
 
     let stem = project::root().join("target/demo").join(&scene.name);
-    assessment.draw(scene.title, &replay, &stem)?;
+    assessment.draw(&scene, &replay, &stem)?;
     println!(
         "pictures: {} and .png",
         stem.with_extension("svg").display()
@@ -111,6 +113,7 @@ impl Scene {
             return Ok(Self {
                 name: "drive".into(),
                 title,
+                joined: true,
                 bytes,
             });
         };
@@ -124,6 +127,7 @@ impl Scene {
         Ok(Self {
             name: format!("{set}-{transmitter}"),
             title: format!("{transmitter}, located by the measured bearings of {set}"),
+            joined: false,
             bytes: measured.drive(options.deviation)?.bytes().to_vec(),
         })
     }

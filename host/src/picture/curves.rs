@@ -1,9 +1,12 @@
 //! Curves over time, to compare methods.
 
 use anyhow::Result;
-use plotters::{coord::combinators::IntoLogRange, prelude::*};
+use plotters::{
+    coord::{Shift, combinators::IntoLogRange},
+    prelude::*,
+};
 
-use super::{GRID, INK};
+use super::{GRID, font, width};
 
 /// Colours that stay apart for the colour-blind too (Okabe and Ito).
 const COLOURS: [RGBColor; 6] = [
@@ -14,6 +17,9 @@ const COLOURS: [RGBColor; 6] = [
     RGBColor(204, 121, 167),
     RGBColor(230, 159, 0),
 ];
+
+const WIDTH: u32 = 960;
+const HEIGHT: u32 = 620;
 
 /// One method.
 #[derive(Debug, Clone)]
@@ -53,13 +59,12 @@ impl Curves {
         let (left, right) = bounds(&mut points().map(|p| p.0));
         let (low, high) = bounds(&mut points().map(|p| p.1));
 
-        let font = |size: u32| ("sans-serif", size).into_font().color(&INK);
         let mut svg = String::new();
         {
-            let area = SVGBackend::with_string(&mut svg, (960, 620)).into_drawing_area();
+            let area = SVGBackend::with_string(&mut svg, (WIDTH, HEIGHT)).into_drawing_area();
             area.fill(&WHITE)?;
             let mut chart = ChartBuilder::on(&area)
-                .caption(&self.title, font(22))
+                .caption(&self.title, font(20))
                 .margin(18)
                 .x_label_area_size(48)
                 .y_label_area_size(64)
@@ -73,30 +78,54 @@ impl Curves {
                 .axis_desc_style(font(15))
                 .x_desc(&self.horizontal)
                 .y_desc(&self.vertical)
+                .x_label_formatter(&|v| format!("{v}"))
                 .y_label_formatter(&|v| format!("{v}"))
                 .draw()?;
-            for (curve, colour) in self.curves.iter().zip(COLOURS.iter().cycle()) {
-                chart
-                    .draw_series(LineSeries::new(
-                        curve.points.iter().copied(),
-                        colour.stroke_width(2),
-                    ))?
-                    .label(curve.name.as_str())
-                    .legend(|(x, y)| {
-                        PathElement::new([(x, y), (x + 22, y)], colour.stroke_width(3))
-                    });
+            for (curve, colour) in self.coloured() {
+                let points = curve.points.iter().copied();
+                chart.draw_series(LineSeries::new(points, colour.stroke_width(2)))?;
             }
-            chart
-                .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
-                .background_style(WHITE.mix(0.85))
-                .border_style(GRID)
-                .legend_area_size(30)
-                .margin(10)
-                .label_font(font(15))
-                .draw()?;
+            self.legend(&area)?;
             area.present()?;
         }
         Ok(svg)
+    }
+
+    fn coloured(&self) -> impl Iterator<Item = (&Curve, &RGBColor)> {
+        self.curves.iter().zip(COLOURS.iter().cycle())
+    }
+
+    /// In the upper right corner: errors fall.
+    fn legend(&self, area: &DrawingArea<SVGBackend, Shift>) -> Result<()> {
+        const MARK: i32 = 24;
+        const LINE: i32 = 24;
+        let style = font(15);
+        let names = self
+            .curves
+            .iter()
+            .map(|curve| width(area, &curve.name, &style));
+        let longest = names
+            .collect::<Result<Vec<_>>>()?
+            .into_iter()
+            .max()
+            .unwrap_or(0);
+        let (left, top) = (WIDTH as i32 - longest - MARK - 58, 60);
+        let bottom = top + LINE * self.curves.len() as i32 + 8;
+        let corners = [(left - 12, top - 8), (WIDTH as i32 - 30, bottom - 8)];
+        area.draw(&Rectangle::new(corners, WHITE.mix(0.85).filled()))?;
+        area.draw(&Rectangle::new(corners, GRID))?;
+        for ((curve, colour), row) in self.coloured().zip(0..) {
+            let y = top + LINE * row + 10;
+            area.draw(&PathElement::new(
+                [(left, y), (left + MARK, y)],
+                colour.stroke_width(3),
+            ))?;
+            area.draw(&Text::new(
+                curve.name.as_str(),
+                (left + MARK + 10, y - 9),
+                style.clone(),
+            ))?;
+        }
+        Ok(())
     }
 }

@@ -8,7 +8,7 @@ use plotters::{
 
 use foxhunt::estimate::Ellipse;
 
-use super::{GRID, INK};
+use super::{GRID, INK, font, width};
 use crate::Sight;
 
 const WIDTH: u32 = 1480;
@@ -32,8 +32,10 @@ pub struct Map {
     pub title: String,
     /// What it says, in small letters.
     pub caption: String,
-    /// The bearings, in order of time; the track is the line through the places they were taken at.
+    /// The bearings, in order of time.
     pub sights: Vec<Sight>,
+    /// Whether the places of the bearings are those of one drive: a line then joins them.
+    pub joined: bool,
     /// The cloud.
     pub particles: Vec<[f64; 2]>,
     /// The region that holds the source with 95 % probability.
@@ -79,27 +81,18 @@ impl Map {
 
     /// The box of everything.
     fn whole(&self) -> Frame {
-        let places = self
-            .sights
-            .iter()
-            .map(|sight| sight.position)
-            .chain(self.truth)
-            .chain(self.fix);
-        Frame::round(places).widened(1.12)
+        let places = self.sights.iter().map(|sight| sight.position);
+        let ellipse = self.ellipse.iter().flat_map(outline).map(|(x, y)| [x, y]);
+        Frame::round(places.chain(ellipse).chain(self.truth).chain(self.fix)).widened(1.12)
     }
 
-    /// The box of the ellipse, the cloud's bulk and the truth.
+    /// The box of the ellipse and the truth.
     fn surroundings(&self) -> Frame {
-        let Some(ellipse) = self.ellipse else {
+        let Some(ellipse) = &self.ellipse else {
             return self.whole();
         };
-        let centre = ellipse.centre.map(f64::from);
-        let reach = 1.35 * f64::from(ellipse.semi_major);
-        let corners = [
-            [centre[0] - reach, centre[1] - reach],
-            [centre[0] + reach, centre[1] + reach],
-        ];
-        Frame::round(corners.into_iter().chain(self.truth).chain(self.fix)).widened(1.1)
+        let places = outline(ellipse).into_iter().map(|(x, y)| [x, y]);
+        Frame::round(places.chain(self.truth).chain(self.fix)).widened(1.3)
     }
 
     fn panel(
@@ -143,7 +136,9 @@ impl Map {
                 .sights
                 .iter()
                 .map(|sight| (sight.position[0], sight.position[1]));
-            chart.draw_series(LineSeries::new(track.clone(), INK.stroke_width(2)))?;
+            if self.joined {
+                chart.draw_series(LineSeries::new(track.clone(), INK.stroke_width(2)))?;
+            }
             chart.draw_series(track.map(|place| Circle::new(place, 3, INK.filled())))?;
         }
         self.draw_answer(&mut chart, whole)?;
@@ -196,14 +191,16 @@ impl Map {
         let mut entry = |name: &str, draw: &dyn Fn(i32) -> Result<()>| -> Result<()> {
             draw(x)?;
             let style = font(16);
-            let (width, _) = area.estimate_text_size(name, &style)?;
+            let end = x + 34 + width(area, name, &style)?;
             area.draw(&Text::new(name, (x + 34, 12), style))?;
-            x += 34 + width as i32 + 38;
+            x = end + 28;
             Ok(())
         };
         let line = |x, style| area.draw(&PathElement::new([(x, 21), (x + 26, 21)], style));
-        entry("vehicle", &|x| {
-            line(x, INK.stroke_width(2))?;
+        entry("where bearings were taken", &|x| {
+            if self.joined {
+                line(x, INK.stroke_width(2))?;
+            }
             Ok(area.draw(&Circle::new((x + 13, 21), 3, INK.filled()))?)
         })?;
         entry("bearings", &|x| {
@@ -232,10 +229,6 @@ impl Map {
         }
         Ok(())
     }
-}
-
-fn font(size: u32) -> TextStyle<'static> {
-    ("sans-serif", size).into_font().color(&INK)
 }
 
 fn outline(ellipse: &Ellipse) -> Vec<(f64, f64)> {

@@ -12,7 +12,11 @@ pub use map::Map;
 use std::{fs, path::Path, sync::Once};
 
 use anyhow::{Context, Result, anyhow};
-use plotters::style::{FontStyle, RGBColor, register_font};
+use plotters::{
+    coord::Shift,
+    prelude::*,
+    style::{FontStyle, register_font},
+};
 use resvg::{
     tiny_skia::{Pixmap, Transform},
     usvg,
@@ -61,6 +65,26 @@ fn png(svg: &str) -> Result<Vec<u8>> {
         &mut pixels.as_mut(),
     );
     Ok(pixels.encode_png()?)
+}
+
+/// Pixels that `text` takes. What plotters measures is for a font whose lines, not letters, are of the
+/// given size.
+fn width<DB: DrawingBackend>(
+    area: &DrawingArea<DB, Shift>,
+    text: &str,
+    style: &TextStyle,
+) -> Result<i32>
+where
+    DB::ErrorType: 'static,
+{
+    /// Ascent and descent of Noto Sans, as multiples of the letters' size.
+    const LINE: f64 = 1.069 + 0.293;
+    let (measured, _) = area.estimate_text_size(text, style)?;
+    Ok((LINE * f64::from(measured)) as i32)
+}
+
+fn font(size: u32) -> TextStyle<'static> {
+    ("sans-serif", size).into_font().color(&INK)
 }
 
 /// Lets plotters measure text; to be called before it does.

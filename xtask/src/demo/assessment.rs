@@ -17,7 +17,7 @@ use foxhunt_host::{
     replay::Replay,
 };
 
-use super::report::ReportedFix;
+use super::{Scene, report::ReportedFix};
 
 /// A fix beside the truth and the best that the same bearings allow. Places in metres from the origin.
 pub struct Assessment {
@@ -72,15 +72,18 @@ impl Assessment {
     }
 
     /// Draws the drive and the fix.
-    pub fn draw(&self, title: String, replay: &Replay, stem: &Path) -> Result<()> {
+    pub fn draw(&self, scene: &Scene, replay: &Replay, stem: &Path) -> Result<()> {
         let [major, minor] = self.deviations;
         let map = Map {
-            title,
+            title: scene.title.clone(),
+            joined: scene.joined,
             caption: format!(
-                "{} bearings through the firmware; the fix is {:.2} m from the true place, with standard \
-                 deviations of {major:.2} m and {minor:.2} m",
+                "{} bearings through the firmware; the fix is {} from the true place, with standard \
+                 deviations of {} and {}",
                 self.bearings,
-                self.error(self.fix),
+                metres(self.error(self.fix)),
+                metres(major),
+                metres(minor),
             ),
             sights: replay.sights().to_vec(),
             particles: replay.particles(),
@@ -146,4 +149,10 @@ impl fmt::Display for Assessment {
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// Three digits are enough for a picture.
+fn metres(value: f64) -> String {
+    let decimals = (2.0 - value.log10().floor()).clamp(0.0, 3.0) as usize;
+    format!("{value:.decimals$} m")
 }

@@ -33,24 +33,16 @@ pub struct Outcome {
     pub path: Vec<Option<[f64; 2]>>,
 }
 
-impl Outcome {
-    /// The errors of all estimates.
-    pub fn errors(&self) -> impl Iterator<Item = Option<[f64; 2]>> {
-        let last = self.path.is_empty().then_some(Some(self.error));
-        self.path.iter().copied().chain(last)
-    }
-}
-
 pub const LOCATOR: &str = "locator.n100";
-/// With 100 and with 1000 particles.
-pub const PUBLISHED: [&str; 2] = ["published.n100", "published.n1000"];
+pub const PUBLISHED_100: &str = "published.n100";
+pub const PUBLISHED_1000: &str = "published.n1000";
 /// Place of the exact posterior among the methods.
 pub const FLOOR: usize = 4;
 
 /// Label and key of every method, in the order of [`run`].
 pub const ALL: [(&str, &str); 5] = [
-    ("particle filter as published, N = 100", PUBLISHED[0]),
-    ("particle filter as published, N = 1000", PUBLISHED[1]),
+    ("particle filter as published, N = 100", PUBLISHED_100),
+    ("particle filter as published, N = 1000", PUBLISHED_1000),
     ("locator, N = 100", LOCATOR),
     ("Gauss-Newton on all bearings", "gauss_newton"),
     ("exact posterior (floor)", "floor"),
@@ -62,10 +54,7 @@ const NINETY_FIVE: f64 = 2.447_746_830_680_816;
 /// All methods on the same bearings.
 pub fn run(track: &Track, rng: &mut impl Rng) -> Result<Vec<Outcome>> {
     let sights = simulate::bearings(track, rng);
-    let observations: Vec<Observation> = sights
-        .iter()
-        .map(|sight| (*sight).try_into())
-        .collect::<Result<_, _>>()?;
+    let observations = observations(&sights)?;
     let mut own = || Xoshiro128PlusPlus::from_rng(rng);
     Ok(vec![
         published::<100>(track, &observations, &mut own()),
@@ -74,6 +63,20 @@ pub fn run(track: &Track, rng: &mut impl Rng) -> Result<Vec<Outcome>> {
         gauss_newton(track, &observations)?,
         floor(track, &sights)?,
     ])
+}
+
+/// The last error of the published filter with 100 particles.
+pub fn published_alone(track: &Track, rng: &mut impl Rng) -> Result<[f64; 2]> {
+    let observations = observations(&simulate::bearings(track, rng))?;
+    let mut own = Xoshiro128PlusPlus::from_rng(rng);
+    Ok(published::<100>(track, &observations, &mut own).error)
+}
+
+fn observations(sights: &[Sight]) -> Result<Vec<Observation>> {
+    Ok(sights
+        .iter()
+        .map(|sight| (*sight).try_into())
+        .collect::<Result<_, _>>()?)
 }
 
 /// The bootstrap filter of the paper: a random walk of the source, systematic resampling after every
