@@ -92,11 +92,11 @@ mod proof {
         cloud.set(any(0), any([0.0; 3]));
         black_box(cloud.get(any(0)));
         cloud.log_weights_mut().fill(any(0.0));
+        cloud.resample(any(Scheme::Systematic), some_mut(&mut any([0.0; 20])), rng);
         black_box(cloud.log_weights());
 
         let (mut a, mut b, mut c) = (any([0.0; 20]), any([0.0; 20]), any([0.0; 20]));
         let mut columns = [some_mut(&mut a), some_mut(&mut b)];
-        particles::copy(&mut columns, any(0), any(0));
         particles::write(&mut columns, any(0), any([0.0; 2]));
         Static.predict(&mut columns, any(0.0), rng);
         let walk = any(RandomWalk {
@@ -112,10 +112,10 @@ mod proof {
         black_box(estimate::quantile(some(a), some(b), any(0.0)));
         black_box(weights::effective_sample_size(some(a)));
         black_box(weights::normalise(some_mut(a), some_mut(b)));
-        let scheme = any(Scheme::Systematic);
-        resample(scheme, some_mut(&mut c), rng, |from, to| {
-            _ = black_box((from, to))
-        });
+        let offspring = resample(any(Scheme::Systematic), some_mut(&mut c), rng);
+        offspring.expand(some_mut(a), some_mut(b));
+        black_box(offspring.counts().sum::<u32>());
+        drop(offspring);
         let ellipse = Ellipse::of_normal(any([0.0; 2]), any([[0.0; 2]; 2]), any(0.0));
         black_box(ellipse.contains(any([0.0; 2])));
     }

@@ -43,9 +43,7 @@ fn copies(scheme: Scheme) -> Digest {
     let mut weights = [0.5 / 99.0; 100];
     weights[31] = 0.5;
     let mut ancestors: [u8; 100] = core::array::from_fn(|i| i as u8);
-    resample(scheme, &mut weights, &mut rng, |from, to| {
-        ancestors[to] = ancestors[from]
-    });
+    resample(scheme, &mut weights, &mut rng).expand(&mut ancestors, &mut [0; 100]);
     let heavy = ancestors.iter().filter(|&&ancestor| ancestor == 31).count();
     assert!((30..=70).contains(&heavy), "{heavy} copies");
     let mut digest = Digest::new();

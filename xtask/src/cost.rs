@@ -57,6 +57,14 @@ pub fn run(options: &Options) -> Result<()> {
     println!(
         "modelled: cycles of a Cortex-M4F by its manual's timings, with memory that never waits"
     );
+    let path = stack::deepest(&project::firmware("vehicle")?)?.path;
+    let path = path
+        .iter()
+        .map(|(function, frame)| format!("\n  {frame:5}  {function}"));
+    println!(
+        "the deepest stack of the vehicle's main thread:{}",
+        path.collect::<String>()
+    );
     if let Some(file) = &options.json {
         figures::write_json(&figures, file)?;
     }

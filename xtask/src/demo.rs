@@ -50,7 +50,7 @@ struct Scene {
 /// The drive that comes with the project.
 pub const EXAMPLE: &str = "examples/data/drive.nmea";
 /// Asks the gateway for its answer and its status.
-const QUERY: &[u8] = b"$PFOXQ*50\r\n";
+pub const QUERY: &[u8] = b"$PFOXQ*50\r\n";
 /// The board is switched off after this time, whatever happens.
 const LIMIT: Duration = Duration::from_secs(120);
 /// Time on a terminal for a second of the drive, so that the fixes can be seen to come.
@@ -186,7 +186,8 @@ fn stream(machine: &mut Machine, bytes: &[u8], truth: Place) -> Result<Vec<u8>> 
     Ok(output)
 }
 
-fn has_status(output: &[u8]) -> bool {
+/// Whether the output ends with the answer to the query.
+pub fn has_status(output: &[u8]) -> bool {
     output.ends_with(b"\n")
         && report::parse(output)
             .iter()

@@ -5,7 +5,7 @@
 //! let mut machine = Machine::boot(&elf, Duration::from_secs(60))?;
 //! machine.send(b"%270/8\n")?;
 //! while let Some(bytes) = machine.receive() { /* what the firmware sent */ }
-//! let outcome = machine.finish()?;
+//! let log = machine.finish()?;
 //! ```
 
 use std::{
@@ -40,30 +40,6 @@ pub struct Machine {
     log: Option<JoinHandle<io::Result<Vec<u8>>>>,
     // Dropping it tells the watchdog that the machine has ended.
     watchdog: Option<(Sender<()>, JoinHandle<bool>)>,
-}
-
-/// What is left of a machine that has ended.
-pub struct Outcome {
-    /// The exit code that the firmware passed by semihosting; 0 is success.
-    pub exit_code: i32,
-    /// The bytes that the firmware sent and that nobody had received.
-    pub uart: Vec<u8>,
-    /// Everything that the firmware wrote by semihosting: text, or frames of defmt.
-    pub log: Vec<u8>,
-}
-
-impl Outcome {
-    /// Fails, showing the log, unless the firmware reported success.
-    pub fn check(self) -> Result<Self> {
-        if self.exit_code != 0 {
-            bail!(
-                "the firmware ended with exit code {}:\n{}",
-                self.exit_code,
-                String::from_utf8_lossy(&self.log)
-            );
-        }
-        Ok(self)
-    }
 }
 
 impl Machine {
@@ -140,27 +116,30 @@ impl Machine {
         self.uart_output.try_iter().flatten().collect()
     }
 
-    /// Waits until the firmware ends by itself; fails when its time is up.
-    pub fn finish(mut self) -> Result<Outcome> {
-        let uart = self.uart_output.iter().flatten().collect();
+    /// Waits until the firmware ends by itself, and returns what it wrote by semihosting: text, or frames of
+    /// defmt. Fails, showing that, unless it ends in time and with success.
+    pub fn finish(mut self) -> Result<Vec<u8>> {
+        // Nobody waits for these bytes any more, but the firmware may wait to be rid of them.
+        while self.receive().is_some() {}
         let status = self.child.wait()?;
         let log = self
             .log
             .take()
             .map(|log| log.join().expect("reading does not panic"));
         let log = log.transpose()?.unwrap_or_default();
-        if self.stop_watchdog() {
+        let late = self.stop_watchdog();
+        if late || !status.success() {
+            let how = if late {
+                "did not end in time".into()
+            } else {
+                format!("failed: {status}")
+            };
             bail!(
-                "the firmware did not end in time; it wrote:\n{}",
+                "the firmware {how}; it wrote:\n{}",
                 String::from_utf8_lossy(&log)
             );
         }
-        let exit_code = status.code().context("QEMU was killed")?;
-        Ok(Outcome {
-            exit_code,
-            uart,
-            log,
-        })
+        Ok(log)
     }
 
     /// Ends the watchdog; true if it had to switch the machine off.

@@ -98,7 +98,7 @@ fn header(line: &str) -> Option<(u32, String)> {
     Some((address, symbol.strip_suffix(">:")?.to_owned()))
 }
 
-/// `     4b2: ee20 0a01    	vmul.f32	s0, s0, s2`
+/// `     4b2: ee20 0a01    <TAB>vmul.f32<TAB>s0, s0, s2`
 fn instruction(line: &str) -> Option<Instruction> {
     let mut columns = line.splitn(3, '\t');
     let (address, encoding) = columns.next()?.split_once(':')?;
