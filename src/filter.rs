@@ -9,9 +9,9 @@ use core::fmt;
 use crate::estimate;
 use crate::math::ln;
 use crate::model::{Dynamics, Likelihood};
-use crate::particles::{Particles, copy};
+use crate::particles::Particles;
 use crate::random::Rng;
-use crate::resample::{Scheme, resample};
+use crate::resample::Scheme;
 use crate::weights;
 
 /// A particle filter of `N` particles with a state of `D` dimensions.
@@ -88,11 +88,11 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
     pub fn update(&mut self, likelihood: &impl Likelihood<D>) -> Result<f32, UpdateError> {
         // The weights follow from the log-weights, so their column is free to collect the sums.
         likelihood.log_likelihoods(&self.particles.columns(), &mut self.weights);
-        for (w, l) in self.weights.iter_mut().zip(self.particles.log_weights()) {
+        let log_weights = self.particles.log_weights_mut();
+        for (w, l) in self.weights.iter_mut().zip(log_weights.iter()) {
             *w += l;
         }
-        let largest = weights::maximum(&self.weights);
-        let log_weights = self.particles.log_weights_mut();
+        let largest = weights::maximum(&mut self.weights);
         if largest == f32::NEG_INFINITY {
             let sums = weights::exponentiate(log_weights, &mut self.weights, 0.0);
             weights::scale(&mut self.weights, 1.0 / sums.weights);
@@ -121,9 +121,7 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
 
     /// Replaces light particles by copies of heavy ones and makes the weights equal.
     pub fn resample<R: Rng + ?Sized>(&mut self, scheme: Scheme, rng: &mut R) {
-        let mut columns = self.particles.columns_mut();
-        resample(scheme, &mut self.weights, rng, |from, to| copy(&mut columns, from, to));
-        self.particles.log_weights_mut().fill(0.0);
+        self.particles.resample(scheme, &mut self.weights, rng);
         self.equal_weights();
     }
 

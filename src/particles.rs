@@ -4,6 +4,7 @@
 //! [`Particles`] carries the number of particles in its type; everything that computes takes slices.
 
 use crate::random::Rng;
+use crate::resample::{Scheme, resample};
 
 /// `N` particles with a state of `D` dimensions, and their log-weights.
 ///
@@ -30,6 +31,16 @@ impl<const D: usize, const N: usize> Particles<D, N> {
     ) {
         for i in 0..N {
             self.set(i, draw(rng));
+        }
+        self.log_weights = [0.0; N];
+    }
+
+    /// Replaces light particles by copies of heavy ones, and makes the weights equal. `weights` must sum to one.
+    pub fn resample<R: Rng + ?Sized>(&mut self, scheme: Scheme, weights: &mut [f32], rng: &mut R) {
+        let offspring = resample(scheme, weights, rng);
+        // The log-weights are about to be equal, so their column serves as scratch.
+        for column in &mut self.columns {
+            offspring.expand(column, &mut self.log_weights);
         }
         self.log_weights = [0.0; N];
     }
@@ -82,18 +93,6 @@ pub fn read<const D: usize>(columns: &[&[f32]; D], i: usize) -> [f32; D] {
 pub fn write<const D: usize>(columns: &mut [&mut [f32]; D], i: usize, state: [f32; D]) {
     for (column, value) in columns.iter_mut().zip(state) {
         if let Some(place) = column.get_mut(i) {
-            *place = value;
-        }
-    }
-}
-
-/// Copies row `from` of the columns to row `to`; does nothing outside them.
-#[inline(always)]
-pub fn copy<const D: usize>(columns: &mut [&mut [f32]; D], from: usize, to: usize) {
-    for column in columns {
-        if let Some(value) = column.get(from).copied()
-            && let Some(place) = column.get_mut(to)
-        {
             *place = value;
         }
     }

@@ -1,8 +1,12 @@
 //! Resampling: replace light particles by copies of heavy ones.
 //!
 //! Every scheme gives particle `i` an expected number of copies of exactly `N w_i`; they differ in the
-//! variance of that number. All of them work in place, in time proportional to `N`, with no second cloud:
-//! a particle that survives stays where it is, and only the slots of those that die are overwritten.
+//! variance of that number. All of them work in place, in time proportional to `N`, with no second cloud.
+//!
+//! All of them keep the particles in order, so that siblings stay neighbours. That matters: systematic and
+//! stratified resampling spread their copies evenly over *neighbouring* particles, and a scheme that put
+//! copies wherever a slot is free would lose that from the second step on, at the price of half as much
+//! Monte Carlo variance again.
 
 use crate::math::{exp, ln};
 use crate::random::{Rng, uniform, uniform_open};
@@ -22,27 +26,28 @@ pub enum Scheme {
     Multinomial,
 }
 
-/// Allots `weights.len()` copies and calls `copy(from, to)` once for every slot `to` whose particle dies.
+/// Allots as many copies as there are weights, which must sum to one.
 ///
-/// `weights` must sum to one; afterwards they are equal. `from` is never a slot that is overwritten, so the
-/// calls may be carried out in any order. Carry along whatever belongs to a particle:
+/// Carry along whatever belongs to a particle, one column at a time:
 ///
 /// ```
 /// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
 /// use foxhunt::resample::{Scheme, resample};
 ///
 /// let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
-/// let mut names = ["light", "heavy", "light", "light"];
-/// let mut weights = [0.0, 1.0, 0.0, 0.0];
-/// resample(Scheme::Systematic, &mut weights, &mut rng, |from, to| names[to] = names[from]);
-/// assert_eq!(names, ["heavy"; 4]);
+/// let mut names = ["light", "heavy", "none", "light"];
+/// let mut weights = [0.25, 0.5, 0.0, 0.25];
+/// let offspring = resample(Scheme::Systematic, &mut weights, &mut rng);
+/// offspring.expand(&mut names, &mut [""; 4]);
+/// assert_eq!(names, ["light", "heavy", "heavy", "light"]);
+/// drop(offspring);
+/// assert_eq!(weights, [0.25; 4]);
 /// ```
-pub fn resample<R: Rng + ?Sized>(
+pub fn resample<'a, R: Rng + ?Sized>(
     scheme: Scheme,
-    weights: &mut [f32],
+    weights: &'a mut [f32],
     rng: &mut R,
-    copy: impl FnMut(usize, usize),
-) {
+) -> Offspring<'a> {
     let n = weights.len() as f32;
     let points = weights.len() as u32;
     match scheme {
@@ -72,8 +77,47 @@ pub fn resample<R: Rng + ?Sized>(
             allot(weights, n, false, points, first, |left| gaps.next(left));
         }
     }
-    fill(weights, copy);
-    weights.fill(1.0 / n);
+    Offspring { counts: weights }
+}
+
+/// How many copies each particle gets. When it is dropped, the weights that it was made of are equal.
+#[derive(Debug)]
+pub struct Offspring<'a> {
+    /// Integers, held as the bits of floats.
+    counts: &'a mut [f32],
+}
+
+impl Offspring<'_> {
+    /// The number of copies of each particle, which may be zero.
+    pub fn counts(&self) -> impl Iterator<Item = u32> {
+        self.counts.iter().map(|count| count.to_bits())
+    }
+
+    /// Replaces every value of a column by its copies, in order. `scratch` is as long as the column and holds
+    /// nothing of use before or after.
+    pub fn expand<T: Copy>(&self, column: &mut [T], scratch: &mut [T]) {
+        let mut slots = scratch.iter_mut();
+        for (value, count) in column.iter().zip(self.counts()) {
+            for _ in 0..count {
+                if let Some(slot) = slots.next() {
+                    *slot = *value;
+                }
+            }
+        }
+        // Without any weight there are no copies, and everything stays.
+        let unfilled = slots.len();
+        let filled = scratch.len() - unfilled;
+        for (value, slot) in column.iter_mut().zip(scratch).take(filled) {
+            *value = *slot;
+        }
+    }
+}
+
+impl Drop for Offspring<'_> {
+    fn drop(&mut self) {
+        let n = self.counts.len() as f32;
+        self.counts.fill(1.0 / n);
+    }
 }
 
 /// How many points are left for the multinomial part of [`Scheme::Residual`], and over what length.
@@ -121,47 +165,26 @@ fn allot(
 ) {
     let mut left = points;
     let mut to_next_point = first;
-    let mut last_alive = None;
-    for slot in weights {
+    for slot in weights.iter_mut() {
         let mut share = *slot * n;
-        let mut copies = 0;
-        let alive = share > 0.0;
+        let mut count = 0;
         if whole_part_is_certain {
-            copies = share as u32;
-            share -= copies as f32;
+            count = share as u32;
+            share -= count as f32;
         }
         to_next_point -= share;
         while to_next_point < 0.0 && left > 0 {
-            copies += 1;
+            count += 1;
             left -= 1;
             to_next_point += gap(left);
         }
-        *slot = f32::from_bits(copies);
-        if alive {
-            last_alive = Some(slot);
-        }
+        *slot = f32::from_bits(count);
     }
-    // What rounding may have left behind the end of the line.
-    if let Some(slot) = last_alive {
+    // Rounding may leave a point behind the end of the line: it belongs to the last particle that has any.
+    if left > 0
+        && let Some(slot) = weights.iter_mut().rfind(|slot| slot.to_bits() > 0)
+    {
         *slot = f32::from_bits(slot.to_bits() + left);
-    }
-}
-
-/// Walks through the numbers of copies and hands each surplus copy the next slot that has none.
-fn fill(copies: &mut [f32], mut copy: impl FnMut(usize, usize)) {
-    let mut dead = 0;
-    for from in 0..copies.len() {
-        let surplus = copies.get(from).map_or(0, |c| c.to_bits().saturating_sub(1));
-        for _ in 0..surplus {
-            while copies.get(dead).is_some_and(|c| c.to_bits() != 0) {
-                dead += 1;
-            }
-            if dead >= copies.len() {
-                return;
-            }
-            copy(from, dead);
-            dead += 1;
-        }
     }
 }
 
@@ -177,15 +200,7 @@ mod tests {
 
     /// Copies of each particle after one resampling.
     fn copies(scheme: Scheme, weights: &[f32], rng: &mut Xoshiro128PlusPlus) -> Vec<u32> {
-        let mut labels: Vec<usize> = (0..weights.len()).collect();
-        let mut w = weights.to_vec();
-        resample(scheme, &mut w, rng, |from, to| labels[to] = labels[from]);
-        assert!(w.iter().all(|&w| w == 1.0 / weights.len() as f32));
-        let mut counts = vec![0; weights.len()];
-        for label in labels {
-            counts[label] += 1;
-        }
-        counts
+        resample(scheme, &mut weights.to_vec(), rng).counts().collect()
     }
 
     fn normalised(raw: &[f32]) -> Vec<f32> {
@@ -274,24 +289,39 @@ mod tests {
     fn no_particle_and_one_particle() {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(14);
         for scheme in SCHEMES {
-            resample(scheme, &mut [], &mut rng, |_, _| unreachable!());
+            assert_eq!(copies(scheme, &[], &mut rng), []);
             assert_eq!(copies(scheme, &[1.0], &mut rng), [1]);
         }
     }
 
     #[test]
-    fn parents_are_never_overwritten() {
+    fn columns_are_expanded_in_order() {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(15);
-        let weights = normalised(&(0..64).map(|i| ((i * 37) % 64) as f32).collect::<Vec<_>>());
         for scheme in SCHEMES {
-            let mut written = [false; 64];
-            let mut read = [false; 64];
-            resample(scheme, &mut weights.clone(), &mut rng, |from, to| {
-                assert!(!written[to], "slot {to} is written twice");
-                written[to] = true;
-                read[from] = true;
-            });
-            assert!((0..64).all(|i| !(written[i] && read[i])));
+            for run in 0..100 {
+                let raw: Vec<f32> = (0..64).map(|i| ((i * 37 + run * 11) % 64) as f32).collect();
+                let mut weights = normalised(&raw);
+                let offspring = resample(scheme, &mut weights, &mut rng);
+                let mut labels: Vec<usize> = (0..64).collect();
+                offspring.expand(&mut labels, &mut [0; 64]);
+                assert!(labels.is_sorted());
+                let of = |label| labels.iter().filter(|&&l| l == label).count() as u32;
+                assert!(offspring.counts().enumerate().all(|(i, count)| of(i) == count));
+                drop(offspring);
+                assert_eq!(weights, [1.0 / 64.0; 64]);
+            }
+        }
+    }
+
+    #[test]
+    fn weights_that_are_none_move_nothing() {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(16);
+        for scheme in SCHEMES {
+            for nonsense in [0.0, f32::NAN] {
+                let mut labels = [0, 1, 2, 3];
+                resample(scheme, &mut [nonsense; 4], &mut rng).expand(&mut labels, &mut [9; 4]);
+                assert_eq!(labels, [0, 1, 2, 3]);
+            }
         }
     }
 }

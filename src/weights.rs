@@ -17,8 +17,8 @@ pub struct Normalised {
 
 /// Turns log-weights into weights that sum to one, and shifts the log-weights so that the largest is zero.
 ///
-/// A log-weight that is NaN or plus infinity stands for no weight at all, like minus infinity, and becomes
-/// it. Weights below 2^-60 of the largest become zero.
+/// A log-weight that is NaN or plus infinity stands for no weight at all, like minus infinity. Weights below
+/// 2^-60 of the largest become zero.
 ///
 /// Returns `None`, with both slices as they were, when no particle has any weight or there are none.
 pub fn normalise(log_weights: &mut [f32], weights: &mut [f32]) -> Option<Normalised> {
@@ -56,41 +56,43 @@ impl Sums {
     }
 }
 
-/// Largest finite log-weight, or minus infinity.
-pub(crate) fn maximum(log_weights: &[f32]) -> f32 {
-    let mut largest = f32::NEG_INFINITY;
-    for &l in log_weights {
-        if l > largest && l <= f32::MAX {
-            largest = l;
-        }
+/// Largest log-weight that is finite, or minus infinity. Sets those that are plus infinity to minus infinity.
+pub(crate) fn maximum(log_weights: &mut [f32]) -> f32 {
+    let of_all = |log_weights: &[f32]| {
+        // A comparison with NaN is false.
+        log_weights.iter().fold(f32::NEG_INFINITY, |largest, &l| if l > largest { l } else { largest })
+    };
+    let largest = of_all(log_weights);
+    if largest < f32::INFINITY {
+        return largest;
     }
-    largest
+    for l in log_weights.iter_mut().filter(|l| **l == f32::INFINITY) {
+        *l = f32::NEG_INFINITY;
+    }
+    of_all(log_weights)
 }
 
-/// Sets every weight to the exponential of its log-weight less `largest`, which becomes the log-weight.
+/// Sets every weight to the exponential of its log-weight less `largest`, and the log-weight to that difference.
 ///
 /// Four running sums each, because one would wait for itself; then added in a fixed order.
 pub(crate) fn exponentiate(log_weights: &mut [f32], weights: &mut [f32], largest: f32) -> Sums {
     let mut sum = [0.0f32; 4];
     let mut squares = [0.0f32; 4];
-    let one = |l: &mut f32, w: &mut f32, lane: usize, sum: &mut [f32; 4], squares: &mut [f32; 4]| {
-        let shifted = *l - largest;
-        // Also false for NaN.
-        let kept = if shifted <= 0.0 { shifted } else { f32::NEG_INFINITY };
-        *l = kept;
-        *w = exp_of_weight(kept);
-        sum[lane] += *w;
-        squares[lane] += *w * *w;
-    };
     let (log_blocks, log_rest) = log_weights.as_chunks_mut::<4>();
     let (blocks, rest) = weights.as_chunks_mut::<4>();
     for (l, w) in log_blocks.iter_mut().zip(blocks) {
         for lane in 0..4 {
-            one(&mut l[lane], &mut w[lane], lane, &mut sum, &mut squares);
+            l[lane] -= largest;
+            w[lane] = exp_of_weight(l[lane]);
+            sum[lane] += w[lane];
+            squares[lane] += w[lane] * w[lane];
         }
     }
     for (l, w) in log_rest.iter_mut().zip(rest) {
-        one(l, w, 0, &mut sum, &mut squares);
+        *l -= largest;
+        *w = exp_of_weight(*l);
+        sum[0] += *w;
+        squares[0] += *w * *w;
     }
     Sums {
         weights: (sum[0] + sum[1]) + (sum[2] + sum[3]),
@@ -142,7 +144,6 @@ mod tests {
         let mut weights = [9.0; 5];
         normalise(&mut logs, &mut weights).unwrap();
         assert_eq!(weights, [0.0, 0.5, 0.0, 0.0, 0.5]);
-        assert_eq!(logs[0], f32::NEG_INFINITY);
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub const ACCURACY: [Accuracy; 12] = {
     [
         entry("exp", (-10.0, 0.0), 8e-7, Relative),
         entry("exp", (-87.0, 88.0), 6e-6, Relative),
-        entry("ln", (0.5, 2.0), 1.2e-7, Absolute),
+        entry("ln", (0.5, 2.0), 5e-7, Absolute),
         entry("ln", (1e-30, 1e30), 8e-6, Absolute),
         entry("sqrt", (0.0, 1e6), 6e-8, Relative),
         entry("atan2", (-PI, PI), 8e-7, Absolute),

@@ -4,48 +4,68 @@ use core::f32::consts::{LN_2, LOG2_E};
 
 use super::ROUND;
 
-/// 2^t for t within [-126, 128]: the integer part goes into the exponent, a polynomial of degree 5 takes the rest.
+/// Bits of 2^t for t within [-126, 128): the integer part goes into the exponent, a polynomial of degree 5 takes
+/// the rest. As bits, because a loop then stores them without a detour through a floating-point register.
 #[inline(always)]
-const fn exp2(t: f32) -> f32 {
+const fn exp2(t: f32) -> u32 {
     let rounded = t + ROUND;
     let f = t - (rounded - ROUND);
     let p = 1.000_000_1
         + f * (6.931_469_7e-1
             + f * (2.402_212e-1
                 + f * (5.550_713_3e-2 + f * (9.675_541e-3 + f * 1.327_647_2e-3))));
-    f32::from_bits(p.to_bits().wrapping_add(rounded.to_bits() << 23))
+    p.to_bits().wrapping_add(rounded.to_bits() << 23)
 }
 
-/// e^x: zero below -87, infinite above 88, NaN for NaN.
+/// e^x, over the whole range of f32; NaN for NaN.
 #[inline(always)]
 pub const fn exp(x: f32) -> f32 {
-    if x < -87.0 {
+    // |x| <= 87, on the bits without the sign.
+    let within = x.to_bits() << 1 <= 87f32.to_bits() << 1;
+    f32::from_bits(if within { exp2(x * LOG2_E) } else { exp_at_the_ends(x).to_bits() })
+}
+
+/// Where the result overflows or is subnormal. Apart, so that it takes no registers from the loop that calls `exp`.
+#[cold]
+#[inline(never)]
+const fn exp_at_the_ends(x: f32) -> f32 {
+    if x < -110.0 {
         0.0
-    } else if x > 88.0 {
+    } else if x > 90.0 {
         f32::INFINITY
     } else {
-        exp2(x * LOG2_E)
+        let root = f32::from_bits(exp2(0.5 * LOG2_E * x));
+        root * root
     }
 }
 
-/// e^x of a log-weight relative to the largest, so x <= 0: a weight below 2^-60 of the largest is zero.
+/// e^x of a log-weight relative to the largest, so x <= 0: a weight below 2^-60 of the largest, or NaN, is zero.
 ///
 /// Squares and sums of what it returns stay far above the subnormal numbers, which some processors handle
 /// a hundred times slower.
 #[inline(always)]
 pub(crate) const fn exp_of_weight(x: f32) -> f32 {
     let t = x * LOG2_E;
-    let t_kept = if t < -60.0 { -60.0 } else { t };
-    let w = exp2(t_kept);
-    if t < -60.0 { 0.0 } else { w }
+    // A choice between two numbers, not a branch.
+    let w = exp2(t);
+    f32::from_bits(if t >= -60.0 { w } else { 0 })
 }
 
 /// Natural logarithm: minus infinity for zero and subnormal numbers, NaN for a negative argument.
 #[inline(always)]
 pub const fn ln(x: f32) -> f32 {
-    if x >= f32::MIN_POSITIVE && x <= f32::MAX {
-        ln_of_normal(x)
-    } else if x < 0.0 {
+    const SMALLEST: u32 = f32::MIN_POSITIVE.to_bits();
+    const BEYOND: u32 = f32::INFINITY.to_bits();
+    // Positive, normal and finite, in one comparison.
+    let bits = x.to_bits();
+    if bits.wrapping_sub(SMALLEST) < BEYOND - SMALLEST { ln_of_normal(bits) } else { ln_at_the_ends(bits) }
+}
+
+#[cold]
+#[inline(never)]
+const fn ln_at_the_ends(bits: u32) -> f32 {
+    let x = f32::from_bits(bits);
+    if x < 0.0 {
         f32::NAN
     } else if x < 1.0 {
         f32::NEG_INFINITY
@@ -55,21 +75,21 @@ pub const fn ln(x: f32) -> f32 {
     }
 }
 
-/// Natural logarithm of a positive normal number.
+/// Natural logarithm of a positive normal number, from its bits.
 #[inline(always)]
-const fn ln_of_normal(x: f32) -> f32 {
+const fn ln_of_normal(bits: u32) -> f32 {
     // Splits x into m * 2^e with m within [sqrt(1/2), sqrt(2)), so that the logarithm has no cancellation near 1.
     const SQRT_HALF: u32 = 0x3f35_04f3;
-    let e = (x.to_bits().wrapping_sub(SQRT_HALF) as i32) >> 23;
-    let m = f32::from_bits(x.to_bits().wrapping_sub((e as u32) << 23));
+    let e = (bits.wrapping_sub(SQRT_HALF) as i32) >> 23;
+    let m = f32::from_bits(bits.wrapping_sub((e as u32) << 23));
     let t = m - 1.0;
     let p = t
-        * (9.999_999_5e-1
-            + t * (-5.000_036_5e-1
-                + t * (3.333_506e-1
-                    + t * (-2.496_991e-1
-                        + t * (1.990_016_5e-1
-                            + t * (-1.725_083e-1 + t * (1.622_258e-1 - t * 1.010_689_6e-1)))))));
+        * (1.000_001
+            + t * (-5.000_111_3e-1
+                + t * (3.331_450_9e-1
+                    + t * (-2.490_974_4e-1
+                        + t * (2.049_632_9e-1
+                            + t * (-1.866_785_5e-1 + t * 1.189_610_8e-1))))));
     p + e as f32 * LN_2
 }
 
@@ -84,7 +104,8 @@ mod tests {
         assert_eq!(exp(1e9), f32::INFINITY);
         assert!(exp(f32::NAN).is_nan());
         assert!((exp(-87.0) / (-87f64).exp() as f32 - 1.0).abs() < 1e-5);
-        assert!((exp(88.0) / 88f64.exp() as f32 - 1.0).abs() < 1e-5);
+        assert!((exp(88.5) / 88.5f64.exp() as f32 - 1.0).abs() < 1e-5);
+        assert!(exp(-100.0) > 0.0 && exp(-100.0) < f32::MIN_POSITIVE);
     }
 
     #[test]

@@ -17,9 +17,11 @@ fn drive<const N: usize, const B: usize>(
     points: usize,
     rng: &mut Xoshiro128PlusPlus,
 ) -> Answer {
+    // The errors are the same for every locator, whatever it draws for itself.
+    let mut noise = rng.clone();
     for i in 0..points {
         let east = 1500.0 * i as f32 / (points - 1) as f32;
-        let error = SIGMA * normal(rng);
+        let error = SIGMA * normal(&mut noise);
         locator.push(observe([east, 0.0], error), rng);
     }
     locator.answer()
@@ -71,8 +73,9 @@ fn a_small_buffer_forgets_nothing() {
         assert_eq!((whole.bearings, small.bearings), (60, 60));
         for axis in 0..2 {
             let sigma = whole.covariance[axis][axis].sqrt();
-            // The two clouds have their own noise of about a tenth of a deviation.
-            assert!((whole.position[axis] - small.position[axis]).abs() < sigma, "seed {seed}");
+            // The two clouds have their own noise of about a twelfth of a deviation.
+            let off = (whole.position[axis] - small.position[axis]).abs() / sigma;
+            assert!(off < 0.4, "seed {seed}: {off}");
             let ratio = small.covariance[axis][axis].sqrt() / sigma;
             assert!((0.7..1.4).contains(&ratio), "seed {seed}: {ratio}");
         }
