@@ -194,6 +194,13 @@ mod tests {
     }
 
     #[test]
+    fn the_shipped_drive_is_that_of_its_seed() {
+        let shipped = include_bytes!("../../examples/data/drive.nmea");
+        let same = example(EXAMPLE_SEED).bytes() == shipped;
+        assert!(same, "remake it: cargo xtask drive");
+    }
+
+    #[test]
     fn a_drive_tells_the_truth() {
         let place = truth(example(1).bytes()).unwrap();
         assert!((place.latitude - 52.24).abs() < 0.01 && (place.longitude - 21.02).abs() < 0.01);

@@ -122,7 +122,7 @@ impl Curves {
             ))?;
             area.draw(&Text::new(
                 curve.name.as_str(),
-                (left + MARK + 10, y - 9),
+                (left + MARK + 10, y - 7),
                 style.clone(),
             ))?;
         }

@@ -193,7 +193,7 @@ impl Map {
             let style = font(16);
             let end = x + 34 + width(area, name, &style)?;
             area.draw(&Text::new(name, (x + 34, 12), style))?;
-            x = end + 28;
+            x = end + 32;
             Ok(())
         };
         let line = |x, style| area.draw(&PathElement::new([(x, 21), (x + 26, 21)], style));

@@ -67,8 +67,7 @@ fn png(svg: &str) -> Result<Vec<u8>> {
     Ok(pixels.encode_png()?)
 }
 
-/// Pixels that `text` takes. What plotters measures is for a font whose lines, not letters, are of the
-/// given size.
+/// Pixels that `text` takes: what plotters measures is a few percent short.
 fn width<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     text: &str,
@@ -77,10 +76,8 @@ fn width<DB: DrawingBackend>(
 where
     DB::ErrorType: 'static,
 {
-    /// Ascent and descent of Noto Sans, as multiples of the letters' size.
-    const LINE: f64 = 1.069 + 0.293;
     let (measured, _) = area.estimate_text_size(text, style)?;
-    Ok((LINE * f64::from(measured)) as i32)
+    Ok((1.1 * f64::from(measured)) as i32)
 }
 
 fn font(size: u32) -> TextStyle<'static> {
