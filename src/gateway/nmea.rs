@@ -1,11 +1,9 @@
 //! Sentences of the navigation receiver.
 //!
-//! The parser tells the fields apart and leaves them as text: an f32 would lose half a metre of a longitude.
-//! It splits by `str::splitn`, whose search keeps a bounds check that is never met but that the optimiser does
-//! not see through: the only call of a panic in a firmware that uses the gateway.
-
-use nmeasis::message::{gga::Gga, rmc::Rmc, vtg::Vtg};
-use nmeasis::parser::NmeaParse;
+//! The fields stay bytes until they are exact integers: an f32 would lose half a metre of a longitude.
+//!
+//! Read here and not by a crate, because every `no_std` parser of NMEA leaves panics in the firmware that links
+//! it (float parsing, slices of strings). The tests hold this one to what the `nmea` crate reads.
 
 use super::Rejected;
 use super::clock::TimeOfDay;
@@ -44,21 +42,20 @@ pub(super) struct Motion {
 #[inline(never)]
 pub(super) fn parse(line: &[u8]) -> Result<Sentence, Rejected> {
     let payload = checked(line)?;
-    let payload = core::str::from_utf8(payload).map_err(|_| Rejected::Unparsable)?;
-    if payload == "PFOXQ" {
+    if payload == b"PFOXQ" {
         return Ok(Sentence::Query);
     }
     // Two letters of the talker, three of the sentence, a comma, the fields.
     let Some((address, fields)) = payload.split_at_checked(6) else {
         return Ok(Sentence::Other);
     };
-    match address.as_bytes() {
+    match address {
         [b'P', ..] => Ok(Sentence::Other),
         [_, _, b'R', b'M', b'C', b','] => rmc(fields),
         [_, _, b'G', b'G', b'A', b','] => gga(fields),
         [_, _, b'V', b'T', b'G', b','] => vtg(fields),
-        [_, _, b'H', b'D', b'T', b','] => heading(fields.as_bytes(), b"T"),
-        [_, _, b'T', b'H', b'S', b','] => heading(fields.as_bytes(), b"AEMS"),
+        [_, _, b'H', b'D', b'T', b','] => heading(fields, b"T"),
+        [_, _, b'T', b'H', b'S', b','] => heading(fields, b"AEMS"),
         _ => Ok(Sentence::Other),
     }
 }
@@ -85,54 +82,68 @@ pub(super) fn checksum(payload: &[u8]) -> u8 {
 }
 
 #[inline(never)]
-fn rmc(fields: &str) -> Result<Sentence, Rejected> {
-    let rmc = Rmc::parse(fields).map_err(|_| Rejected::Unparsable)?;
-    let time = time(rmc.time)?;
-    let void = rmc.status != "A" || rmc.faa_mode == Some("N");
+fn rmc(fields: &[u8]) -> Result<Sentence, Rejected> {
+    let [
+        clock,
+        status,
+        latitude,
+        latitude_side,
+        longitude,
+        longitude_side,
+        speed,
+        course,
+    ] = columns(fields)?;
+    let time = time(clock)?;
+    let mode = fields.split(|byte| *byte == b',').nth(11);
+    let void = status != b"A" || mode == Some(b"N");
     match (time, void) {
         (Some(time), false) => {
-            let place = place(
-                rmc.latitude,
-                rmc.latitude_dir,
-                rmc.longitude,
-                rmc.longitude_dir,
-            )?;
-            Ok(Sentence::Position(
-                time,
-                place,
-                motion(rmc.track_made, rmc.speed)?,
-            ))
+            let place = place(latitude, latitude_side, longitude, longitude_side)?;
+            Ok(Sentence::Position(time, place, motion(course, speed)?))
         }
         _ => Ok(Sentence::NoFix(time)),
     }
 }
 
 #[inline(never)]
-fn gga(fields: &str) -> Result<Sentence, Rejected> {
-    let gga = Gga::parse(fields).map_err(|_| Rejected::Unparsable)?;
-    let time = time(gga.time)?;
-    match (time, gga.fix_quality) {
-        (Some(time), "1" | "2" | "3" | "4" | "5" | "6" | "7" | "8" | "9") => {
-            let place = place(
-                gga.latitude,
-                gga.latitude_dir,
-                gga.longitude,
-                gga.longitude_dir,
-            )?;
+fn gga(fields: &[u8]) -> Result<Sentence, Rejected> {
+    let [
+        clock,
+        latitude,
+        latitude_side,
+        longitude,
+        longitude_side,
+        quality,
+    ] = columns(fields)?;
+    let time = time(clock)?;
+    match (time, quality) {
+        (Some(time), [b'1'..=b'9']) => {
+            let place = place(latitude, latitude_side, longitude, longitude_side)?;
             Ok(Sentence::Position(time, place, None))
         }
-        (_, "0" | "") | (None, _) => Ok(Sentence::NoFix(time)),
+        (_, b"0" | b"") | (None, _) => Ok(Sentence::NoFix(time)),
         _ => Err(Rejected::Unparsable),
     }
 }
 
 #[inline(never)]
-fn vtg(fields: &str) -> Result<Sentence, Rejected> {
-    let vtg = Vtg::parse(fields).map_err(|_| Rejected::Unparsable)?;
-    match motion(vtg.degrees_true, vtg.speed_knots)? {
-        Some(motion) if vtg.faa_mode != Some("N") => Ok(Sentence::Motion(motion)),
+fn vtg(fields: &[u8]) -> Result<Sentence, Rejected> {
+    let [course, _, _, _, speed] = columns(fields)?;
+    let mode = fields.split(|byte| *byte == b',').nth(8);
+    match motion(course, speed)? {
+        Some(motion) if mode != Some(b"N") => Ok(Sentence::Motion(motion)),
         _ => Ok(Sentence::NoFix(None)),
     }
+}
+
+/// The first `C` fields.
+fn columns<const C: usize>(fields: &[u8]) -> Result<[&[u8]; C], Rejected> {
+    let mut rest = fields.split(|byte| *byte == b',');
+    let mut columns = [&[] as &[u8]; C];
+    for column in &mut columns {
+        *column = rest.next().ok_or(Rejected::Unparsable)?;
+    }
+    Ok(columns)
 }
 
 /// `heading,mode` with one of the `valid` modes: HDT and THS, which the parser does not know.
@@ -149,25 +160,25 @@ fn heading(fields: &[u8], valid: &[u8]) -> Result<Sentence, Rejected> {
 }
 
 #[inline(never)]
-fn time(text: &str) -> Result<Option<TimeOfDay>, Rejected> {
+fn time(text: &[u8]) -> Result<Option<TimeOfDay>, Rejected> {
     if text.is_empty() {
         return Ok(None);
     }
-    TimeOfDay::from_nmea(text.as_bytes())
+    TimeOfDay::from_nmea(text)
         .map(Some)
         .ok_or(Rejected::Unparsable)
 }
 
 #[inline(never)]
-fn motion(course: &str, speed: &str) -> Result<Option<Motion>, Rejected> {
+fn motion(course: &[u8], speed: &[u8]) -> Result<Option<Motion>, Rejected> {
     if speed.is_empty() {
         return Ok(None);
     }
-    let knots = decimal(speed.as_bytes()).ok_or(Rejected::Unparsable)?;
+    let knots = decimal(speed).ok_or(Rejected::Unparsable)?;
     let course = if course.is_empty() {
         None
     } else {
-        Some(angle(course.as_bytes())?)
+        Some(angle(course)?)
     };
     Ok(Some(Motion {
         course,
@@ -186,13 +197,13 @@ fn angle(degrees: &[u8]) -> Result<f32, Rejected> {
 
 #[inline(never)]
 fn place(
-    latitude: &str,
-    latitude_side: &str,
-    longitude: &str,
-    longitude_side: &str,
+    latitude: &[u8],
+    latitude_side: &[u8],
+    longitude: &[u8],
+    longitude_side: &[u8],
 ) -> Result<Geodetic, Rejected> {
-    let latitude = degrees_e7(latitude, latitude_side, ["N", "S"])?;
-    let longitude = degrees_e7(longitude, longitude_side, ["E", "W"])?;
+    let latitude = degrees_e7(latitude, latitude_side, *b"NS")?;
+    let longitude = degrees_e7(longitude, longitude_side, *b"EW")?;
     if latitude == 0 && longitude == 0 {
         return Err(Rejected::NullPosition);
     }
@@ -201,8 +212,8 @@ fn place(
 
 /// From `dddmm.mmmm` and one of the two `sides`, of which the second is negative.
 #[inline(never)]
-fn degrees_e7(text: &str, side: &str, sides: [&str; 2]) -> Result<i32, Rejected> {
-    let value = fixed(text.as_bytes(), 7)
+fn degrees_e7(text: &[u8], side: &[u8], sides: [u8; 2]) -> Result<i32, Rejected> {
+    let value = fixed(text, 7)
         .filter(|v| *v >= 0)
         .ok_or(Rejected::Unparsable)?;
     let (degrees, minutes_e7) = (value / 1_000_000_000, value % 1_000_000_000);
@@ -210,7 +221,7 @@ fn degrees_e7(text: &str, side: &str, sides: [&str; 2]) -> Result<i32, Rejected>
         return Err(Rejected::OutOfRange);
     }
     let degrees_e7 = (degrees * 10_000_000 + (minutes_e7 + 30) / 60) as i32;
-    match sides.map(|s| s == side) {
+    match sides.map(|s| side == [s]) {
         [true, _] => Ok(degrees_e7),
         [_, true] => Ok(-degrees_e7),
         _ => Err(Rejected::Unparsable),
@@ -365,6 +376,70 @@ mod tests {
             ("HEHDT,-1,T", Rejected::OutOfRange),
         ] {
             assert_eq!(read(payload), Err(reason), "{payload}");
+        }
+    }
+
+    /// Thousands of sentences over all hemispheres and precisions, read by an established parser as well.
+    #[test]
+    fn the_nmea_crate_reads_the_same() {
+        use crate::random::{Rng, SeedableRng, Xoshiro128PlusPlus};
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(71);
+        let mut below = |limit: u32| rng.next_u32() % limit;
+        for _ in 0..5_000 {
+            let minute = |minutes: u32, decimals: usize, fraction: u32| {
+                format!("{minutes:02}.{:0decimals$}", fraction % 10u32.pow(decimals as u32))
+            };
+            let decimals = 3 + below(5) as usize;
+            let latitude = format!("{:02}{}", below(90), minute(below(60), decimals, below(u32::MAX)));
+            let longitude = format!("{:03}{}", below(180), minute(below(60), decimals, below(u32::MAX)));
+            let north = ["N", "S"][below(2) as usize];
+            let east = ["E", "W"][below(2) as usize];
+            let time = format!("{:02}{:02}{:02}.{:02}", below(24), below(60), below(60), below(100));
+            let (speed, course) = (below(2_000) as f32 / 10.0, below(3_600) as f32 / 10.0);
+
+            let rmc = format!(
+                "GPRMC,{time},A,{latitude},{north},{longitude},{east},{speed:.1},{course:.1},221126,,,A"
+            );
+            let gga = format!(
+                "GNGGA,{time},{latitude},{north},{longitude},{east},1,08,0.9,545.4,M,46.9,M,,"
+            );
+            let vtg = format!("GPVTG,{course:.1},T,,M,{speed:.1},N,,K");
+            let hdt = format!("HEHDT,{course:.1},T");
+            for payload in [rmc, gga, vtg, hdt] {
+                let line = format!("${payload}*{:02X}", checksum(payload.as_bytes()));
+                assert_agree(&line, &parse(line.as_bytes()).unwrap(), &::nmea::parse_str(&line).unwrap());
+            }
+        }
+    }
+
+    fn assert_agree(line: &str, ours: &Sentence, theirs: &::nmea::ParseResult) {
+        use ::nmea::ParseResult;
+        let near = |a: f64, b: f64, limit: f64| assert!((a - b).abs() <= limit, "{line}: {a} {b}");
+        let same_place = |place: &Geodetic, latitude: Option<f64>, longitude: Option<f64>| {
+            // Half of the last digit, and the rounding of theirs.
+            near(f64::from(place.latitude_e7()), latitude.unwrap() * 1e7, 0.51);
+            near(f64::from(place.longitude_e7()), longitude.unwrap() * 1e7, 0.51);
+        };
+        let same_motion = |motion: &Motion, knots: Option<f32>, course: Option<f32>| {
+            let knots = knots.unwrap() * METRES_PER_SECOND_PER_KNOT;
+            near(f64::from(motion.speed), f64::from(knots), 1e-5);
+            near(f64::from(motion.course.unwrap()), f64::from(course.unwrap()), 1e-4);
+        };
+        match (ours, theirs) {
+            (Sentence::Position(_, place, Some(motion)), ParseResult::RMC(rmc)) => {
+                same_place(place, rmc.lat, rmc.lon);
+                same_motion(motion, rmc.speed_over_ground, rmc.true_course);
+            }
+            (Sentence::Position(_, place, None), ParseResult::GGA(gga)) => {
+                same_place(place, gga.latitude, gga.longitude);
+            }
+            (Sentence::Motion(motion), ParseResult::VTG(vtg)) => {
+                same_motion(motion, vtg.speed_over_ground, vtg.true_course);
+            }
+            (Sentence::Heading(degrees), ParseResult::HDT(hdt)) => {
+                near(f64::from(*degrees), f64::from(hdt.heading.unwrap()), 1e-4);
+            }
+            _ => panic!("{line}: {ours:?} is not {theirs:?}"),
         }
     }
 }
