@@ -92,7 +92,7 @@ mod proof {
         cloud.set(any(0), any([0.0; 3]));
         black_box(cloud.get(any(0)));
         cloud.log_weights_mut().fill(any(0.0));
-        cloud.resample(any(Scheme::Systematic), some_mut(&mut any([0.0; 20])), rng);
+        cloud.resample(any(Scheme::Systematic), &mut any([0.0; 50]), rng);
         black_box(cloud.log_weights());
 
         let (mut a, mut b, mut c) = (any([0.0; 20]), any([0.0; 20]), any([0.0; 20]));
@@ -112,10 +112,10 @@ mod proof {
         black_box(estimate::quantile(some(a), some(b), any(0.0)));
         black_box(weights::effective_sample_size(some(a)));
         black_box(weights::normalise(some_mut(a), some_mut(b)));
-        let offspring = resample(any(Scheme::Systematic), some_mut(&mut c), rng);
-        offspring.expand(some_mut(a), some_mut(b));
-        black_box(offspring.counts().sum::<u32>());
-        drop(offspring);
+        black_box(weights::reweigh(some_mut(a), some_mut(b)));
+        let ancestors = resample(any(Scheme::Systematic), some(a), some_mut(&mut c), rng);
+        ancestors.gather(some_mut(a), some_mut(b));
+        black_box(ancestors.iter().sum::<usize>());
         let ellipse = Ellipse::of_normal(any([0.0; 2]), any([[0.0; 2]; 2]), any(0.0));
         black_box(ellipse.contains(any([0.0; 2])));
     }

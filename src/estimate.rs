@@ -49,10 +49,18 @@ pub fn quantile(column: &[f32], weights: &[f32], probability: f32) -> f32 {
     // The order of the floats is that of their bits once the negative ones are turned round.
     let key = |x: f32| {
         let bits = x.to_bits();
-        if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
+        if bits >> 31 == 0 {
+            bits | 1 << 31
+        } else {
+            !bits
+        }
     };
     let weight_up_to = |limit: u32| -> f32 {
-        weights.iter().zip(column).map(|(w, x)| if key(*x) <= limit { *w } else { 0.0 }).sum()
+        weights
+            .iter()
+            .zip(column)
+            .map(|(w, x)| if key(*x) <= limit { *w } else { 0.0 })
+            .sum()
     };
     let mut answer = u32::MAX;
     for bit in (0..32).rev() {
@@ -63,7 +71,11 @@ pub fn quantile(column: &[f32], weights: &[f32], probability: f32) -> f32 {
         }
     }
     // The next bits are cleared one by one, so what is left is the key of a value of the column.
-    f32::from_bits(if answer >> 31 == 1 { answer & !(1 << 31) } else { !answer })
+    f32::from_bits(if answer >> 31 == 1 {
+        answer & !(1 << 31)
+    } else {
+        !answer
+    })
 }
 
 /// An ellipse in the plane, and the region of a given probability of a two-dimensional normal distribution.
@@ -95,7 +107,11 @@ impl Ellipse {
         // fewer digits than by the difference.
         let major = middle + reach;
         let determinant = a * c - b * b;
-        let minor = if determinant > 0.0 { determinant / major } else { 0.0 };
+        let minor = if determinant > 0.0 {
+            determinant / major
+        } else {
+            0.0
+        };
         Self {
             centre,
             semi_major: sqrt(radius_squared * major),

@@ -70,12 +70,7 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
     }
 
     /// Moves every particle by `dt` seconds.
-    pub fn predict<R: Rng + ?Sized>(
-        &mut self,
-        dynamics: &impl Dynamics<D>,
-        dt: f32,
-        rng: &mut R,
-    ) {
+    pub fn predict<R: Rng + ?Sized>(&mut self, dynamics: &impl Dynamics<D>, dt: f32, rng: &mut R) {
         dynamics.predict(&mut self.particles.columns_mut(), dt, rng);
     }
 
@@ -86,25 +81,16 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
     /// # Errors
     /// When no particle is left with any weight; the filter is then as before.
     pub fn update(&mut self, likelihood: &impl Likelihood<D>) -> Result<f32, UpdateError> {
-        // The weights follow from the log-weights, so their column is free to collect the sums.
         likelihood.log_likelihoods(&self.particles.columns(), &mut self.weights);
         let log_weights = self.particles.log_weights_mut();
-        for (w, l) in self.weights.iter_mut().zip(log_weights.iter()) {
-            *w += l;
-        }
-        let largest = weights::maximum(&mut self.weights);
-        if largest == f32::NEG_INFINITY {
-            let sums = weights::exponentiate(log_weights, &mut self.weights, 0.0);
-            weights::scale(&mut self.weights, 1.0 / sums.weights);
+        let Some(normalised) = weights::reweigh(log_weights, &mut self.weights) else {
+            // The weights follow from the log-weights, which are untouched.
+            weights::normalise(log_weights, &mut self.weights);
             return Err(UpdateError::AllWeightsZero);
-        }
-        log_weights.copy_from_slice(&self.weights);
-        let sums = weights::exponentiate(log_weights, &mut self.weights, largest);
-        weights::scale(&mut self.weights, 1.0 / sums.weights);
-        let log_sum = ln(sums.weights);
-        let log_evidence = largest + log_sum - self.log_sum;
-        self.log_sum = log_sum;
-        self.effective_sample_size = sums.effective_sample_size();
+        };
+        let log_evidence = normalised.shift + normalised.log_sum - self.log_sum;
+        self.log_sum = normalised.log_sum;
+        self.effective_sample_size = normalised.effective_sample_size;
         Ok(log_evidence)
     }
 
@@ -196,15 +182,24 @@ mod tests {
             assert_eq!(result, Err(UpdateError::AllWeightsZero));
             assert_eq!(filter.weights, before.weights);
             assert_eq!(filter.log_sum, before.log_sum);
-            assert_eq!(filter.particles.log_weights(), before.particles.log_weights());
+            assert_eq!(
+                filter.particles.log_weights(),
+                before.particles.log_weights()
+            );
         }
     }
 
     #[test]
     fn a_particle_that_is_impossible_dies_and_the_others_live() {
         let (mut filter, mut rng) = spread_out();
-        filter.update(&|[x, _]: &[f32; 2]| if *x > 0.0 { 0.0 } else { f32::NAN }).unwrap();
-        let alive = filter.weights().iter().zip(filter.particles().columns()[0]).filter(|(w, _)| **w > 0.0);
+        filter
+            .update(&|[x, _]: &[f32; 2]| if *x > 0.0 { 0.0 } else { f32::NAN })
+            .unwrap();
+        let alive = filter
+            .weights()
+            .iter()
+            .zip(filter.particles().columns()[0])
+            .filter(|(w, _)| **w > 0.0);
         assert!(alive.count() > 0);
         filter.resample(Scheme::Systematic, &mut rng);
         assert!(filter.particles().columns()[0].iter().all(|x| *x > 0.0));
@@ -216,7 +211,9 @@ mod tests {
         // weights, and after resampling, the evidence of a constant is that constant.
         let (mut filter, mut rng) = spread_out();
         assert!((filter.update(&|_: &[f32; 2]| -7.0).unwrap() + 7.0).abs() < 1e-5);
-        filter.update(&|[x, y]: &[f32; 2]| -x * x - 0.3 * y).unwrap();
+        filter
+            .update(&|[x, y]: &[f32; 2]| -x * x - 0.3 * y)
+            .unwrap();
         assert!((filter.update(&|_: &[f32; 2]| 3.0).unwrap() - 3.0).abs() < 1e-5);
         filter.resample(Scheme::Stratified, &mut rng);
         assert!((filter.update(&|_: &[f32; 2]| -200.0).unwrap() + 200.0).abs() < 1e-4);
@@ -229,24 +226,39 @@ mod tests {
     fn resampling_waits_for_a_small_sample_size() {
         let (mut filter, mut rng) = spread_out();
         assert!(!filter.resample_below(0.5, &mut rng));
-        filter.update(&|[x, y]: &[f32; 2]| -20.0 * (x * x + y * y)).unwrap();
+        filter
+            .update(&|[x, y]: &[f32; 2]| -20.0 * (x * x + y * y))
+            .unwrap();
         assert!(filter.effective_sample_size() < 100.0);
         let mean = filter.mean();
         assert!(filter.resample_below(0.5, &mut rng));
         assert_eq!(filter.effective_sample_size(), 200.0);
-        assert!(filter.mean().iter().zip(mean).all(|(after, before)| (after - before).abs() < 0.05));
+        assert!(
+            filter
+                .mean()
+                .iter()
+                .zip(mean)
+                .all(|(after, before)| (after - before).abs() < 0.05)
+        );
     }
 
     #[test]
     fn the_columns_of_a_random_walk_are_its_steps() {
         let (filter, rng) = spread_out();
-        let walk = RandomWalk { deviation: [2.0, 0.5] };
+        let walk = RandomWalk {
+            deviation: [2.0, 0.5],
+        };
         let (mut moved, mut still) = (filter.clone(), filter.clone());
         moved.predict(&walk, 4.0, &mut rng.clone());
         still.predict(&Static, 4.0, &mut rng.clone());
         let variance = |a: &ParticleFilter<2, 200>, d: usize| {
-            let steps = a.particles.columns()[d].iter().zip(filter.particles.columns()[d]);
-            steps.map(|(after, before)| (after - before) * (after - before)).sum::<f32>() / 200.0
+            let steps = a.particles.columns()[d]
+                .iter()
+                .zip(filter.particles.columns()[d]);
+            steps
+                .map(|(after, before)| (after - before) * (after - before))
+                .sum::<f32>()
+                / 200.0
         };
         // 16 and 1; the deviation of a variance of 200 samples is a tenth of it.
         assert!((variance(&moved, 0) - 16.0).abs() < 5.3);

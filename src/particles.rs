@@ -19,8 +19,16 @@ pub struct Particles<const D: usize, const N: usize> {
 impl<const D: usize, const N: usize> Particles<D, N> {
     /// All particles at the origin, with equal weights.
     pub const fn new() -> Self {
-        const { assert!(D > 0 && N > 0 && N <= 1 << 16, "from one to 65,536 particles") };
-        Self { columns: [[0.0; N]; D], log_weights: [0.0; N] }
+        const {
+            assert!(
+                D > 0 && N > 0 && N <= 1 << 16,
+                "from one to 65,536 particles"
+            )
+        };
+        Self {
+            columns: [[0.0; N]; D],
+            log_weights: [0.0; N],
+        }
     }
 
     /// Draws the state of every particle from `draw` and makes their weights equal.
@@ -36,13 +44,19 @@ impl<const D: usize, const N: usize> Particles<D, N> {
     }
 
     /// Replaces light particles by copies of heavy ones, and makes the weights equal. `weights` must sum to one.
-    pub fn resample<R: Rng + ?Sized>(&mut self, scheme: Scheme, weights: &mut [f32], rng: &mut R) {
-        let offspring = resample(scheme, weights, rng);
-        // The log-weights are about to be equal, so their column serves as scratch.
+    pub fn resample<R: Rng + ?Sized>(
+        &mut self,
+        scheme: Scheme,
+        weights: &mut [f32; N],
+        rng: &mut R,
+    ) {
+        // Both columns of weights are about to be equal: until then they serve as memory.
+        let ancestors = resample(scheme, weights, &mut self.log_weights, rng);
         for column in &mut self.columns {
-            offspring.expand(column, &mut self.log_weights);
+            ancestors.gather(column, weights);
         }
         self.log_weights = [0.0; N];
+        *weights = [1.0 / N as f32; N];
     }
 
     /// The state of particle `i`, or `None` when there are fewer particles.

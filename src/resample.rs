@@ -26,7 +26,7 @@ pub enum Scheme {
     Multinomial,
 }
 
-/// Allots as many copies as there are weights, which must sum to one.
+/// Chooses an ancestor for each of `ancestors.len()` particles, by `weights` that sum to one.
 ///
 /// Carry along whatever belongs to a particle, one column at a time:
 ///
@@ -35,30 +35,29 @@ pub enum Scheme {
 /// use foxhunt::resample::{Scheme, resample};
 ///
 /// let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+/// let mut memory = [0.0; 4];
+/// let ancestors = resample(Scheme::Systematic, &[0.25, 0.5, 0.0, 0.25], &mut memory, &mut rng);
 /// let mut names = ["light", "heavy", "none", "light"];
-/// let mut weights = [0.25, 0.5, 0.0, 0.25];
-/// let offspring = resample(Scheme::Systematic, &mut weights, &mut rng);
-/// offspring.expand(&mut names, &mut [""; 4]);
+/// ancestors.gather(&mut names, &mut [""; 4]);
 /// assert_eq!(names, ["light", "heavy", "heavy", "light"]);
-/// drop(offspring);
-/// assert_eq!(weights, [0.25; 4]);
 /// ```
 pub fn resample<'a, R: Rng + ?Sized>(
     scheme: Scheme,
-    weights: &'a mut [f32],
+    weights: &[f32],
+    ancestors: &'a mut [f32],
     rng: &mut R,
-) -> Offspring<'a> {
-    let n = weights.len() as f32;
-    let points = weights.len() as u32;
+) -> Ancestors<'a> {
+    let points = ancestors.len() as u32;
+    let n = points as f32;
     match scheme {
         Scheme::Systematic => {
             let first = uniform(rng);
-            allot(weights, n, false, points, first, |_| 1.0);
+            choose::<false>(weights, ancestors, points, first, |_| 1.0);
         }
         Scheme::Stratified => {
             let first = uniform(rng);
             let mut last = first;
-            allot(weights, n, false, points, first, |_| {
+            choose::<false>(weights, ancestors, points, first, |_| {
                 let next = uniform(rng);
                 let gap = 1.0 + next - last;
                 last = next;
@@ -66,71 +65,58 @@ pub fn resample<'a, R: Rng + ?Sized>(
             });
         }
         Scheme::Residual => {
-            let (rest, length) = residue(weights, n);
+            let (rest, length) = residue(weights, points);
             let mut gaps = SortedUniforms { length, rng };
             let first = gaps.next(rest);
-            allot(weights, n, true, rest, first, |left| gaps.next(left));
+            choose::<true>(weights, ancestors, rest, first, |left| gaps.next(left));
         }
         Scheme::Multinomial => {
             let mut gaps = SortedUniforms { length: n, rng };
             let first = gaps.next(points);
-            allot(weights, n, false, points, first, |left| gaps.next(left));
+            choose::<false>(weights, ancestors, points, first, |left| gaps.next(left));
         }
     }
-    Offspring { counts: weights }
+    Ancestors { indices: ancestors }
 }
 
-/// How many copies each particle gets. When it is dropped, the weights that it was made of are equal.
+/// The ancestor of every particle, in increasing order.
 #[derive(Debug)]
-pub struct Offspring<'a> {
-    /// Integers, held as the bits of floats.
-    counts: &'a mut [f32],
+pub struct Ancestors<'a> {
+    /// Integers, held as the bits of floats, so that a column of a filter can serve as their memory.
+    indices: &'a [f32],
 }
 
-impl Offspring<'_> {
-    /// The number of copies of each particle, which may be zero.
-    pub fn counts(&self) -> impl Iterator<Item = u32> {
-        self.counts.iter().map(|count| count.to_bits())
+impl Ancestors<'_> {
+    /// The ancestor of each particle.
+    pub fn iter(&self) -> impl Iterator<Item = usize> {
+        self.indices.iter().map(|index| index.to_bits() as usize)
     }
 
-    /// Replaces every value of a column by its copies, in order. `scratch` is as long as the column and holds
+    /// Replaces every value of a column by that of the ancestor. `scratch` is as long as the column and holds
     /// nothing of use before or after.
-    pub fn expand<T: Copy>(&self, column: &mut [T], scratch: &mut [T]) {
-        let mut slots = scratch.iter_mut();
-        for (value, count) in column.iter().zip(self.counts()) {
-            for _ in 0..count {
-                if let Some(slot) = slots.next() {
-                    *slot = *value;
-                }
+    pub fn gather<T: Copy>(&self, column: &mut [T], scratch: &mut [T]) {
+        for (slot, ancestor) in scratch.iter_mut().zip(self.iter()) {
+            if let Some(value) = column.get(ancestor) {
+                *slot = *value;
             }
         }
-        // Without any weight there are no copies, and everything stays.
-        let unfilled = slots.len();
-        let filled = scratch.len() - unfilled;
-        for (value, slot) in column.iter_mut().zip(scratch).take(filled) {
+        for (value, slot) in column.iter_mut().zip(scratch) {
             *value = *slot;
         }
     }
 }
 
-impl Drop for Offspring<'_> {
-    fn drop(&mut self) {
-        let n = self.counts.len() as f32;
-        self.counts.fill(1.0 / n);
-    }
-}
-
-/// How many points are left for the multinomial part of [`Scheme::Residual`], and over what length.
-fn residue(weights: &[f32], n: f32) -> (u32, f32) {
+/// How many of the points are left for the multinomial part of [`Scheme::Residual`], and over what length.
+fn residue(weights: &[f32], points: u32) -> (u32, f32) {
     let mut whole = 0u32;
     let mut length = 0.0;
     for &w in weights {
-        let share = w * n;
+        let share = w * points as f32;
         let certain = share as u32;
-        whole += certain;
+        whole = whole.saturating_add(certain);
         length += share - certain as f32;
     }
-    ((weights.len() as u32).saturating_sub(whole), length)
+    (points.saturating_sub(whole), length)
 }
 
 /// Points drawn independently and uniformly on a line, in increasing order, one at a time.
@@ -151,40 +137,50 @@ impl<R: Rng + ?Sized> SortedUniforms<'_, R> {
     }
 }
 
-/// Replaces every weight by its number of copies, held as the bits of an integer.
+/// Writes the ancestors: of each particle the whole part of its share, if that is `CERTAIN`, and one for each of
+/// `points` points that falls into the rest.
 ///
-/// Walks along the shares `n w` of the particles and the points at the same time, and only ever holds the
-/// distance from the end of the last share to the next point, so that rounding does not grow with `n`.
-fn allot(
-    weights: &mut [f32],
-    n: f32,
-    whole_part_is_certain: bool,
+/// Walks along the shares of the particles and the points at the same time, and only ever holds the distance
+/// from the end of the last share to the next point, so that rounding does not grow with their number.
+fn choose<const CERTAIN: bool>(
+    weights: &[f32],
+    ancestors: &mut [f32],
     points: u32,
     first: f32,
     mut gap: impl FnMut(u32) -> f32,
 ) {
+    let n = ancestors.len() as f32;
     let mut left = points;
     let mut to_next_point = first;
-    for slot in weights.iter_mut() {
-        let mut share = *slot * n;
-        let mut count = 0;
-        if whole_part_is_certain {
-            count = share as u32;
-            share -= count as f32;
+    let mut slots = ancestors.iter_mut();
+    let mut last = None;
+    for (i, &w) in weights.iter().enumerate() {
+        let ancestor = f32::from_bits(i as u32);
+        let mut share = w * n;
+        if CERTAIN {
+            let certain = share as u32;
+            share -= certain as f32;
+            for slot in slots.by_ref().take(certain as usize) {
+                *slot = ancestor;
+                last = Some(ancestor);
+            }
         }
         to_next_point -= share;
-        while to_next_point < 0.0 && left > 0 {
-            count += 1;
+        while to_next_point < 0.0
+            && left > 0
+            && let Some(slot) = slots.next()
+        {
+            *slot = ancestor;
+            last = Some(ancestor);
             left -= 1;
             to_next_point += gap(left);
         }
-        *slot = f32::from_bits(count);
     }
     // Rounding may leave a point behind the end of the line: it belongs to the last particle that has any.
-    if left > 0
-        && let Some(slot) = weights.iter_mut().rfind(|slot| slot.to_bits() > 0)
-    {
-        *slot = f32::from_bits(slot.to_bits() + left);
+    // Weights that are none leave them all, and everything stays.
+    let start = weights.len().saturating_sub(slots.len());
+    for (i, slot) in slots.enumerate() {
+        *slot = last.unwrap_or(f32::from_bits((start + i) as u32));
     }
 }
 
@@ -195,12 +191,20 @@ mod tests {
     use crate::random::{SeedableRng, Xoshiro128PlusPlus};
     use std::{vec, vec::Vec};
 
-    const SCHEMES: [Scheme; 4] =
-        [Scheme::Systematic, Scheme::Stratified, Scheme::Residual, Scheme::Multinomial];
+    const SCHEMES: [Scheme; 4] = [
+        Scheme::Systematic,
+        Scheme::Stratified,
+        Scheme::Residual,
+        Scheme::Multinomial,
+    ];
 
     /// Copies of each particle after one resampling.
     fn copies(scheme: Scheme, weights: &[f32], rng: &mut Xoshiro128PlusPlus) -> Vec<u32> {
-        resample(scheme, &mut weights.to_vec(), rng).counts().collect()
+        let mut counts = vec![0; weights.len()];
+        for ancestor in resample(scheme, weights, &mut vec![0.0; weights.len()], rng).iter() {
+            counts[ancestor] += 1;
+        }
+        counts
     }
 
     fn normalised(raw: &[f32]) -> Vec<f32> {
@@ -259,7 +263,10 @@ mod tests {
             for _ in 0..1000 {
                 for (i, c) in copies(scheme, &weights, &mut rng).into_iter().enumerate() {
                     let off = c as f32 - weights[i] * 50.0;
-                    assert!(off > -below - 1e-4 && off < above + 1e-4, "{scheme:?}: {off}");
+                    assert!(
+                        off > -below - 1e-4 && off < above + 1e-4,
+                        "{scheme:?}: {off}"
+                    );
                 }
             }
         }
@@ -274,7 +281,10 @@ mod tests {
         let runs = 20_000;
         let mut squares = [0f64; 4];
         for _ in 0..runs {
-            for (i, c) in copies(Scheme::Multinomial, &weights, &mut rng).into_iter().enumerate() {
+            for (i, c) in copies(Scheme::Multinomial, &weights, &mut rng)
+                .into_iter()
+                .enumerate()
+            {
                 squares[i] += (f64::from(c) - 4.0 * f64::from(weights[i])).powi(2);
             }
         }
@@ -295,20 +305,16 @@ mod tests {
     }
 
     #[test]
-    fn columns_are_expanded_in_order() {
+    fn columns_are_gathered_in_order() {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(15);
         for scheme in SCHEMES {
             for run in 0..100 {
                 let raw: Vec<f32> = (0..64).map(|i| ((i * 37 + run * 11) % 64) as f32).collect();
-                let mut weights = normalised(&raw);
-                let offspring = resample(scheme, &mut weights, &mut rng);
+                let mut memory = [0.0; 64];
+                let ancestors = resample(scheme, &normalised(&raw), &mut memory, &mut rng);
                 let mut labels: Vec<usize> = (0..64).collect();
-                offspring.expand(&mut labels, &mut [0; 64]);
-                assert!(labels.is_sorted());
-                let of = |label| labels.iter().filter(|&&l| l == label).count() as u32;
-                assert!(offspring.counts().enumerate().all(|(i, count)| of(i) == count));
-                drop(offspring);
-                assert_eq!(weights, [1.0 / 64.0; 64]);
+                ancestors.gather(&mut labels, &mut [0; 64]);
+                assert!(labels.is_sorted() && ancestors.iter().eq(labels));
             }
         }
     }
@@ -318,9 +324,9 @@ mod tests {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(16);
         for scheme in SCHEMES {
             for nonsense in [0.0, f32::NAN] {
-                let mut labels = [0, 1, 2, 3];
-                resample(scheme, &mut [nonsense; 4], &mut rng).expand(&mut labels, &mut [9; 4]);
-                assert_eq!(labels, [0, 1, 2, 3]);
+                let mut memory = [7.0; 4];
+                let ancestors = resample(scheme, &[nonsense; 4], &mut memory, &mut rng);
+                assert!(ancestors.iter().eq(0..4), "{scheme:?} {nonsense}");
             }
         }
     }

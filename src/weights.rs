@@ -9,7 +9,9 @@ use crate::math::{exp_of_weight, ln};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Normalised {
-    /// Natural logarithm of the sum of the weights that the log-weights stood for.
+    /// What was taken off every log-weight: the largest of them.
+    pub shift: f32,
+    /// Natural logarithm of the sum of what the shifted log-weights stand for; with `shift`, of the original sum.
     pub log_sum: f32,
     /// (sum w)^2 / sum w^2: how many equally weighted particles would be worth as much, from 1 to their number.
     pub effective_sample_size: f32,
@@ -20,16 +22,26 @@ pub struct Normalised {
 /// A log-weight that is NaN or plus infinity stands for no weight at all, like minus infinity. Weights below
 /// 2^-60 of the largest become zero.
 ///
-/// Returns `None`, with both slices as they were, when no particle has any weight or there are none.
+/// Returns `None`, with the log-weights as they were and no use in the weights, when no particle has any.
 pub fn normalise(log_weights: &mut [f32], weights: &mut [f32]) -> Option<Normalised> {
-    let largest = maximum(log_weights);
+    weights.fill(0.0);
+    reweigh(log_weights, weights)
+}
+
+/// Like [`normalise`], after adding what stands in `weights` at first to the log-weights: log-likelihoods.
+pub fn reweigh(log_weights: &mut [f32], weights: &mut [f32]) -> Option<Normalised> {
+    let largest = largest_sum(log_weights, weights);
     if largest == f32::NEG_INFINITY {
         return None;
     }
     let sums = exponentiate(log_weights, weights, largest);
-    scale(weights, 1.0 / sums.weights);
+    let scale = 1.0 / sums.weights;
+    for w in weights {
+        *w *= scale;
+    }
     Some(Normalised {
-        log_sum: largest + ln(sums.weights),
+        shift: largest,
+        log_sum: ln(sums.weights),
         effective_sample_size: sums.effective_sample_size(),
     })
 }
@@ -45,51 +57,61 @@ pub fn effective_sample_size(weights: &[f32]) -> f32 {
 }
 
 #[derive(Default)]
-pub(crate) struct Sums {
-    pub(crate) weights: f32,
+struct Sums {
+    weights: f32,
     squares: f32,
 }
 
 impl Sums {
-    pub(crate) fn effective_sample_size(&self) -> f32 {
+    fn effective_sample_size(&self) -> f32 {
         self.weights * self.weights / self.squares
     }
 }
 
-/// Largest log-weight that is finite, or minus infinity. Sets those that are plus infinity to minus infinity.
-pub(crate) fn maximum(log_weights: &mut [f32]) -> f32 {
-    let of_all = |log_weights: &[f32]| {
-        // A comparison with NaN is false.
-        log_weights.iter().fold(f32::NEG_INFINITY, |largest, &l| if l > largest { l } else { largest })
+/// Largest of the sums that is finite, or minus infinity. Where a sum is plus infinity, the second summand
+/// becomes NaN, which is no weight from then on.
+fn largest_sum(log_weights: &[f32], log_likelihoods: &mut [f32]) -> f32 {
+    let of_all = |log_likelihoods: &[f32]| {
+        let mut largest = f32::NEG_INFINITY;
+        for (l, more) in log_weights.iter().zip(log_likelihoods) {
+            let sum = l + more;
+            // False for NaN.
+            if sum > largest {
+                largest = sum;
+            }
+        }
+        largest
     };
-    let largest = of_all(log_weights);
+    let largest = of_all(log_likelihoods);
     if largest < f32::INFINITY {
         return largest;
     }
-    for l in log_weights.iter_mut().filter(|l| **l == f32::INFINITY) {
-        *l = f32::NEG_INFINITY;
+    for (l, more) in log_weights.iter().zip(log_likelihoods.iter_mut()) {
+        if l + *more == f32::INFINITY {
+            *more = f32::NAN;
+        }
     }
-    of_all(log_weights)
+    of_all(log_likelihoods)
 }
 
-/// Sets every weight to the exponential of its log-weight less `largest`, and the log-weight to that difference.
+/// Adds to every log-weight what stands in its weight, less `largest`, and sets the weight to the exponential.
 ///
 /// Four running sums each, because one would wait for itself; then added in a fixed order.
-pub(crate) fn exponentiate(log_weights: &mut [f32], weights: &mut [f32], largest: f32) -> Sums {
+fn exponentiate(log_weights: &mut [f32], weights: &mut [f32], largest: f32) -> Sums {
     let mut sum = [0.0f32; 4];
     let mut squares = [0.0f32; 4];
     let (log_blocks, log_rest) = log_weights.as_chunks_mut::<4>();
     let (blocks, rest) = weights.as_chunks_mut::<4>();
     for (l, w) in log_blocks.iter_mut().zip(blocks) {
         for lane in 0..4 {
-            l[lane] -= largest;
+            l[lane] = (l[lane] + w[lane]) - largest;
             w[lane] = exp_of_weight(l[lane]);
             sum[lane] += w[lane];
             squares[lane] += w[lane] * w[lane];
         }
     }
     for (l, w) in log_rest.iter_mut().zip(rest) {
-        *l -= largest;
+        *l = (*l + *w) - largest;
         *w = exp_of_weight(*l);
         sum[0] += *w;
         squares[0] += *w * *w;
@@ -97,12 +119,6 @@ pub(crate) fn exponentiate(log_weights: &mut [f32], weights: &mut [f32], largest
     Sums {
         weights: (sum[0] + sum[1]) + (sum[2] + sum[3]),
         squares: (squares[0] + squares[1]) + (squares[2] + squares[3]),
-    }
-}
-
-pub(crate) fn scale(weights: &mut [f32], factor: f32) {
-    for w in weights {
-        *w *= factor;
     }
 }
 
@@ -121,7 +137,10 @@ mod tests {
             assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6);
             assert!((f64::from(weights[1]) - 1f64.exp() / total).abs() < 1e-6);
             let exact = f64::from(offset) + total.ln();
-            assert!((f64::from(result.log_sum) - exact).abs() < 1e-6 * (1.0 + exact.abs()));
+            assert!(
+                (f64::from(result.shift + result.log_sum) - exact).abs()
+                    < 1e-6 * (1.0 + exact.abs())
+            );
             assert_eq!(logs[1], 0.0);
         }
     }
@@ -148,11 +167,14 @@ mod tests {
 
     #[test]
     fn no_weight_at_all_changes_nothing() {
-        let mut weights = [0.25; 4];
-        let mut logs = [f32::NEG_INFINITY, f32::NAN, f32::NEG_INFINITY, f32::INFINITY];
-        assert_eq!(normalise(&mut logs, &mut weights), None);
-        assert_eq!(weights, [0.25; 4]);
+        let mut logs = [f32::NEG_INFINITY, f32::NAN, -1.0, f32::INFINITY];
+        let mut weights = [0.0, 0.0, f32::NEG_INFINITY, 0.0];
+        assert_eq!(reweigh(&mut logs, &mut weights), None);
         assert!(logs[1].is_nan());
+        assert_eq!(
+            (logs[0], logs[2], logs[3]),
+            (f32::NEG_INFINITY, -1.0, f32::INFINITY)
+        );
         assert_eq!(normalise(&mut [], &mut []), None);
     }
 }

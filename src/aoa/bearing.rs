@@ -49,6 +49,10 @@ impl Bearing {
     /// Degrees clockwise from true north, in [0, 360).
     pub fn compass_degrees(self) -> f32 {
         let degrees = 90.0 - self.0 * (180.0 / PI);
-        if degrees < 0.0 { degrees + 360.0 } else { degrees }
+        if degrees < 0.0 {
+            degrees + 360.0
+        } else {
+            degrees
+        }
     }
 }

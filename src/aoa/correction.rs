@@ -84,7 +84,12 @@ impl Correction {
     /// No reading yet.
     pub const fn new(pull: Pull) -> Self {
         let nothing = CircularMean { sin: 0.0, cos: 0.0 };
-        Self { pull, readings: 0, raw: nothing, corrected: nothing }
+        Self {
+            pull,
+            readings: 0,
+            raw: nothing,
+            corrected: nothing,
+        }
     }
 
     /// Adds a reading of the given quality (0 to 100, more is better) and says whether it was kept.
@@ -97,7 +102,8 @@ impl Correction {
             self.raw.add(reading);
             let off = wrap(reading - self.raw.radians());
             let quality = if quality < 100.0 { quality } else { 100.0 };
-            self.corrected.add(reading - off * self.pull.weight(quality));
+            self.corrected
+                .add(reading - off * self.pull.weight(quality));
             self.readings += 1;
         }
         kept
@@ -141,7 +147,10 @@ mod tests {
             (55.0, 1.0 / 4.0),
             (54.999, 1.0),
         ] {
-            assert!((Pull::Printed.weight(quality) - weight).abs() < 1e-4, "{quality}");
+            assert!(
+                (Pull::Printed.weight(quality) - weight).abs() < 1e-4,
+                "{quality}"
+            );
         }
     }
 

@@ -107,7 +107,10 @@ pub(super) struct Linearised {
 const NEAREST_M: f32 = 1e-3;
 
 pub(super) fn linearise(observation: &Observation, position: [f32; 2]) -> Linearised {
-    let [dx, dy] = [position[0] - observation.position()[0], position[1] - observation.position()[1]];
+    let [dx, dy] = [
+        position[0] - observation.position()[0],
+        position[1] - observation.position()[1],
+    ];
     let square = dx * dx + dy * dy + NEAREST_M * NEAREST_M;
     Linearised {
         residual: wrap(observation.bearing().radians() - atan2(dy, dx)),
@@ -129,8 +132,11 @@ impl Normal {
     fn at(observations: &[Observation], errors: Errors, position: [f32; 2]) -> Self {
         let mut sums = Self::default();
         for observation in observations {
-            let Linearised { residual, gradient: [gx, gy], information } =
-                linearise(observation, position);
+            let Linearised {
+                residual,
+                gradient: [gx, gy],
+                information,
+            } = linearise(observation, position);
             let (pull, cost) = match errors {
                 Errors::Gaussian => (residual, 0.5 * residual * residual),
                 Errors::VonMises => {
@@ -175,7 +181,10 @@ pub fn solve(
             yy: here.matrix.yy * (1.0 + damping),
             ..here.matrix
         };
-        let [dx, dy] = damped.inverse().ok_or(SolveError::Parallel)?.times(here.gradient);
+        let [dx, dy] = damped
+            .inverse()
+            .ok_or(SolveError::Parallel)?
+            .times(here.gradient);
         // The square of the undamped step in standard deviations.
         let decrement = (dx * here.gradient[0] + dy * here.gradient[1]) * (1.0 + damping);
         let next = [position[0] + dx, position[1] + dy];
@@ -193,7 +202,10 @@ pub fn solve(
                 Errors::Gaussian => here.matrix.inverse().ok_or(SolveError::Parallel)?.rows(),
                 Errors::VonMises => von_mises_covariance(observations, position)?,
             };
-            return Ok(Solution { position, covariance });
+            return Ok(Solution {
+                position,
+                covariance,
+            });
         }
     }
     Err(SolveError::NotConverged)
@@ -208,7 +220,11 @@ fn von_mises_covariance(
     let mut weights = 0.0;
     let mut cosines = 0.0;
     for observation in observations {
-        let Linearised { residual, gradient: [gx, gy], information } = linearise(observation, position);
+        let Linearised {
+            residual,
+            gradient: [gx, gy],
+            information,
+        } = linearise(observation, position);
         // The paper multiplies the expected by the measured direction, both over the distance.
         let (sin, cos) = sin_cos(observation.bearing().radians());
         let inverse_distance = sqrt(gx * gx + gy * gy);
@@ -221,11 +237,17 @@ fn von_mises_covariance(
     }
     // Of the concentration, by Lenth's series in the mean cosine of the residuals.
     let c = cosines / weights;
-    let spread = 2.0 * (1.0 - c) + (1.0 - c) * (1.0 - c) * (0.48794 - 0.82905 * c - 1.3915 * c * c) / c;
+    let spread =
+        2.0 * (1.0 - c) + (1.0 - c) * (1.0 - c) * (0.48794 - 0.82905 * c - 1.3915 * c * c) / c;
     let mean_information = weights / observations.len() as f32;
     let scale = spread * mean_information;
     let inverse = matrix.inverse().ok_or(SolveError::Parallel)?;
-    Ok(Symmetric { xx: scale * inverse.xx, xy: scale * inverse.xy, yy: scale * inverse.yy }.rows())
+    Ok(Symmetric {
+        xx: scale * inverse.xx,
+        xy: scale * inverse.xy,
+        yy: scale * inverse.yy,
+    }
+    .rows())
 }
 
 #[cfg(test)]
@@ -246,8 +268,14 @@ mod tests {
         for errors in [Errors::Gaussian, Errors::VonMises] {
             for start in [[400.0, 300.0], [1500.0, 1500.0], [1100.0, 900.0]] {
                 let Solution { position, .. } = solve(&observations, errors, start).unwrap();
-                assert!((position[0] - source[0]).abs() < 0.01, "{errors:?} {start:?} {position:?}");
-                assert!((position[1] - source[1]).abs() < 0.01, "{errors:?} {start:?} {position:?}");
+                assert!(
+                    (position[0] - source[0]).abs() < 0.01,
+                    "{errors:?} {start:?} {position:?}"
+                );
+                assert!(
+                    (position[1] - source[1]).abs() < 0.01,
+                    "{errors:?} {start:?} {position:?}"
+                );
             }
         }
     }
@@ -255,8 +283,10 @@ mod tests {
     #[test]
     fn the_covariance_is_the_cramer_rao_bound() {
         // Two bearings that cross at a right angle, 1 km away: 20 m in either direction.
-        let observations =
-            [towards([-1000.0, 0.0], [0.0, 0.0], 0.0), towards([0.0, -1000.0], [0.0, 0.0], 0.0)];
+        let observations = [
+            towards([-1000.0, 0.0], [0.0, 0.0], 0.0),
+            towards([0.0, -1000.0], [0.0, 0.0], 0.0),
+        ];
         let solution = solve(&observations, Errors::Gaussian, [50.0, 50.0]).unwrap();
         let [[xx, xy], [_, yy]] = solution.covariance;
         assert!((xx - 400.0).abs() < 0.1 && (yy - 400.0).abs() < 0.1 && xy.abs() < 0.1);
@@ -267,11 +297,22 @@ mod tests {
         let one = [towards([0.0, 0.0], [0.0, 500.0], 0.0)];
         let parked = [one[0]; 5];
         let start = [10.0, 400.0];
-        assert_eq!(solve(&one, Errors::Gaussian, start), Err(SolveError::TooFewBearings));
-        assert_eq!(solve(&parked[..2], Errors::VonMises, start), Err(SolveError::TooFewBearings));
-        assert_eq!(solve(&parked, Errors::Gaussian, start), Err(SolveError::Parallel));
-        let parting =
-            [towards([-10.0, 0.0], [-20.0, 100.0], 0.0), towards([10.0, 0.0], [20.0, 100.0], 0.0)];
+        assert_eq!(
+            solve(&one, Errors::Gaussian, start),
+            Err(SolveError::TooFewBearings)
+        );
+        assert_eq!(
+            solve(&parked[..2], Errors::VonMises, start),
+            Err(SolveError::TooFewBearings)
+        );
+        assert_eq!(
+            solve(&parked, Errors::Gaussian, start),
+            Err(SolveError::Parallel)
+        );
+        let parting = [
+            towards([-10.0, 0.0], [-20.0, 100.0], 0.0),
+            towards([10.0, 0.0], [20.0, 100.0], 0.0),
+        ];
         assert!(solve(&parting, Errors::Gaussian, [0.0, 50.0]).is_err());
     }
 }

@@ -49,10 +49,14 @@ impl BearingLikelihood {
 
     /// Log-likelihood from the component along the bearing and the ratio that stands for the angle.
     #[inline(always)]
-    fn from_ratio(&self, along: f32, ratio: f32) -> f32 {
+    fn of_ratio(&self, along: f32, ratio: f32) -> f32 {
         let beyond_diagonal = atan_coarse(ratio) + FRAC_PI_4 - FRAC_PI_2;
         // Half a turn less the angle, for a particle behind the receiver.
-        let error = if along < 0.0 { FRAC_PI_2 - beyond_diagonal } else { FRAC_PI_2 + beyond_diagonal };
+        let error = if along < 0.0 {
+            FRAC_PI_2 - beyond_diagonal
+        } else {
+            FRAC_PI_2 + beyond_diagonal
+        };
         self.peak + self.curvature * (error * error)
     }
 }
@@ -72,7 +76,7 @@ impl<const D: usize> Likelihood<D> for BearingLikelihood {
         const { assert!(D >= 2, "a position takes two dimensions") };
         let (along, across) = self.turn(state[0], state[1]);
         let (numerator, denominator) = fraction(along, across);
-        self.from_ratio(along, numerator / denominator)
+        self.of_ratio(along, numerator / denominator)
     }
 
     /// Four particles share one division: a Cortex-M4F takes 14 cycles for it, and one for a product.
@@ -93,10 +97,10 @@ impl<const D: usize> Likelihood<D> for BearingLikelihood {
             let (d01, d23) = (d0 * d1, d2 * d3);
             let inverse = 1.0 / (d01 * d23);
             let (inverse01, inverse23) = (d23 * inverse, d01 * inverse);
-            out[0] = self.from_ratio(along0, n0 * (d1 * inverse01));
-            out[1] = self.from_ratio(along1, n1 * (d0 * inverse01));
-            out[2] = self.from_ratio(along2, n2 * (d3 * inverse23));
-            out[3] = self.from_ratio(along3, n3 * (d2 * inverse23));
+            out[0] = self.of_ratio(along0, n0 * (d1 * inverse01));
+            out[1] = self.of_ratio(along1, n1 * (d0 * inverse01));
+            out[2] = self.of_ratio(along2, n2 * (d3 * inverse23));
+            out[3] = self.of_ratio(along3, n3 * (d2 * inverse23));
         }
         for ((x, y), out) in x_rest.iter().zip(y_rest).zip(out_rest) {
             *out = Likelihood::<2>::log_likelihood(self, &[*x, *y]);
@@ -149,7 +153,10 @@ mod tests {
                     // An error of 2e-5 rad in the angle moves the logarithm by z / sigma times it.
                     let z = (2.0 * (f64::from(likelihood.peak) - exact).abs()).sqrt() + 1.0;
                     let limit = 2e-5 * z / f64::from(sigma) + 1e-5 * (1.0 + exact.abs());
-                    assert!((got - exact).abs() < limit, "{degrees} {sigma} {place:?}: {got} {exact}");
+                    assert!(
+                        (got - exact).abs() < limit,
+                        "{degrees} {sigma} {place:?}: {got} {exact}"
+                    );
                 }
             }
         }
@@ -165,7 +172,10 @@ mod tests {
         likelihood.log_likelihoods(&[&x, &y], &mut out);
         for (place, got) in places.iter().zip(out) {
             let one = Likelihood::<2>::log_likelihood(&likelihood, place);
-            assert!((got - one).abs() <= 2e-5 * (1.0 + one.abs()), "{place:?}: {got} {one}");
+            assert!(
+                (got - one).abs() <= 2e-5 * (1.0 + one.abs()),
+                "{place:?}: {got} {one}"
+            );
         }
     }
 

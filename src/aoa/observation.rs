@@ -66,7 +66,11 @@ impl Observation {
         if !(Self::MIN_DEVIATION_RAD..=Self::MAX_DEVIATION_RAD).contains(&deviation) {
             return Err(ObservationError::Deviation);
         }
-        Ok(Self { position, bearing, deviation })
+        Ok(Self {
+            position,
+            bearing,
+            deviation,
+        })
     }
 
     /// Where it was taken, in metres east and north of the origin.

@@ -18,11 +18,18 @@ pub fn intersection(a: &Observation, b: &Observation, least_sine: f32) -> Option
     if cross.abs() < least_sine.max(1e-6) {
         return None;
     }
-    let (dx, dy) = (b.position()[0] - a.position()[0], b.position()[1] - a.position()[1]);
+    let (dx, dy) = (
+        b.position()[0] - a.position()[0],
+        b.position()[1] - a.position()[1],
+    );
     let along_a = (dx * sin_b - dy * cos_b) / cross;
     let along_b = (dx * sin_a - dy * cos_a) / cross;
-    (along_a > 0.0 && along_b > 0.0)
-        .then(|| [a.position()[0] + along_a * cos_a, a.position()[1] + along_a * sin_a])
+    (along_a > 0.0 && along_b > 0.0).then(|| {
+        [
+            a.position()[0] + along_a * cos_a,
+            a.position()[1] + along_a * sin_a,
+        ]
+    })
 }
 
 /// Largest angle between the lines of any two bearings, in radians from 0 to pi/2: the crossing angle.
@@ -78,11 +85,20 @@ mod tests {
 
     #[test]
     fn rays_meet_at_the_source_in_every_quadrant() {
-        for target in [[300.0, 400.0], [-300.0, 400.0], [-300.0, -400.0], [300.0, -400.0], [0.0, 500.0]] {
+        for target in [
+            [300.0, 400.0],
+            [-300.0, 400.0],
+            [-300.0, -400.0],
+            [300.0, -400.0],
+            [0.0, 500.0],
+        ] {
             let a = towards([10.0, -20.0], target);
             let b = towards([-80.0, 30.0], target);
             let [x, y] = intersection(&a, &b, 0.02).unwrap();
-            assert!((x - target[0]).abs() < 0.01 && (y - target[1]).abs() < 0.01, "{x} {y}");
+            assert!(
+                (x - target[0]).abs() < 0.01 && (y - target[1]).abs() < 0.01,
+                "{x} {y}"
+            );
         }
     }
 

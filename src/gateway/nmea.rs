@@ -387,14 +387,31 @@ mod tests {
         let mut below = |limit: u32| rng.next_u32() % limit;
         for _ in 0..5_000 {
             let minute = |minutes: u32, decimals: usize, fraction: u32| {
-                format!("{minutes:02}.{:0decimals$}", fraction % 10u32.pow(decimals as u32))
+                format!(
+                    "{minutes:02}.{:0decimals$}",
+                    fraction % 10u32.pow(decimals as u32)
+                )
             };
             let decimals = 3 + below(5) as usize;
-            let latitude = format!("{:02}{}", below(90), minute(below(60), decimals, below(u32::MAX)));
-            let longitude = format!("{:03}{}", below(180), minute(below(60), decimals, below(u32::MAX)));
+            let latitude = format!(
+                "{:02}{}",
+                below(90),
+                minute(below(60), decimals, below(u32::MAX))
+            );
+            let longitude = format!(
+                "{:03}{}",
+                below(180),
+                minute(below(60), decimals, below(u32::MAX))
+            );
             let north = ["N", "S"][below(2) as usize];
             let east = ["E", "W"][below(2) as usize];
-            let time = format!("{:02}{:02}{:02}.{:02}", below(24), below(60), below(60), below(100));
+            let time = format!(
+                "{:02}{:02}{:02}.{:02}",
+                below(24),
+                below(60),
+                below(60),
+                below(100)
+            );
             let (speed, course) = (below(2_000) as f32 / 10.0, below(3_600) as f32 / 10.0);
 
             let rmc = format!(
@@ -407,7 +424,11 @@ mod tests {
             let hdt = format!("HEHDT,{course:.1},T");
             for payload in [rmc, gga, vtg, hdt] {
                 let line = format!("${payload}*{:02X}", checksum(payload.as_bytes()));
-                assert_agree(&line, &parse(line.as_bytes()).unwrap(), &::nmea::parse_str(&line).unwrap());
+                assert_agree(
+                    &line,
+                    &parse(line.as_bytes()).unwrap(),
+                    &::nmea::parse_str(&line).unwrap(),
+                );
             }
         }
     }
@@ -417,13 +438,25 @@ mod tests {
         let near = |a: f64, b: f64, limit: f64| assert!((a - b).abs() <= limit, "{line}: {a} {b}");
         let same_place = |place: &Geodetic, latitude: Option<f64>, longitude: Option<f64>| {
             // Half of the last digit, and the rounding of theirs.
-            near(f64::from(place.latitude_e7()), latitude.unwrap() * 1e7, 0.51);
-            near(f64::from(place.longitude_e7()), longitude.unwrap() * 1e7, 0.51);
+            near(
+                f64::from(place.latitude_e7()),
+                latitude.unwrap() * 1e7,
+                0.51,
+            );
+            near(
+                f64::from(place.longitude_e7()),
+                longitude.unwrap() * 1e7,
+                0.51,
+            );
         };
         let same_motion = |motion: &Motion, knots: Option<f32>, course: Option<f32>| {
             let knots = knots.unwrap() * METRES_PER_SECOND_PER_KNOT;
             near(f64::from(motion.speed), f64::from(knots), 1e-5);
-            near(f64::from(motion.course.unwrap()), f64::from(course.unwrap()), 1e-4);
+            near(
+                f64::from(motion.course.unwrap()),
+                f64::from(course.unwrap()),
+                1e-4,
+            );
         };
         match (ours, theirs) {
             (Sentence::Position(_, place, Some(motion)), ParseResult::RMC(rmc)) => {

@@ -22,8 +22,18 @@ pub struct Accuracy {
     pub measure: Measure,
 }
 
-const fn entry(function: &'static str, range: (f32, f32), error: f32, measure: Measure) -> Accuracy {
-    Accuracy { function, range, error, measure }
+const fn entry(
+    function: &'static str,
+    range: (f32, f32),
+    error: f32,
+    measure: Measure,
+) -> Accuracy {
+    Accuracy {
+        function,
+        range,
+        error,
+        measure,
+    }
 }
 
 /// The largest error of every function, over the range that filters use and over the whole range.
@@ -53,6 +63,7 @@ mod tests {
     use crate::math;
 
     /// Function and exact function of one argument.
+    #[allow(clippy::type_complexity)] // Named, it would say less.
     fn pair(name: &str) -> (fn(f32) -> f32, fn(f64) -> f64) {
         match name {
             "exp" => (math::exp, f64::exp),
@@ -78,7 +89,11 @@ mod tests {
         let geometric = from > 0.0 && to / from > 1e3;
         (0..=1_000_000).map(move |i| {
             let share = f64::from(i) / 1e6;
-            (if geometric { from * (to / from).powf(share) } else { from + (to - from) * share }) as f32
+            (if geometric {
+                from * (to / from).powf(share)
+            } else {
+                from + (to - from) * share
+            }) as f32
         })
     }
 
@@ -105,7 +120,13 @@ mod tests {
 
     #[test]
     fn errors_stay_within_the_table() {
-        for Accuracy { function, range, error: limit, measure } in ACCURACY {
+        for Accuracy {
+            function,
+            range,
+            error: limit,
+            measure,
+        } in ACCURACY
+        {
             let worst = match function {
                 "atan2" => worst_atan2(),
                 "wrap" => worst_wrap(range),
@@ -117,9 +138,15 @@ mod tests {
                 }
             };
             std::println!("{function:6} on {range:?}: worst {worst:.2e}, promised {limit:.1e}");
-            assert!(worst <= f64::from(limit), "{function} on {range:?} errs by {worst:e}");
+            assert!(
+                worst <= f64::from(limit),
+                "{function} on {range:?} errs by {worst:e}"
+            );
             // A promise far above the truth would hide a loss of accuracy.
-            assert!(worst >= 0.5 * f64::from(limit), "{function} on {range:?} only errs by {worst:e}");
+            assert!(
+                worst >= 0.5 * f64::from(limit),
+                "{function} on {range:?} only errs by {worst:e}"
+            );
         }
     }
 }

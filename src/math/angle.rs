@@ -16,7 +16,11 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     // of the coordinates, no branch.
     let (across, along) = (y.abs(), x.abs() + TINY);
     let t = atan_fine((across - along) / (across + along));
-    let angle = if x < 0.0 { 3.0 * FRAC_PI_4 - t } else { FRAC_PI_4 + t };
+    let angle = if x < 0.0 {
+        3.0 * FRAC_PI_4 - t
+    } else {
+        FRAC_PI_4 + t
+    };
     angle.copysign(y)
 }
 
@@ -25,7 +29,7 @@ pub fn atan2(y: f32, x: f32) -> f32 {
 fn atan_fine(p: f32) -> f32 {
     let q = p * p;
     p * (9.999_961e-1
-        + q * (-3.331_736_8e-1
+        + q * (-3.331_737e-1
             + q * (1.980_781_6e-1
                 + q * (-1.323_334_2e-1
                     + q * (7.962_367e-2 + q * (-3.360_422e-2 + q * 6.811_793e-3))))))
@@ -36,7 +40,7 @@ fn atan_fine(p: f32) -> f32 {
 pub(crate) fn atan_coarse(p: f32) -> f32 {
     let q = p * p;
     p * (9.998_663e-1
-        + q * (-3.303_047_9e-1 + q * (1.801_593e-1 + q * (-8.515_635e-2 + q * 2.084_511_4e-2))))
+        + q * (-3.303_048e-1 + q * (1.801_593e-1 + q * (-8.515_635e-2 + q * 2.084_511_4e-2))))
 }
 
 /// Sine and cosine. See [`super::ACCURACY`] for how the error grows with the angle.
@@ -78,7 +82,11 @@ pub fn wrap(angle: f32) -> f32 {
     } else {
         wrapped
     };
-    if angle.abs() <= 1e6 { wrapped } else { f32::NAN }
+    if angle.abs() <= 1e6 {
+        wrapped
+    } else {
+        f32::NAN
+    }
 }
 
 #[cfg(test)]

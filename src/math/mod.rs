@@ -17,10 +17,10 @@ mod exponential;
 mod hardware;
 
 pub use accuracy::{ACCURACY, Accuracy, Measure};
-pub use angle::{atan2, sin_cos, wrap};
 pub(crate) use angle::atan_coarse;
-pub use exponential::{exp, ln};
+pub use angle::{atan2, sin_cos, wrap};
 pub(crate) use exponential::exp_of_weight;
+pub use exponential::{exp, ln};
 pub use hardware::sqrt;
 
 /// Adding and subtracting 1.5 * 2^23 rounds an f32 of magnitude below 2^22 to the nearest integer, which

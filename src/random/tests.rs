@@ -25,7 +25,11 @@ fn assert_distributed(samples: &[f64], cumulative: impl Fn(f64) -> f64) {
             (p - i as f64 / n).abs().max((p - (i + 1) as f64 / n).abs())
         })
         .fold(0.0, f64::max);
-    assert!(distance * n.sqrt() < 1.95, "Kolmogorov-Smirnov {}", distance * n.sqrt());
+    assert!(
+        distance * n.sqrt() < 1.95,
+        "Kolmogorov-Smirnov {}",
+        distance * n.sqrt()
+    );
 }
 
 /// `moments`: expectation of x^k and standard deviation of x^k, for k = 1, 2, ...
@@ -34,7 +38,10 @@ fn assert_moments(samples: &[f64], moments: &[(f64, f64)]) {
     for (k, &(expected, deviation)) in (1..).zip(moments) {
         let got = samples.iter().map(|x| x.powi(k)).sum::<f64>() / n;
         let errors = (got - expected) * n.sqrt() / deviation;
-        assert!(errors.abs() < 3.3, "moment {k}: {got} is {errors:.1} standard errors off {expected}");
+        assert!(
+            errors.abs() < 3.3,
+            "moment {k}: {got} is {errors:.1} standard errors off {expected}"
+        );
     }
 }
 
@@ -44,10 +51,19 @@ fn normal_cumulative(x: f64) -> f64 {
 
 #[test]
 fn uniforms_are_uniform() {
-    for (seed, sampler) in [(1, uniform as fn(&mut Xoshiro128PlusPlus) -> f32), (2, uniform_open)] {
+    for (seed, sampler) in [
+        (1, uniform as fn(&mut Xoshiro128PlusPlus) -> f32),
+        (2, uniform_open),
+    ] {
         let samples = draw(seed, sampler);
         assert_distributed(&samples, |x| x);
-        assert_moments(&samples, &[(0.5, 12f64.sqrt().recip()), (1.0 / 3.0, (4.0 / 45f64).sqrt())]);
+        assert_moments(
+            &samples,
+            &[
+                (0.5, 12f64.sqrt().recip()),
+                (1.0 / 3.0, (4.0 / 45f64).sqrt()),
+            ],
+        );
         assert!(samples[0] >= 0.0 && samples[SAMPLES - 1] < 1.0);
     }
 }
@@ -89,7 +105,10 @@ fn normal_is_the_quantile_function() {
                 let error = (normal_cumulative(-sample.abs()) - probability) / density;
                 // In the last octaves the words themselves are steps of a few hundredths of a sigma.
                 let limit = if octave < 2 { 0.3 } else { 4e-4 };
-                assert!(error.abs() < limit, "word {word:#x}: {sample} errs by {error}");
+                assert!(
+                    error.abs() < limit,
+                    "word {word:#x}: {sample} errs by {error}"
+                );
                 assert!(sample.abs() < 4e-4 || (sample > 0.0) == ((word as i32) > 0));
             }
         }
@@ -102,7 +121,12 @@ fn normal_is_normal() {
     assert_distributed(&samples, normal_cumulative);
     assert_moments(
         &samples,
-        &[(0.0, 1.0), (1.0, 2f64.sqrt()), (0.0, 15f64.sqrt()), (3.0, 96f64.sqrt())],
+        &[
+            (0.0, 1.0),
+            (1.0, 2f64.sqrt()),
+            (0.0, 15f64.sqrt()),
+            (3.0, 96f64.sqrt()),
+        ],
     );
     // Tails: expected counts 2700, 63 and 0.57 in a million.
     let beyond = |limit: f64| samples.iter().filter(|x| x.abs() > limit).count() as f64;

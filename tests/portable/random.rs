@@ -42,8 +42,9 @@ fn copies(scheme: Scheme) -> Digest {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
     let mut weights = [0.5 / 99.0; 100];
     weights[31] = 0.5;
+    let mut memory = [0.0; 100];
     let mut ancestors: [u8; 100] = core::array::from_fn(|i| i as u8);
-    resample(scheme, &mut weights, &mut rng).expand(&mut ancestors, &mut [0; 100]);
+    resample(scheme, &weights, &mut memory, &mut rng).gather(&mut ancestors, &mut [0; 100]);
     let heavy = ancestors.iter().filter(|&&ancestor| ancestor == 31).count();
     assert!((30..=70).contains(&heavy), "{heavy} copies");
     let mut digest = Digest::new();

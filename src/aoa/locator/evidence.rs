@@ -24,7 +24,12 @@ pub(super) struct Evidence<const B: usize> {
 
 impl<const B: usize> Evidence<B> {
     pub(super) const fn new() -> Self {
-        Self { observations: Vec::new(), likelihoods: Vec::new(), latest: [0.0; 2], count: 0 }
+        Self {
+            observations: Vec::new(),
+            likelihoods: Vec::new(),
+            latest: [0.0; 2],
+            count: 0,
+        }
     }
 
     pub(super) fn clear(&mut self) {
@@ -89,7 +94,10 @@ impl<const B: usize> Evidence<B> {
 
     /// Log-density of the source being at `point`, up to a constant.
     pub(super) fn log_density(&self, point: [f32; 2]) -> f32 {
-        self.likelihoods.iter().map(|likelihood| likelihood.log_likelihood(&point)).sum()
+        self.likelihoods
+            .iter()
+            .map(|likelihood| likelihood.log_likelihood(&point))
+            .sum()
     }
 
     /// Log-densities of several points, up to the same constant.
@@ -125,8 +133,10 @@ fn average(a: &Observation, b: &Observation, source: Option<[f32; 2]>) -> Observ
     let (ia, ib) = (information(a), information(b));
     let share = ib / (ia + ib);
     let mix = |a: f32, b: f32| a + share * (b - a);
-    let position =
-        [mix(a.position()[0], b.position()[0]), mix(a.position()[1], b.position()[1])];
+    let position = [
+        mix(a.position()[0], b.position()[0]),
+        mix(a.position()[1], b.position()[1]),
+    ];
     let radians = match source {
         Some(source) => {
             let error = mix(linearise(a, source).residual, linearise(b, source).residual);

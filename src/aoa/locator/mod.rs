@@ -65,7 +65,11 @@ impl core::error::Error for SettingsError {}
 impl Settings {
     /// The defaults.
     pub const fn new() -> Self {
-        Self { relative_range_error: 0.3, resample_share: 0.5, moves: 2 }
+        Self {
+            relative_range_error: 0.3,
+            resample_share: 0.5,
+            moves: 2,
+        }
     }
 
     /// Largest standard deviation of the range to the source, as a share of the range, that makes a fix:
@@ -262,7 +266,9 @@ impl<const N: usize, const B: usize> Locator<N, B> {
         const CANDIDATES: u32 = 8;
         let observations = self.evidence.observations();
         if observations.len() < 2 {
-            return Err(NotObservable::TooFewBearings { have: observations.len() as u32 });
+            return Err(NotObservable::TooFewBearings {
+                have: observations.len() as u32,
+            });
         }
         let radians = crossing_angle(observations);
         let mut best = None;
@@ -276,16 +282,23 @@ impl<const N: usize, const B: usize> Locator<N, B> {
         }
         let Some((start, _)) = best else {
             return Err(if radians < LEAST_SINE {
-                NotObservable::CrossingAngle { radians, needed: LEAST_SINE }
+                NotObservable::CrossingAngle {
+                    radians,
+                    needed: LEAST_SINE,
+                }
             } else {
                 NotObservable::NoIntersection
             });
         };
         let mode = self.evidence.mode(start).map_err(|error| match error {
-            SolveError::Parallel => NotObservable::CrossingAngle { radians, needed: 2.0 * radians },
+            SolveError::Parallel => NotObservable::CrossingAngle {
+                radians,
+                needed: 2.0 * radians,
+            },
             _ => NotObservable::NoIntersection,
         })?;
-        let relative_error = mode.largest_deviation() / self.evidence.distance_to_latest(mode.mean());
+        let relative_error =
+            mode.largest_deviation() / self.evidence.distance_to_latest(mode.mean());
         let limit = self.settings.relative_range_error;
         if relative_error > limit {
             // The error of a range goes with the inverse of the crossing angle.
@@ -302,9 +315,17 @@ impl<const N: usize, const B: usize> Locator<N, B> {
             random_intersection(evidence.observations(), LEAST_SINE, rng)
                 .unwrap_or_else(|| mode.draw(rng))
         });
-        let _ = self.filter.update(&|point: &[f32; 2]| evidence.log_density(*point));
+        let _ = self
+            .filter
+            .update(&|point: &[f32; 2]| evidence.log_density(*point));
         self.filter.resample(Scheme::Systematic, rng);
-        moves::sweep(self.filter.columns_mut(), evidence, &mode, self.settings.moves, rng);
+        moves::sweep(
+            self.filter.columns_mut(),
+            evidence,
+            &mode,
+            self.settings.moves,
+            rng,
+        );
     }
 
     /// Resamples and moves the particles if they are worth fewer than `needed`.
@@ -321,7 +342,13 @@ impl<const N: usize, const B: usize> Locator<N, B> {
         self.filter.resample(Scheme::Systematic, rng);
         if let Some(proposal) = proposal {
             let moves = self.settings.moves;
-            moves::sweep(self.filter.columns_mut(), &self.evidence, &proposal, moves, rng);
+            moves::sweep(
+                self.filter.columns_mut(),
+                &self.evidence,
+                &proposal,
+                moves,
+                rng,
+            );
         }
     }
 
@@ -329,10 +356,17 @@ impl<const N: usize, const B: usize> Locator<N, B> {
         let n = self.filter.effective_sample_size();
         // The covariance of n samples about their own mean is small by 1 - 1/n, and that mean is off by 1/n
         // of the covariance.
-        let sampling = if n > 2.0 { (1.0 + 1.0 / n) / (1.0 - 1.0 / n) } else { 3.0 };
+        let sampling = if n > 2.0 {
+            (1.0 + 1.0 / n) / (1.0 - 1.0 / n)
+        } else {
+            3.0
+        };
         Fix {
             position: self.filter.mean(),
-            covariance: self.filter.covariance().map(|row| row.map(|entry| entry * sampling)),
+            covariance: self
+                .filter
+                .covariance()
+                .map(|row| row.map(|entry| entry * sampling)),
             effective_sample_size: n,
             bearings: self.evidence.count(),
         }

@@ -20,7 +20,10 @@ impl Proposal {
         let l_yx = xy / l_xx;
         let l_yy = sqrt(yy - l_yx * l_yx);
         let proper = l_xx > 0.0 && l_yy > 0.0 && l_xx <= f32::MAX && l_yy <= f32::MAX;
-        proper.then_some(Self { mean, factor: [l_xx, l_yx, l_yy] })
+        proper.then_some(Self {
+            mean,
+            factor: [l_xx, l_yx, l_yy],
+        })
     }
 
     pub(super) fn mean(&self) -> [f32; 2] {
@@ -79,7 +82,14 @@ pub(super) fn sweep<R: Rng + ?Sized, const B: usize>(
         transfer(y, &mut here[1]);
         let mut density = evidence.log_densities(&here);
         for turn in 0..moves {
-            step(&mut here, &mut density, evidence, proposal, turn % 2 == 0, rng);
+            step(
+                &mut here,
+                &mut density,
+                evidence,
+                proposal,
+                turn % 2 == 0,
+                rng,
+            );
         }
         transfer(&here[0], x);
         transfer(&here[1], y);
@@ -144,13 +154,21 @@ mod tests {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(41);
         let draws: Vec<[f32; 2]> = (0..100_000).map(|_| proposal.draw(&mut rng)).collect();
         let moment = |f: fn(f32, f32) -> f32| {
-            draws.iter().map(|d| f64::from(f(d[0] - 1.0, d[1] - 2.0))).sum::<f64>() / 1e5
+            draws
+                .iter()
+                .map(|d| f64::from(f(d[0] - 1.0, d[1] - 2.0)))
+                .sum::<f64>()
+                / 1e5
         };
         // Four standard errors of the moments.
         assert!((moment(|x, _| x * x) - 9.0).abs() < 0.17);
         assert!((moment(|_, y| y * y) - 4.0).abs() < 0.08);
         assert!((moment(|x, y| x * y) - 2.0).abs() < 0.09);
-        for flat in [[[1.0, 1.0], [1.0, 1.0]], [[0.0, 0.0], [0.0, 1.0]], [[f32::NAN; 2]; 2]] {
+        for flat in [
+            [[1.0, 1.0], [1.0, 1.0]],
+            [[0.0, 0.0], [0.0, 1.0]],
+            [[f32::NAN; 2]; 2],
+        ] {
             assert!(Proposal::new([0.0, 0.0], flat).is_none());
         }
     }
@@ -176,7 +194,10 @@ mod tests {
         let peak = evidence.log_density(proposal.mean());
         let mut exact = [Vec::new(), Vec::new()];
         while exact[0].len() < N {
-            let point = [600.0 * uniform(&mut rng) - 300.0, 8000.0 * uniform(&mut rng)];
+            let point = [
+                600.0 * uniform(&mut rng) - 300.0,
+                8000.0 * uniform(&mut rng),
+            ];
             if ln(uniform_open(&mut rng)) < evidence.log_density(point) - peak {
                 exact[0].push(point[0]);
                 exact[1].push(point[1]);
@@ -198,7 +219,10 @@ mod tests {
                         (below as f64 - (i + 1) as f64).abs() / N as f64
                     })
                     .fold(0.0, f64::max);
-                assert!(distance * (N as f64 / 2.0).sqrt() < 1.95, "{moves} moves: {distance}");
+                assert!(
+                    distance * (N as f64 / 2.0).sqrt() < 1.95,
+                    "{moves} moves: {distance}"
+                );
             }
         }
     }

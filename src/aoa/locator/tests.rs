@@ -34,9 +34,18 @@ fn the_answer_is_a_reason_until_the_bearings_cross() {
     let none = NotObservable::TooFewBearings { have: 0 };
     assert_eq!(locator.answer(), Answer::NotObservable(none));
     let one = NotObservable::TooFewBearings { have: 1 };
-    assert_eq!(locator.push(observe([0.0, 0.0], 0.0), &mut rng), Answer::NotObservable(one));
+    assert_eq!(
+        locator.push(observe([0.0, 0.0], 0.0), &mut rng),
+        Answer::NotObservable(one)
+    );
     let parked = locator.push(observe([0.0, 0.0], 0.0), &mut rng);
-    assert!(matches!(parked, Answer::NotObservable(NotObservable::CrossingAngle { .. })), "{parked:?}");
+    assert!(
+        matches!(
+            parked,
+            Answer::NotObservable(NotObservable::CrossingAngle { .. })
+        ),
+        "{parked:?}"
+    );
     let crept = locator.push(observe([30.0, 0.0], 0.0), &mut rng);
     let Answer::NotObservable(NotObservable::CrossingAngle { radians, needed }) = crept else {
         panic!("{crept:?}");
@@ -55,9 +64,15 @@ fn rays_that_part_do_not_meet() {
     let mut locator = Locator::<100>::new(Settings::new());
     for (east, degrees) in [(0.0, -30.0), (100.0, 30.0)] {
         let bearing = Bearing::from_compass_degrees(degrees);
-        locator.push(Observation::new([east, 0.0], bearing, SIGMA).unwrap(), &mut rng);
+        locator.push(
+            Observation::new([east, 0.0], bearing, SIGMA).unwrap(),
+            &mut rng,
+        );
     }
-    assert_eq!(locator.answer(), Answer::NotObservable(NotObservable::NoIntersection));
+    assert_eq!(
+        locator.answer(),
+        Answer::NotObservable(NotObservable::NoIntersection)
+    );
 }
 
 #[test]
@@ -67,9 +82,13 @@ fn a_small_buffer_forgets_nothing() {
         let mut whole = Locator::<400>::new(Settings::new());
         let mut small = Locator::<400, 16>::new(Settings::new());
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
-        let Answer::Fix(whole) = drive(&mut whole, 60, &mut rng) else { panic!() };
+        let Answer::Fix(whole) = drive(&mut whole, 60, &mut rng) else {
+            panic!()
+        };
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
-        let Answer::Fix(small) = drive(&mut small, 60, &mut rng) else { panic!() };
+        let Answer::Fix(small) = drive(&mut small, 60, &mut rng) else {
+            panic!()
+        };
         assert_eq!((whole.bearings, small.bearings), (60, 60));
         for axis in 0..2 {
             let sigma = whole.covariance[axis][axis].sqrt();
@@ -91,16 +110,27 @@ fn a_thousand_readings_of_a_parked_vehicle_fit_into_the_buffer() {
         locator.push(observe([0.0, 0.0], error), &mut rng);
     }
     assert!(matches!(locator.answer(), Answer::NotObservable(_)));
-    let Answer::Fix(fix) = drive(&mut locator, 60, &mut rng) else { panic!() };
+    let Answer::Fix(fix) = drive(&mut locator, 60, &mut rng) else {
+        panic!()
+    };
     assert_eq!(fix.bearings, 1060);
     assert!(fix.ellipse(0.999).contains(SOURCE), "{fix:?}");
 }
 
 #[test]
 fn settings_are_checked() {
-    assert_eq!(Settings::new().relative_range_error(0.0), Err(SettingsError::RelativeRangeError));
-    assert_eq!(Settings::new().relative_range_error(f32::NAN), Err(SettingsError::RelativeRangeError));
-    assert_eq!(Settings::new().resample_share(1.5), Err(SettingsError::ResampleShare));
+    assert_eq!(
+        Settings::new().relative_range_error(0.0),
+        Err(SettingsError::RelativeRangeError)
+    );
+    assert_eq!(
+        Settings::new().relative_range_error(f32::NAN),
+        Err(SettingsError::RelativeRangeError)
+    );
+    assert_eq!(
+        Settings::new().resample_share(1.5),
+        Err(SettingsError::ResampleShare)
+    );
     assert_eq!(Settings::new().moves(0), Err(SettingsError::Moves));
     assert!(Settings::new().moves(3).is_ok());
 }
