@@ -50,12 +50,12 @@ impl BearingLikelihood {
     /// Log-likelihood from the component along the bearing and the ratio that stands for the angle.
     #[inline(always)]
     fn of_ratio(&self, along: f32, ratio: f32) -> f32 {
-        let beyond_diagonal = atan_coarse(ratio) + FRAC_PI_4 - FRAC_PI_2;
+        let beyond_normal = atan_coarse(ratio) - FRAC_PI_4;
         // Half a turn less the angle, for a particle behind the receiver.
         let error = if along < 0.0 {
-            FRAC_PI_2 - beyond_diagonal
+            FRAC_PI_2 - beyond_normal
         } else {
-            FRAC_PI_2 + beyond_diagonal
+            FRAC_PI_2 + beyond_normal
         };
         self.peak + self.curvature * (error * error)
     }

@@ -39,8 +39,11 @@ fn atan_fine(p: f32) -> f32 {
 #[inline(always)]
 pub(crate) fn atan_coarse(p: f32) -> f32 {
     let q = p * p;
-    p * (9.998_663e-1
-        + q * (-3.303_048e-1 + q * (1.801_593e-1 + q * (-8.515_635e-2 + q * 2.084_511_4e-2))))
+    let square = q * q;
+    // In pairs, which do not wait for each other.
+    let low = 9.998_663e-1 - q * 3.303_048e-1;
+    let high = 1.801_593e-1 - q * 8.515_635e-2 + square * 2.084_511_4e-2;
+    p * (low + square * high)
 }
 
 /// Sine and cosine. See [`super::ACCURACY`] for how the error grows with the angle.

@@ -35,9 +35,11 @@ const LIMITS: [(&str, f64); 4] = [
 ];
 
 /// Instructions and modelled cycles that short polynomials with errors of about 1e-6 are known to take, per
-/// call in a loop over an array. They are rounded, so a kernel may take half an instruction or cycle more.
+/// call in a loop over an array. They are rounded, so a kernel may take half an instruction or cycle more, and a
+/// quarter for what the loop takes to begin, over its 200 calls.
 const KERNELS: [(&str, f64, f64); 5] = [
-    ("m4f.math.exp", 24.0, 39.0),
+    // In two chains: one instruction more than by Horner's rule, and four cycles less.
+    ("m4f.math.exp", 25.0, 39.0),
     ("m4f.math.ln", 28.0, 45.0),
     ("m4f.math.atan2", 35.0, 65.0),
     ("m4f.math.sin_cos", 37.0, 54.0),
@@ -160,8 +162,8 @@ fn with_limits(figures: Vec<Figure>) -> Vec<Figure> {
 fn limit(name: &str) -> Option<f64> {
     let kernel = KERNELS.iter().find_map(|&(kernel, instructions, cycles)| {
         match name.strip_prefix(kernel)? {
-            ".instructions" => Some(instructions + 0.5),
-            ".cycles_modelled" => Some(cycles + 0.5),
+            ".instructions" => Some(instructions + 0.75),
+            ".cycles_modelled" => Some(cycles + 0.75),
             _ => None,
         }
     });
