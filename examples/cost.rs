@@ -164,7 +164,7 @@ mod target {
         let mut b = [0.0; N];
         b.fill_with(|| normal(&mut rng));
 
-        kernel("m4f.math.exp", &a, |x| math::exp(x));
+        kernel("m4f.math.exp", &a, math::exp);
         kernel("m4f.math.ln", &a.map(f32::abs), math::ln);
         kernel("m4f.math.sqrt", &a.map(f32::abs), math::sqrt);
         kernel("m4f.math.wrap", &a, math::wrap);

@@ -67,7 +67,9 @@ mod proof {
         bearings(&mut rng);
         locate(&mut rng);
         gateway();
-        loop {}
+        loop {
+            cortex_m::asm::wfi();
+        }
     }
 
     fn math() {

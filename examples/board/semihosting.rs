@@ -14,7 +14,9 @@ pub fn exit(success: bool) -> ! {
         debug::EXIT_FAILURE
     });
     // The emulator is off by now.
-    loop {}
+    loop {
+        cortex_m::asm::wfi();
+    }
 }
 
 #[panic_handler]

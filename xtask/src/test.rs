@@ -80,7 +80,7 @@ pub fn run_all(options: &Options) -> Result<()> {
     };
     for (passed, (name, check)) in STEPS.iter().chain([&figures]).enumerate() {
         if let Err(error) = timed(name, check) {
-            println!("\n{error:?}\n\n{passed} passed, 1 failed");
+            println!("\n{error:#}\n\n{passed} passed, 1 failed");
             bail!("{name}");
         }
     }
