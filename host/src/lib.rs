@@ -6,7 +6,7 @@
 //! - [`tracks`]: the problems of the published experiments, ready made;
 //! - [`simulate`]: noisy bearings along a track; [`drive`]: a whole drive of a vehicle, as the bytes
 //!   that its receiver and its direction finder put on the line;
-//! - [`reference`]: exact answers, to measure the library against;
+//! - [`mod@reference`]: exact answers, to measure the library against;
 //! - [`measured`]: bearings from the field, turned into such bytes;
 //! - [`replay`]: those bytes through the library's gateway, as the firmware does it;
 //! - [`geodesy`]: places on the ellipsoid;
