@@ -31,7 +31,7 @@ pub struct Options {
     #[arg(
         long,
         value_name = "DEGREES",
-        default_value_t = 4.0,
+        default_value_t = DEVIATION_DEGREES,
         requires = "bearings"
     )]
     deviation: f64,
@@ -47,6 +47,8 @@ struct Scene {
     bytes: Vec<u8>,
 }
 
+/// Standard deviation of measured bearings unless told otherwise.
+pub const DEVIATION_DEGREES: f64 = 4.0;
 /// The drive that comes with the project.
 pub const EXAMPLE: &str = "examples/data/drive.nmea";
 /// Asks the gateway for its answer and its status.

@@ -50,7 +50,7 @@ const STEPS: &[Step] = &[
         run(cargo().args(["test", "--workspace", "--doc"]))
     }),
     ("portable tests, emulated board", portable_on_board),
-    ("a whole drive, board against host", trace::compare),
+    ("whole drives, board against host", trace::compare),
     ("no panic can happen", || {
         project::firmware("no_panic")
             .map(drop)

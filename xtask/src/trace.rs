@@ -1,19 +1,33 @@
-//! A whole drive through the firmware in the emulator and through the same gateway on the host.
+//! Whole drives through the firmware in the emulator and through the same gateway on the host.
 
-use std::{fs, time::Duration};
+use std::{env, fs, path::Path, time::Duration};
 
 use anyhow::{Context, Result, ensure};
-use foxhunt_host::replay::Replay;
+use foxhunt_host::{measured::Measured, replay::Replay};
 
 use crate::{
-    demo::{EXAMPLE, QUERY, has_status},
+    demo::{DEVIATION_DEGREES, EXAMPLE, QUERY, has_status},
     project,
     qemu::Machine,
 };
 
-/// Fails unless the firmware answers a drive byte for byte as the host does.
+/// Fails unless the firmware answers the shipped drive, and the measured ones where they are at hand, byte for
+/// byte as the host does.
 pub fn compare() -> Result<()> {
-    let mut bytes = fs::read(project::root().join(EXAMPLE))?;
+    compare_drive(fs::read(project::root().join(EXAMPLE))?)?;
+    let Some(data) = env::var_os("FOXHUNT_DATA") else {
+        println!("measured drives are skipped: FOXHUNT_DATA does not name their directory");
+        return Ok(());
+    };
+    let set = Path::new(&data).join("wsr/los_set_a.csv");
+    for transmitter in ["tx2", "tx3", "tx4"] {
+        let drive = Measured::read(&set, transmitter)?.drive(DEVIATION_DEGREES)?;
+        compare_drive(drive.bytes().to_vec()).context(transmitter)?;
+    }
+    Ok(())
+}
+
+fn compare_drive(mut bytes: Vec<u8>) -> Result<()> {
     bytes.extend(QUERY);
     let host = Replay::of(&bytes);
 
