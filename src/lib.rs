@@ -14,6 +14,7 @@
 //! | [`model`] | the two traits that a user implements, and stock dynamics |
 //! | [`filter`] | the bootstrap particle filter: predict, update, resample |
 //! | [`estimate`] | mean, covariance, quantiles, credible ellipses |
+//! | [`kalman`] | normal distributions; the linear and the unscented Kalman filter |
 //! | [`aoa`] | bearings and their conventions, triangulation, Gauss-Newton, the locator |
 //! | `gateway` (feature) | bytes in, fixes out: the state machine that firmware, host tools and tests share |
 //!
@@ -45,6 +46,7 @@ pub mod estimate;
 pub mod filter;
 #[cfg(feature = "gateway")]
 pub mod gateway;
+pub mod kalman;
 pub mod math;
 pub mod model;
 pub mod particles;
