@@ -11,6 +11,7 @@ use crate::math::ln;
 use crate::model::{Dynamics, Likelihood};
 use crate::particles::Particles;
 use crate::random::Rng;
+use crate::refine::{Memory, Refinement, Report};
 use crate::resample::Scheme;
 use crate::weights;
 
@@ -109,6 +110,18 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
     pub fn resample<R: Rng + ?Sized>(&mut self, scheme: Scheme, rng: &mut R) {
         self.particles.resample(scheme, &mut self.weights, rng);
         self.equal_weights();
+    }
+
+    /// Moves the particles by the log-density `target`: see [`crate::refine`] for when and by what.
+    pub fn refine<R: Rng + ?Sized>(
+        &mut self,
+        refinement: &impl Refinement<D>,
+        target: &impl Likelihood<D>,
+        memory: &mut Memory<D, N>,
+        rng: &mut R,
+    ) -> Report {
+        let columns = &mut self.particles.columns_mut();
+        refinement.refine(columns, target, &mut memory.workspace(), rng)
     }
 
     fn equal_weights(&mut self) {

@@ -12,6 +12,7 @@
 //! | [`particles`] | the cloud: a column per dimension of the state, and log-weights |
 //! | [`weights`], [`resample`] | normalisation in the log domain; four unbiased resampling schemes, in place |
 //! | [`model`] | the two traits that a user implements, and stock dynamics |
+//! | [`refine`] | fish schools, fireflies, differential evolution: as published, or with the posterior kept exact |
 //! | [`filter`] | the bootstrap particle filter: predict, update, resample |
 //! | [`estimate`] | mean, covariance, quantiles, credible ellipses |
 //! | [`kalman`] | normal distributions; the linear and the unscented Kalman filter |
@@ -51,6 +52,7 @@ pub mod math;
 pub mod model;
 pub mod particles;
 pub mod random;
+pub mod refine;
 pub mod resample;
 pub mod weights;
 

@@ -1,0 +1,275 @@
+//! Differential evolution.
+//!
+//! Storn and Price (1997), as Li, Wang and Wang apply it to the particles of a filter in place of resampling: Journal
+//! of Electronics & Information Technology 33(7), 2011. A mutant `F1 X_r1 + F2 (X_r2 - X_r3)` of three other
+//! particles gives its genes, the dimensions of the state, to a particle with a probability of Cr each, at least
+//! one; the better of the two lives on.
+//!
+//! Eq. 11 of the paper keeps the one whose objective is *smaller*. With weights as the objective that would be
+//! the worse: here the greater density lives on.
+//!
+//! The form that leaves the target invariant is the differential evolution Markov chain of ter Braak (2006): a
+//! particle moves by the difference of two others, which comes with either sign equally often, so the way back is
+//! as likely as the way there. The scale of its steps is that of the cloud by itself, correlations included.
+
+use core::fmt;
+use core::ops::Range;
+
+use super::lengths::{Lengths, difference};
+use super::population::{Population, halves, others};
+use super::{Acceptance, Refinement, Report, Workspace};
+use crate::math::sqrt;
+use crate::model::Likelihood;
+use crate::random::{Rng, uniform};
+
+/// Particles that evolve.
+///
+/// Takes four of them; fewer stay as they are.
+///
+/// With [`Acceptance::Metropolis`] a particle moves by `gamma (X_r1 - X_r2)`, with gamma 2.38 / sqrt(2 d) for d genes,
+/// and a little noise. One step in ten has gamma 1, to jump between modes, and one in ten is a snooker update
+/// (ter Braak and Vrugt 2008) along the line through a third particle. The weights F1 and F2 have no meaning.
+///
+/// ```
+/// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
+/// use foxhunt::refine::{Acceptance, DifferentialEvolution, Memory, Refinement};
+///
+/// // A sample of a normal distribution that is much too wide.
+/// let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+/// let mut x = [0.0; 100];
+/// x.fill_with(|| 10.0 * normal(&mut rng));
+/// let target = |[x]: &[f32; 1]| -0.5 * x * x;
+///
+/// let chain = DifferentialEvolution::new().acceptance(Acceptance::Metropolis).generations(100)?;
+/// let mut memory = Memory::<1, 100>::new();
+/// chain.refine(&mut [&mut x], &target, &mut memory.workspace(), &mut rng);
+/// // Now it is neither too wide nor too narrow.
+/// let variance = x.iter().map(|x| x * x).sum::<f32>() / 100.0;
+/// assert!((variance - 1.0).abs() < 0.5);
+/// # Ok::<(), foxhunt::refine::evolution::ConfigurationError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DifferentialEvolution {
+    base_weight: f32,
+    difference_weight: f32,
+    crossover: f32,
+    generations: u16,
+    acceptance: Acceptance,
+}
+
+/// Why a configuration was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ConfigurationError {
+    /// `base_weight` is not positive and finite.
+    BaseWeight,
+    /// `difference_weight` is not positive and finite.
+    DifferenceWeight,
+    /// `crossover` is not within 0 and 1.
+    Crossover,
+    /// `generations` is zero.
+    Generations,
+}
+
+impl fmt::Display for ConfigurationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::BaseWeight => "base_weight is not positive and finite",
+            Self::DifferenceWeight => "difference_weight is not positive and finite",
+            Self::Crossover => "crossover is not within 0 and 1",
+            Self::Generations => "generations is zero",
+        })
+    }
+}
+
+impl core::error::Error for ConfigurationError {}
+
+/// Deviation of the noise of a Markov chain, as a share of that of the particles: it frees the chain from the lattice
+/// of differences between the particles that it began with.
+const NOISE: f32 = 0.01;
+
+impl DifferentialEvolution {
+    /// The values of Li, Wang and Wang: F1 = 1, F2 = 0.9, Cr = 0.6, 20 generations.
+    pub const fn new() -> Self {
+        Self {
+            base_weight: 1.0,
+            difference_weight: 0.9,
+            crossover: 0.6,
+            generations: 20,
+            acceptance: Acceptance::Greedy,
+        }
+    }
+
+    /// F1, the weight of the particle that a mutant is made of.
+    ///
+    /// # Errors
+    /// When it is not positive and finite.
+    pub const fn base_weight(mut self, weight: f32) -> Result<Self, ConfigurationError> {
+        if !(weight > 0.0 && weight <= f32::MAX) {
+            return Err(ConfigurationError::BaseWeight);
+        }
+        self.base_weight = weight;
+        Ok(self)
+    }
+
+    /// F2, the weight of the difference that is added to it.
+    ///
+    /// # Errors
+    /// When it is not positive and finite.
+    pub const fn difference_weight(mut self, weight: f32) -> Result<Self, ConfigurationError> {
+        if !(weight > 0.0 && weight <= f32::MAX) {
+            return Err(ConfigurationError::DifferenceWeight);
+        }
+        self.difference_weight = weight;
+        Ok(self)
+    }
+
+    /// Cr, the probability that a gene comes from the mutant.
+    ///
+    /// # Errors
+    /// Outside 0 to 1.
+    pub const fn crossover(mut self, probability: f32) -> Result<Self, ConfigurationError> {
+        if !(probability >= 0.0 && probability <= 1.0) {
+            return Err(ConfigurationError::Crossover);
+        }
+        self.crossover = probability;
+        Ok(self)
+    }
+
+    /// How many times every particle meets a mutant.
+    ///
+    /// # Errors
+    /// For none.
+    pub const fn generations(mut self, generations: u16) -> Result<Self, ConfigurationError> {
+        if generations == 0 {
+            return Err(ConfigurationError::Generations);
+        }
+        self.generations = generations;
+        Ok(self)
+    }
+
+    /// As published, or with the target invariant.
+    pub const fn acceptance(mut self, acceptance: Acceptance) -> Self {
+        self.acceptance = acceptance;
+        self
+    }
+
+    /// The most evaluations of the density that a refinement of so many particles takes.
+    pub const fn evaluations(&self, particles: usize) -> usize {
+        particles.saturating_mul(1 + self.generations as usize)
+    }
+
+    /// Which genes come from the mutant: at least one.
+    #[inline(always)]
+    fn genes<const D: usize, R: Rng + ?Sized>(&self, rng: &mut R) -> [bool; D] {
+        let certain = (uniform(rng) * D as f32) as usize;
+        let mut genes = [false; D];
+        for (d, gene) in genes.iter_mut().enumerate() {
+            *gene = (uniform(rng) < self.crossover) | (d == certain);
+        }
+        genes
+    }
+
+    /// One generation as published.
+    fn evolve<const D: usize, T: Likelihood<D>, R: Rng + ?Sized>(
+        &self,
+        population: &mut Population<'_, '_, D, T>,
+        rng: &mut R,
+    ) {
+        for i in 0..population.len() {
+            let Some(parents) = others::<3, R>(population.len(), i, rng) else {
+                return;
+            };
+            let [base, plus, minus] = parents.map(|parent| population.state(parent));
+            let mut mutant = difference(plus, minus).map(|x| self.difference_weight * x);
+            for (mutant, base) in mutant.iter_mut().zip(base) {
+                *mutant += self.base_weight * base;
+            }
+            let child = inherit(population.state(i), mutant, self.genes(rng));
+            let trial = population.trial(child);
+            population.improve(i, &trial);
+        }
+    }
+
+    /// One generation of one half that leaves the target invariant.
+    fn wander<const D: usize, T: Likelihood<D>, R: Rng + ?Sized>(
+        &self,
+        population: &mut Population<'_, '_, D, T>,
+        (members, rest): (Range<usize>, Range<usize>),
+        rng: &mut R,
+    ) {
+        let scale = population.scale(Lengths::Relative, rest);
+        for i in members {
+            let Some([a, b, anchor]) = others(population.len(), i, rng) else {
+                return;
+            };
+            let kind = uniform(rng);
+            if kind < 0.1 {
+                population.snooker(i, population.state(anchor), &scale, rng);
+                continue;
+            }
+            let genes: [bool; D] = self.genes(rng);
+            let count = genes.iter().filter(|gene| **gene).count();
+            let gamma = if kind < 0.2 {
+                1.0
+            } else {
+                2.38 / sqrt(2.0 * count as f32)
+            };
+            let here = population.state(i);
+            let mut mutant = scale.away(here, NOISE, scale.noise(rng));
+            let apart = difference(population.state(a), population.state(b));
+            for (mutant, apart) in mutant.iter_mut().zip(apart) {
+                *mutant += gamma * apart;
+            }
+            let trial = population.trial(inherit(here, mutant, genes));
+            population.metropolis(i, &trial, 0.0, rng);
+        }
+    }
+}
+
+/// The particle with some genes of the mutant.
+#[inline(always)]
+fn inherit<const D: usize>(mut particle: [f32; D], mutant: [f32; D], genes: [bool; D]) -> [f32; D] {
+    for ((x, mutated), from_mutant) in particle.iter_mut().zip(mutant).zip(genes) {
+        if from_mutant {
+            *x = mutated;
+        }
+    }
+    particle
+}
+
+impl Default for DifferentialEvolution {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const D: usize> Refinement<D> for DifferentialEvolution {
+    fn refine<R: Rng + ?Sized>(
+        &self,
+        columns: &mut [&mut [f32]; D],
+        target: &impl Likelihood<D>,
+        workspace: &mut Workspace<'_, D>,
+        rng: &mut R,
+    ) -> Report {
+        let mut population = Population::new(columns, target, workspace.log_densities);
+        for _ in 0..self.generations {
+            population.report.iterations += 1;
+            match self.acceptance {
+                Acceptance::Greedy => self.evolve(&mut population, rng),
+                Acceptance::Metropolis => {
+                    for half in halves(population.len()) {
+                        self.wander(&mut population, half, rng);
+                    }
+                }
+            }
+        }
+        population.report
+    }
+
+    fn evaluations(&self, particles: usize) -> usize {
+        Self::evaluations(self, particles)
+    }
+}

@@ -1,0 +1,111 @@
+//! What a distance between states is measured in.
+
+use crate::math::sqrt;
+use crate::random::{Rng, normal};
+
+/// The unit of the distances in the configuration of a refinement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Lengths {
+    /// That of the state, for every dimension: metres, as a rule. A step in metres that suits the first cloud does
+    /// nothing for the last, or ruins it.
+    Absolute,
+    /// The standard deviation of the particles, of each dimension on its own, so that dimensions may differ in unit.
+    #[default]
+    Relative,
+}
+
+/// The unit of every dimension.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scale<const D: usize> {
+    /// In the unit of the state; zero where the particles do not differ.
+    unit: [f32; D],
+    /// Zero where the unit is: no distance in a dimension without extent.
+    inverse: [f32; D],
+}
+
+impl<const D: usize> Scale<D> {
+    pub(super) fn new(lengths: Lengths, columns: &[&[f32]; D]) -> Self {
+        let unit = match lengths {
+            Lengths::Absolute => [1.0; D],
+            Lengths::Relative => columns.map(deviation),
+        };
+        let inverse = unit.map(|u| if u > 0.0 { 1.0 / u } else { 0.0 });
+        Self { unit, inverse }
+    }
+
+    /// A state, or a difference of two, in these units.
+    #[inline(always)]
+    pub(super) fn measure(&self, mut state: [f32; D]) -> [f32; D] {
+        for (x, inverse) in state.iter_mut().zip(self.inverse) {
+            *x *= inverse;
+        }
+        state
+    }
+
+    /// What is `length` times the measured `offset` away from `from`.
+    #[inline(always)]
+    pub(super) fn away(&self, mut from: [f32; D], length: f32, offset: [f32; D]) -> [f32; D] {
+        for ((x, unit), offset) in from.iter_mut().zip(self.unit).zip(offset) {
+            *x += unit * (length * offset);
+        }
+        from
+    }
+
+    /// Standard normal in these units; zero in a dimension without extent.
+    #[inline(always)]
+    pub(super) fn noise<R: Rng + ?Sized>(&self, rng: &mut R) -> [f32; D] {
+        self.inverse.map(|inverse| {
+            let sample = normal(rng);
+            if inverse > 0.0 { sample } else { 0.0 }
+        })
+    }
+}
+
+/// Standard deviation of a column; zero of an empty one or one that holds no numbers.
+fn deviation(column: &[f32]) -> f32 {
+    let share = 1.0 / column.len() as f32;
+    let mean = share * column.iter().sum::<f32>();
+    let squares: f32 = column.iter().map(|x| (x - mean) * (x - mean)).sum();
+    let deviation = sqrt(share * squares);
+    // False for NaN. Below, the inverse would not be finite.
+    if deviation >= f32::MIN_POSITIVE && deviation <= f32::MAX {
+        deviation
+    } else {
+        0.0
+    }
+}
+
+#[inline(always)]
+pub(super) fn difference<const D: usize>(mut a: [f32; D], b: [f32; D]) -> [f32; D] {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a -= b;
+    }
+    a
+}
+
+#[inline(always)]
+pub(super) fn dot<const D: usize>(a: [f32; D], b: [f32; D]) -> f32 {
+    let mut sum = 0.0;
+    for (a, b) in a.iter().zip(b) {
+        sum += a * b;
+    }
+    sum
+}
+
+/// The direction of `offset`, of length one; `None` when it has none.
+#[inline(always)]
+pub(super) fn direction<const D: usize>(offset: [f32; D]) -> Option<[f32; D]> {
+    let length = sqrt(dot(offset, offset));
+    let inverse = 1.0 / length;
+    (length > 0.0 && inverse > 0.0).then(|| offset.map(|x| x * inverse))
+}
+
+/// A direction of length one, each as likely.
+#[inline(always)]
+pub(super) fn any_direction<const D: usize, R: Rng + ?Sized>(rng: &mut R) -> [f32; D] {
+    let mut sample = [0.0; D];
+    sample.fill_with(|| normal(rng));
+    // A normal sample is never zero.
+    direction(sample).unwrap_or(sample)
+}

@@ -1,0 +1,237 @@
+//! Particles, their log-densities, and the three ways to take a place that is offered: what all refinements share.
+
+use core::ops::Range;
+
+use super::Report;
+use super::lengths::{Lengths, Scale, difference, dot};
+use crate::math::ln;
+use crate::model::Likelihood;
+use crate::particles::{read, write};
+use crate::random::{Rng, uniform, uniform_open};
+
+/// The particles under refinement. A state and its density change together or not at all.
+pub(super) struct Population<'a, 'c, const D: usize, T> {
+    columns: &'a mut [&'c mut [f32]; D],
+    /// Never NaN and never plus infinity.
+    log_densities: &'a mut [f32],
+    target: &'a T,
+    pub(super) report: Report,
+}
+
+/// A place, and how the target likes it.
+pub(super) struct Trial<const D: usize> {
+    pub(super) state: [f32; D],
+    pub(super) log_density: f32,
+}
+
+impl<'a, 'c, const D: usize, T: Likelihood<D>> Population<'a, 'c, D, T> {
+    /// Evaluates the density of every particle that there is memory for.
+    pub(super) fn new(
+        columns: &'a mut [&'c mut [f32]; D],
+        target: &'a T,
+        log_densities: &'a mut [f32],
+    ) -> Self {
+        let shortest = columns.iter().map(|column| column.len()).min();
+        let particles = log_densities.len().min(shortest.unwrap_or(0));
+        let log_densities = log_densities.get_mut(..particles).unwrap_or_default();
+        target.log_likelihoods(&columns.each_ref().map(|column| &**column), log_densities);
+        for l in log_densities.iter_mut() {
+            *l = possible(*l);
+        }
+        Self {
+            columns,
+            log_densities,
+            target,
+            report: Report {
+                evaluations: particles,
+                ..Report::default()
+            },
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.log_densities.len()
+    }
+
+    #[inline(always)]
+    pub(super) fn state(&self, i: usize) -> [f32; D] {
+        read(&self.columns.each_ref().map(|column| &**column), i)
+    }
+
+    #[inline(always)]
+    pub(super) fn log_density(&self, i: usize) -> f32 {
+        self.log_densities
+            .get(i)
+            .copied()
+            .unwrap_or(f32::NEG_INFINITY)
+    }
+
+    /// The particle of the highest density among `range`; none of them if all are impossible.
+    pub(super) fn best(&self, range: Range<usize>) -> Option<usize> {
+        let mut best = None;
+        let mut highest = f32::NEG_INFINITY;
+        for i in range {
+            let log_density = self.log_density(i);
+            if log_density > highest {
+                (best, highest) = (Some(i), log_density);
+            }
+        }
+        best
+    }
+
+    /// The highest density.
+    pub(super) fn highest(&self) -> f32 {
+        let best = self.best(0..self.len());
+        best.map_or(f32::NEG_INFINITY, |i| self.log_density(i))
+    }
+
+    /// The unit of `lengths`, by the particles of `range`.
+    pub(super) fn scale(&self, lengths: Lengths, range: Range<usize>) -> Scale<D> {
+        let columns = self
+            .columns
+            .each_ref()
+            .map(|column| column.get(range.clone()).unwrap_or_default());
+        Scale::new(lengths, &columns)
+    }
+
+    /// Evaluates the density at `state`.
+    #[inline(always)]
+    pub(super) fn trial(&mut self, state: [f32; D]) -> Trial<D> {
+        let finite = state.iter().all(|x| x.is_finite());
+        self.report.evaluations += usize::from(finite);
+        let log_density = if finite {
+            possible(self.target.log_likelihood(&state))
+        } else {
+            f32::NEG_INFINITY
+        };
+        Trial { state, log_density }
+    }
+
+    /// Moves particle `i` to any place that is possible.
+    #[inline(always)]
+    pub(super) fn go(&mut self, i: usize, trial: &Trial<D>) {
+        self.offer(i, trial, trial.log_density > f32::NEG_INFINITY);
+    }
+
+    /// Moves particle `i` to a better place.
+    #[inline(always)]
+    pub(super) fn improve(&mut self, i: usize, trial: &Trial<D>) {
+        self.offer(i, trial, trial.log_density > self.log_density(i));
+    }
+
+    /// Moves particle `i` with the probability of Metropolis and Hastings. `way_back` is the log-density of proposing
+    /// the way back less that of the way there. Draws once, whatever comes of it.
+    #[inline(always)]
+    pub(super) fn metropolis<R: Rng + ?Sized>(
+        &mut self,
+        i: usize,
+        trial: &Trial<D>,
+        way_back: f32,
+        rng: &mut R,
+    ) {
+        let log_ratio = trial.log_density - self.log_density(i) + way_back;
+        // NaN, as between two impossible places, is no reason to move.
+        self.offer(i, trial, ln(uniform_open(rng)) < log_ratio);
+    }
+
+    /// A Metropolis step of particle `i` along the line through `anchor`, by as much as two other particles are apart
+    /// along it, times 1.2 to 2.2: the snooker update of ter Braak and Vrugt, "Differential evolution Markov
+    /// chain with snooker updater and fewer chains" (2008). `anchor` must not depend on particle `i`.
+    ///
+    /// The lines through a point lie close together near it, so the way towards it is more likely than the way back,
+    /// by the ratio of the distances to the power of D - 1.
+    #[inline(always)]
+    pub(super) fn snooker<R: Rng + ?Sized>(
+        &mut self,
+        i: usize,
+        anchor: [f32; D],
+        scale: &Scale<D>,
+        rng: &mut R,
+    ) {
+        let Some([a, b]) = others(self.len(), i, rng) else {
+            return;
+        };
+        let here = self.state(i);
+        let line = scale.measure(difference(here, anchor));
+        let apart = scale.measure(difference(self.state(a), self.state(b)));
+        let factor = 1.2 + uniform(rng);
+        // A share of the distance from the anchor; NaN, and thus rejected, for a particle that sits on it.
+        let share = factor * dot(apart, line) / dot(line, line);
+        let trial = self.trial(scale.away(here, share, line));
+        let way_back = (D as f32 - 1.0) * ln((1.0 + share).abs());
+        self.metropolis(i, &trial, way_back, rng);
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, i: usize, trial: &Trial<D>, taken: bool) {
+        self.report.proposals += 1;
+        if !taken {
+            return;
+        }
+        if let Some(log_density) = self.log_densities.get_mut(i) {
+            *log_density = trial.log_density;
+            write(self.columns, i, trial.state);
+            self.report.moves += 1;
+        }
+    }
+}
+
+/// A log-density; minus infinity for what is none.
+#[inline(always)]
+fn possible(log_density: f32) -> f32 {
+    // False for NaN.
+    if log_density < f32::INFINITY {
+        log_density
+    } else {
+        f32::NEG_INFINITY
+    }
+}
+
+/// Both halves of `n` particles, each with the other.
+///
+/// While one half moves, what the other one says (its spread, its best) is fixed. Were it measured on all
+/// particles, it would change with the particle that moves, and the way back would not be the way there. Within
+/// a half the particles move one after the other, each given all others as they are by then: such moves leave
+/// each particle's own distribution invariant given the others, hence that of all together.
+pub(super) fn halves(n: usize) -> [(Range<usize>, Range<usize>); 2] {
+    let middle = n / 2;
+    [(0..middle, middle..n), (middle..n, 0..middle)]
+}
+
+/// `K` different ones of `n` particles, in random order, none of them `i`. `None` if there are too few.
+#[inline(always)]
+pub(super) fn others<const K: usize, R: Rng + ?Sized>(
+    n: usize,
+    i: usize,
+    rng: &mut R,
+) -> Option<[usize; K]> {
+    if n <= K {
+        return None;
+    }
+    let mut taken = [usize::MAX; K];
+    let mut chosen = [0; K];
+    for (k, chosen) in chosen.iter_mut().enumerate() {
+        // A rank among those left, counted on from the one behind i; then among all.
+        let mut rank = below(n - 1 - k, rng);
+        for taken in taken {
+            if rank >= taken {
+                rank += 1;
+            }
+        }
+        let index = i + 1 + rank;
+        *chosen = if index < n { index } else { index - n };
+        // Keeps what is taken in order.
+        for taken in &mut taken {
+            if rank < *taken {
+                core::mem::swap(taken, &mut rank);
+            }
+        }
+    }
+    Some(chosen)
+}
+
+/// Uniform on the integers below `n`, to within n / 2^32.
+#[inline(always)]
+fn below<R: Rng + ?Sized>(n: usize, rng: &mut R) -> usize {
+    ((u64::from(rng.next_u32()) * n as u64) >> 32) as usize
+}
