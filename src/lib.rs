@@ -16,7 +16,9 @@
 //! | [`filter`] | the bootstrap particle filter: predict, update, resample |
 //! | [`estimate`] | mean, covariance, quantiles, credible ellipses |
 //! | [`kalman`] | normal distributions; the linear and the unscented Kalman filter |
+//! | [`proposal`] | filters that look at the measurement before they move: unscented, auxiliary, point mass |
 //! | [`aoa`] | bearings and their conventions, triangulation, Gauss-Newton, the locator |
+//! | [`problems`] | the problems of the published experiments, ready to run |
 //! | `gateway` (feature) | bytes in, fixes out: the state machine that firmware, host tools and tests share |
 //!
 //! Start at [`aoa::locator::Locator`] to find a transmitter from bearings, at [`model`] to track something of
@@ -51,6 +53,8 @@ pub mod kalman;
 pub mod math;
 pub mod model;
 pub mod particles;
+pub mod problems;
+pub mod proposal;
 pub mod random;
 pub mod refine;
 pub mod resample;

@@ -1,0 +1,51 @@
+//! The density that a filter approximates.
+
+use super::Transition;
+use crate::math::{exp_of_weight, ln};
+use crate::model::Likelihood;
+use crate::particles::read;
+
+/// The posterior after one step from a weighted cloud: the likelihood times the mixture of the transitions of all
+/// particles.
+///
+/// It is a [`Likelihood`] of the new state, so it is what a refinement has to aim at if it is to keep the posterior;
+/// each evaluation asks every particle of the old cloud.
+#[derive(Debug, Clone, Copy)]
+pub struct Posterior<'a, const D: usize, T, L> {
+    /// How states move.
+    pub transition: &'a T,
+    /// Over how many seconds.
+    pub dt: f32,
+    /// The cloud before the step.
+    pub columns: [&'a [f32]; D],
+    /// Its log-weights, with any common offset.
+    pub log_weights: &'a [f32],
+    /// The measurement after the step.
+    pub likelihood: &'a L,
+}
+
+impl<const D: usize, T: Transition<D>, L: Likelihood<D>> Likelihood<D> for Posterior<'_, D, T, L> {
+    fn log_likelihood(&self, state: &[f32; D]) -> f32 {
+        let log_likelihood = self.likelihood.log_likelihood(state);
+        // False for NaN.
+        if !(log_likelihood > f32::NEG_INFINITY) {
+            return f32::NEG_INFINITY;
+        }
+        let (mut largest, mut sum) = (f32::NEG_INFINITY, 0.0);
+        for (i, log_weight) in self.log_weights.iter().enumerate() {
+            if *log_weight == f32::NEG_INFINITY {
+                continue;
+            }
+            let from = read(&self.columns, i);
+            let term = log_weight + self.transition.log_transition(&from, state, self.dt);
+            if term > largest {
+                sum = 1.0 + sum * exp_of_weight(largest - term);
+                largest = term;
+            } else {
+                // Nothing if it is NaN, or minus infinity.
+                sum += exp_of_weight(term - largest);
+            }
+        }
+        log_likelihood + largest + ln(sum)
+    }
+}
