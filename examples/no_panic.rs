@@ -172,7 +172,6 @@ mod proof {
             &any(observation),
             any(0.0),
         ));
-        black_box(triangulation::crossing_angle(observations));
         black_box(triangulation::random_intersection(
             observations,
             any(0.0),

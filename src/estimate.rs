@@ -6,7 +6,7 @@ use crate::math::{atan2, ln, sin_cos, sqrt};
 
 /// Weighted mean of every column.
 pub fn mean<const D: usize>(columns: &[&[f32]; D], weights: &[f32]) -> [f32; D] {
-    columns.map(|column| weighted_sum(weights, column, |x| x))
+    columns.map(|column| weighted_sum(weights, column))
 }
 
 /// Weighted covariance of the columns about their mean: symmetric, in the product of their units.
@@ -18,6 +18,7 @@ pub fn covariance<const D: usize>(columns: &[&[f32]; D], weights: &[f32]) -> [[f
             *entry = weights
                 .iter()
                 .zip(columns[a].iter().zip(columns[b]))
+                .filter(|(w, _)| **w != 0.0)
                 .map(|(w, (x, y))| w * ((x - mean[a]) * (y - mean[b])))
                 .sum();
         }
@@ -25,26 +26,44 @@ pub fn covariance<const D: usize>(columns: &[&[f32]; D], weights: &[f32]) -> [[f
     covariance
 }
 
-/// Sum of `w f(x)`, in four running sums added in a fixed order.
-fn weighted_sum(weights: &[f32], column: &[f32], f: impl Fn(f32) -> f32) -> f32 {
+/// Sum of `w x`, in four running sums added in a fixed order.
+fn weighted_sum(weights: &[f32], column: &[f32]) -> f32 {
+    let n = weights.len().min(column.len());
+    let (weights, column) = (
+        weights.get(..n).unwrap_or_default(),
+        column.get(..n).unwrap_or_default(),
+    );
     let mut sum = [0.0f32; 4];
     let (weight_blocks, weight_rest) = weights.as_chunks::<4>();
     let (blocks, rest) = column.as_chunks::<4>();
     for (w, x) in weight_blocks.iter().zip(blocks) {
         for lane in 0..4 {
-            sum[lane] += w[lane] * f(x[lane]);
+            sum[lane] += w[lane] * x[lane];
         }
     }
     for (w, x) in weight_rest.iter().zip(rest) {
-        sum[0] += w * f(*x);
+        sum[0] += w * x;
     }
-    (sum[0] + sum[1]) + (sum[2] + sum[3])
+    let total = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    if total.is_finite() {
+        total
+    } else {
+        weighted_sum_of_living(weights, column)
+    }
+}
+
+/// Of the particles that have a weight: a dead one may be anywhere, at infinity or NaN as well.
+#[cold]
+#[inline(never)]
+fn weighted_sum_of_living(weights: &[f32], column: &[f32]) -> f32 {
+    let living = weights.iter().zip(column).filter(|(w, _)| **w != 0.0);
+    living.map(|(w, x)| w * x).sum()
 }
 
 /// Smallest value of `column` that, with all smaller ones, holds at least `probability` of the weight.
 ///
-/// Needs no sorting and no memory: 32 passes over the column, one for each bit of the answer. NaN for an
-/// empty column, or when no value is reached because `probability` is above the sum of the weights.
+/// Zero and one give the smallest and the largest value with a weight. Needs no sorting and no memory: 33 passes
+/// over the column, one for each bit of the answer and one for the sum. NaN for an empty column.
 pub fn quantile(column: &[f32], weights: &[f32], probability: f32) -> f32 {
     // The order of the floats is that of their bits once the negative ones are turned round.
     let key = |x: f32| {
@@ -61,6 +80,18 @@ pub fn quantile(column: &[f32], weights: &[f32], probability: f32) -> f32 {
             .zip(column)
             .map(|(w, x)| if key(*x) <= limit { *w } else { 0.0 })
             .sum()
+    };
+    // Within what can be reached, which rounding may leave short of one.
+    let reachable = weight_up_to(u32::MAX);
+    let probability = if probability > f32::MIN_POSITIVE {
+        probability
+    } else {
+        f32::MIN_POSITIVE
+    };
+    let probability = if probability < reachable {
+        probability
+    } else {
+        reachable
     };
     let mut answer = u32::MAX;
     for bit in (0..32).rev() {
@@ -93,7 +124,8 @@ pub struct Ellipse {
 }
 
 impl Ellipse {
-    /// The smallest region that a normal distribution gives the probability `probability` (0 to 1).
+    /// The smallest region that a normal distribution gives the probability `probability`: from 0, a point, up to
+    /// all but 1e-7.
     ///
     /// Its squared Mahalanobis radius is the quantile of the chi-squared distribution with two degrees of
     /// freedom, `-2 ln(1 - probability)`: 5.99 for 95 %.
@@ -102,7 +134,7 @@ impl Ellipse {
         let middle = 0.5 * (a + c);
         let half_difference = 0.5 * (a - c);
         let reach = sqrt(half_difference * half_difference + b * b);
-        let radius_squared = -2.0 * ln(1.0 - probability);
+        let radius_squared = -2.0 * ln(1.0 - probability.clamp(0.0, 1.0 - 1e-7));
         // Rounding may push the small eigenvalue of a flat ellipse below zero; by the determinant it loses
         // fewer digits than by the difference.
         let major = middle + reach;
@@ -124,9 +156,11 @@ impl Ellipse {
     pub fn contains(&self, point: [f32; 2]) -> bool {
         let (sin, cos) = sin_cos(self.orientation);
         let (dx, dy) = (point[0] - self.centre[0], point[1] - self.centre[1]);
-        let along = (dx * cos + dy * sin) / self.semi_major;
-        let across = (dy * cos - dx * sin) / self.semi_minor;
-        along * along + across * across <= 1.0
+        let (along, across) = (dx * cos + dy * sin, dy * cos - dx * sin);
+        // In products, because an axis of a flat ellipse is zero.
+        let (major, minor) = (self.semi_major, self.semi_minor);
+        let (u, v) = (along * minor, across * major);
+        along.abs() <= major && u * u + v * v <= (major * minor) * (major * minor)
     }
 }
 
@@ -144,6 +178,16 @@ mod tests {
         let weights = [0.25, 0.25, 0.25, 0.25, 0.0];
         assert_eq!(mean(&[&x, &y], &weights), [2.5, 5.0]);
         assert_eq!(covariance(&[&x, &y], &weights), [[1.25, 2.5], [2.5, 5.0]]);
+    }
+
+    #[test]
+    fn a_dead_particle_may_be_anywhere() {
+        for nowhere in [f32::NAN, f32::INFINITY] {
+            let columns: [&[f32]; 1] = [&[1.0, nowhere, 3.0, 3.0, nowhere]];
+            let weights = [0.5, 0.0, 0.25, 0.25, 0.0];
+            assert_eq!(mean(&columns, &weights), [2.0]);
+            assert_eq!(covariance(&columns, &weights), [[1.0]]);
+        }
     }
 
     #[test]
@@ -171,6 +215,12 @@ mod tests {
         }
         assert_eq!(quantile(&[-1.0, 0.0, 1.0], &[0.5, 0.25, 0.25], 0.5), -1.0);
         assert!(quantile(&[], &[], 0.5).is_nan());
+        let (column, weights) = ([3.0, -7.0, 5.0, 9.0], [0.3, 0.3, 0.4, 0.0]);
+        assert_eq!(quantile(&column, &weights, 0.0), -7.0);
+        assert_eq!(quantile(&column, &weights, 1.0), 5.0);
+        let equal = [1.0 / 200.0; 200];
+        let ramp: Vec<f32> = (0..200).map(|i| i as f32).collect();
+        assert_eq!(quantile(&ramp, &equal, 1.0), 199.0);
     }
 
     #[test]
@@ -210,6 +260,11 @@ mod tests {
     fn a_flat_ellipse_is_no_nan() {
         let ellipse = Ellipse::of_normal([0.0, 0.0], [[1.0, 1.0], [1.0, 1.0]], 0.95);
         assert_eq!(ellipse.semi_minor, 0.0);
+        assert!(ellipse.contains([0.0, 0.0]));
         assert!(!ellipse.contains([1.0, -1.0]));
+        for probability in [0.0, 1.0, 7.0] {
+            let ellipse = Ellipse::of_normal([0.0, 0.0], [[1.0, 0.0], [0.0, 0.0]], probability);
+            assert!(ellipse.semi_major.is_finite() && ellipse.contains([0.0, 0.0]));
+        }
     }
 }

@@ -82,7 +82,7 @@ impl<const D: usize> Dynamics<D> for Static {
     fn predict<R: Rng + ?Sized>(&self, _columns: &mut [&mut [f32]; D], _dt: f32, _rng: &mut R) {}
 }
 
-/// Every dimension wanders on its own.
+/// Every dimension wanders on its own; nothing moves in a time that is not positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RandomWalk<const D: usize> {
     /// Standard deviation after one second, in the unit of each dimension; it grows with the square root of time.
@@ -91,7 +91,7 @@ pub struct RandomWalk<const D: usize> {
 
 impl<const D: usize> Dynamics<D> for RandomWalk<D> {
     fn step<R: Rng + ?Sized>(&self, mut state: [f32; D], dt: f32, rng: &mut R) -> [f32; D] {
-        let root = sqrt(dt);
+        let root = sqrt(if dt > 0.0 { dt } else { 0.0 });
         for (x, deviation) in state.iter_mut().zip(self.deviation) {
             *x += deviation * root * normal(rng);
         }
@@ -99,7 +99,7 @@ impl<const D: usize> Dynamics<D> for RandomWalk<D> {
     }
 
     fn predict<R: Rng + ?Sized>(&self, columns: &mut [&mut [f32]; D], dt: f32, rng: &mut R) {
-        let root = sqrt(dt);
+        let root = sqrt(if dt > 0.0 { dt } else { 0.0 });
         for (column, deviation) in columns.iter_mut().zip(self.deviation) {
             let spread = deviation * root;
             for x in column.iter_mut() {

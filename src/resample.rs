@@ -130,9 +130,15 @@ impl<R: Rng + ?Sized> SortedUniforms<'_, R> {
     /// Distance to the next point when `left` points are still to come, this one included.
     fn next(&mut self, left: u32) -> f32 {
         // The smallest of m uniforms exceeds t with probability (1 - t)^m.
-        let kept = self.length * exp(ln(uniform_open(self.rng)) / left.max(1) as f32);
-        let gap = self.length - kept;
-        self.length = kept;
+        let x = -ln(uniform_open(self.rng)) / left.max(1) as f32;
+        // 1 - e^-x, which for many points is too small to be a difference.
+        let share = if x < 0.02 {
+            x * (1.0 - x * (0.5 - x / 6.0))
+        } else {
+            1.0 - exp(-x)
+        };
+        let gap = self.length * share;
+        self.length -= gap;
         gap
     }
 }
@@ -301,6 +307,28 @@ mod tests {
         for scheme in SCHEMES {
             assert_eq!(copies(scheme, &[], &mut rng), []);
             assert_eq!(copies(scheme, &[1.0], &mut rng), [1]);
+        }
+    }
+
+    #[test]
+    fn halves_of_many_particles_get_their_share() {
+        // 65,536 equal weights, 40 runs of each scheme: the first half gets 32,768 copies, with a deviation of at most
+        // 128. Four standard errors of the mean, 16 tests at 6e-5: one false alarm in 4,000 seeds.
+        const N: usize = 1 << 16;
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(17);
+        let mut memory = vec![0.0; N];
+        let weights = vec![1.0 / N as f32; N];
+        for scheme in SCHEMES {
+            let mut sum = 0.0;
+            for _ in 0..40 {
+                let ancestors = resample(scheme, &weights, &mut memory, &mut rng);
+                sum += ancestors.iter().filter(|a| *a < N / 2).count() as f64 - N as f64 / 2.0;
+            }
+            assert!(
+                (sum / 40.0).abs() < 4.0 * 128.0 / 40f64.sqrt(),
+                "{scheme:?}: {}",
+                sum / 40.0
+            );
         }
     }
 

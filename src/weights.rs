@@ -13,7 +13,8 @@ pub struct Normalised {
     pub shift: f32,
     /// Natural logarithm of the sum of what the shifted log-weights stand for; with `shift`, of the original sum.
     pub log_sum: f32,
-    /// (sum w)^2 / sum w^2: how many equally weighted particles would be worth as much, from 1 to their number.
+    /// (sum w)^2 / sum w^2: how many equally weighted particles would be worth as much, from 1 to their number but for
+    /// rounding.
     pub effective_sample_size: f32,
 }
 
@@ -30,6 +31,9 @@ pub fn normalise(log_weights: &mut [f32], weights: &mut [f32]) -> Option<Normali
 
 /// Like [`normalise`], after adding what stands in `weights` at first to the log-weights: log-likelihoods.
 pub fn reweigh(log_weights: &mut [f32], weights: &mut [f32]) -> Option<Normalised> {
+    // The shorter slice decides.
+    let n = log_weights.len().min(weights.len());
+    let (log_weights, weights) = (log_weights.get_mut(..n)?, weights.get_mut(..n)?);
     let largest = largest_sum(log_weights, weights);
     if largest == f32::NEG_INFINITY {
         return None;

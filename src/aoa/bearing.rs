@@ -6,7 +6,7 @@ use crate::math::wrap;
 
 /// A direction in the local east-north plane.
 ///
-/// Held as a mathematical angle: radians, counter-clockwise from east, in (-pi, pi]. Compasses and
+/// Held as a mathematical angle: radians, counter-clockwise from east, in [-pi, pi]. Compasses and
 /// direction finders count clockwise from north, or from the bow of the vehicle, so there is no
 /// plain `new`: every constructor names the convention of what it is given.
 ///
@@ -41,7 +41,8 @@ impl Bearing {
         Self::from_compass_degrees(heading + degrees)
     }
 
-    /// Radians counter-clockwise from east, in (-pi, pi]; NaN if it was made from a non-finite angle.
+    /// Radians counter-clockwise from east, in [-pi, pi]; NaN if it was made from an angle that is not
+    /// finite or beyond a million radians.
     pub const fn radians(self) -> f32 {
         self.0
     }
@@ -49,10 +50,33 @@ impl Bearing {
     /// Degrees clockwise from true north, in [0, 360).
     pub fn compass_degrees(self) -> f32 {
         let degrees = 90.0 - self.0 * (180.0 / PI);
-        if degrees < 0.0 {
+        let degrees = if degrees < 0.0 {
             degrees + 360.0
         } else {
             degrees
+        };
+        // Just west of north the sum rounds up.
+        if degrees >= 360.0 { 0.0 } else { degrees }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn compass_degrees_come_back() {
+        for tenth in 0..3600 {
+            let degrees = tenth as f32 * 0.1;
+            let back = Bearing::from_compass_degrees(degrees).compass_degrees();
+            let off = (back - degrees).abs();
+            assert!((off < 1e-4 || off > 359.9999) && (0.0..360.0).contains(&back));
         }
+        assert!(Bearing::from_compass_degrees(-1e-6).compass_degrees() < 360.0);
+        assert!(
+            Bearing::from_compass_degrees(f32::INFINITY)
+                .radians()
+                .is_nan()
+        );
     }
 }

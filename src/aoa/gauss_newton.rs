@@ -100,7 +100,7 @@ pub(super) struct Linearised {
     /// Derivative of the expected direction, in radians a metre.
     gradient: [f32; 2],
     /// 1 / sigma^2
-    information: f32,
+    pub(super) information: f32,
 }
 
 /// Closer to a receiver than this many metres, the direction of a source turns with every step.
@@ -140,8 +140,10 @@ impl Normal {
             let (pull, cost) = match errors {
                 Errors::Gaussian => (residual, 0.5 * residual * residual),
                 Errors::VonMises => {
-                    let (sin, cos) = sin_cos(residual);
-                    (sin, 1.0 - cos)
+                    // 1 - cos would lose the digits of a small error.
+                    let half = sin_cos(0.5 * residual).0;
+                    let sin = sin_cos(residual).0;
+                    (sin, 2.0 * half * half)
                 }
             };
             sums.matrix.xx += information * gx * gx;
@@ -218,7 +220,8 @@ fn von_mises_covariance(
 ) -> Result<[[f32; 2]; 2], SolveError> {
     let mut matrix = Symmetric::default();
     let mut weights = 0.0;
-    let mut cosines = 0.0;
+    // One less the mean cosine of the residuals, by half angles, which keep the digits of small ones.
+    let mut shortfall = 0.0;
     for observation in observations {
         let Linearised {
             residual,
@@ -233,12 +236,13 @@ fn von_mises_covariance(
         matrix.xy += information * 0.5 * (gx * my + gy * mx);
         matrix.yy += information * gy * my;
         weights += information;
-        cosines += information * sin_cos(residual).1;
+        let half = sin_cos(0.5 * residual).0;
+        shortfall += information * 2.0 * half * half;
     }
-    // Of the concentration, by Lenth's series in the mean cosine of the residuals.
-    let c = cosines / weights;
-    let spread =
-        2.0 * (1.0 - c) + (1.0 - c) * (1.0 - c) * (0.48794 - 0.82905 * c - 1.3915 * c * c) / c;
+    // Of the concentration, by Lenth's series in the mean cosine.
+    let s = shortfall / weights;
+    let c = 1.0 - s;
+    let spread = 2.0 * s + s * s * (0.48794 - 0.82905 * c - 1.3915 * c * c) / c;
     let mean_information = weights / observations.len() as f32;
     let scale = spread * mean_information;
     let inverse = matrix.inverse().ok_or(SolveError::Parallel)?;
@@ -290,6 +294,27 @@ mod tests {
         let solution = solve(&observations, Errors::Gaussian, [50.0, 50.0]).unwrap();
         let [[xx, xy], [_, yy]] = solution.covariance;
         assert!((xx - 400.0).abs() < 0.1 && (yy - 400.0).abs() < 0.1 && xy.abs() < 0.1);
+    }
+
+    #[test]
+    fn a_small_error_keeps_its_digits() {
+        // Von Mises and normal errors agree when they are small: the same spread, whatever its size.
+        for sigma in [0.02f32, 0.003, 0.0005] {
+            let observations: [Observation; 8] = core::array::from_fn(|i| {
+                let error = if i % 2 == 0 { sigma } else { -sigma };
+                towards([300.0 * i as f32, 0.0], [1000.0, 800.0], error)
+            });
+            let solution = solve(&observations, Errors::VonMises, [900.0, 700.0]).unwrap();
+            let normal = solve(&observations, Errors::Gaussian, [900.0, 700.0]).unwrap();
+            let ratio = solution.covariance[0][0] / normal.covariance[0][0];
+            let expected = (sigma / 0.02) * (sigma / 0.02);
+            // The fit takes up a part of the errors.
+            assert!(
+                (0.5..1.1).contains(&(ratio / expected)),
+                "{sigma}: {}",
+                ratio / expected
+            );
+        }
     }
 
     #[test]

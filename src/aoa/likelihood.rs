@@ -47,6 +47,13 @@ impl BearingLikelihood {
         (dx * self.cos + dy * self.sin, dy * self.cos - dx * self.sin)
     }
 
+    #[inline(never)]
+    fn one_by_one(&self, x: &[f32], y: &[f32], out: &mut [f32]) {
+        for ((x, y), out) in x.iter().zip(y).zip(out) {
+            *out = Likelihood::<2>::log_likelihood(self, &[*x, *y]);
+        }
+    }
+
     /// Log-likelihood from the component along the bearing and the ratio that stands for the angle.
     #[inline(always)]
     fn of_ratio(&self, along: f32, ratio: f32) -> f32 {
@@ -82,8 +89,11 @@ impl<const D: usize> Likelihood<D> for BearingLikelihood {
     /// Four particles share one division: a Cortex-M4F takes 14 cycles for it, and one for a product.
     fn log_likelihoods(&self, columns: &[&[f32]; D], out: &mut [f32]) {
         const { assert!(D >= 2, "a position takes two dimensions") };
-        let (x_blocks, x_rest) = columns[0].as_chunks::<4>();
-        let (y_blocks, y_rest) = columns[1].as_chunks::<4>();
+        // The shortest column decides.
+        let n = columns[0].len().min(columns[1].len()).min(out.len());
+        let (x_blocks, x_rest) = columns[0].get(..n).unwrap_or_default().as_chunks::<4>();
+        let (y_blocks, y_rest) = columns[1].get(..n).unwrap_or_default().as_chunks::<4>();
+        let out = out.get_mut(..n).unwrap_or_default();
         let (out_blocks, out_rest) = out.as_chunks_mut::<4>();
         for ((x, y), out) in x_blocks.iter().zip(y_blocks).zip(out_blocks) {
             let (along0, across0) = self.turn(x[0], y[0]);
@@ -96,15 +106,18 @@ impl<const D: usize> Likelihood<D> for BearingLikelihood {
             let (n3, d3) = fraction(along3, across3);
             let (d01, d23) = (d0 * d1, d2 * d3);
             let inverse = 1.0 / (d01 * d23);
+            if !(inverse > 0.0 && inverse <= f32::MAX) {
+                // One that is infinite or NaN would take the others with it.
+                self.one_by_one(x, y, out);
+                continue;
+            }
             let (inverse01, inverse23) = (d23 * inverse, d01 * inverse);
             out[0] = self.of_ratio(along0, n0 * (d1 * inverse01));
             out[1] = self.of_ratio(along1, n1 * (d0 * inverse01));
             out[2] = self.of_ratio(along2, n2 * (d3 * inverse23));
             out[3] = self.of_ratio(along3, n3 * (d2 * inverse23));
         }
-        for ((x, y), out) in x_rest.iter().zip(y_rest).zip(out_rest) {
-            *out = Likelihood::<2>::log_likelihood(self, &[*x, *y]);
-        }
+        self.one_by_one(x_rest, y_rest, out_rest);
     }
 }
 
@@ -186,6 +199,15 @@ mod tests {
         let mut out = [f32::NAN; 5];
         likelihood.log_likelihoods(&[&x, &y], &mut out);
         assert!(out.iter().all(|l| l.is_finite()), "{out:?}");
+        for lost in [f32::NAN, f32::INFINITY, 1e30] {
+            let x = [0.0, 1.0, lost, 2.0];
+            likelihood.log_likelihoods(&[&x, &[5.0; 4]], &mut out[..4]);
+            assert!(
+                [out[0], out[1], out[3]].iter().all(|l| l.is_finite()),
+                "{lost}: {out:?}"
+            );
+        }
+        likelihood.log_likelihoods(&[&[3.0; 5], &[-2.0; 5]], &mut out);
         assert!((out[0] - likelihood.peak).abs() < 1e-3);
     }
 }

@@ -1,9 +1,7 @@
 //! Where two bearings meet.
 
-use core::f32::consts::PI;
-
 use super::Observation;
-use crate::math::{sin_cos, wrap};
+use crate::math::sin_cos;
 use crate::random::{Rng, uniform};
 
 /// Where the rays of two observations intersect, or `None` when they are nearly parallel (the sine of their
@@ -30,23 +28,6 @@ pub fn intersection(a: &Observation, b: &Observation, least_sine: f32) -> Option
             a.position()[1] + along_a * sin_a,
         ]
     })
-}
-
-/// Largest angle between the lines of any two bearings, in radians from 0 to pi/2: the crossing angle.
-///
-/// Time proportional to the square of their number.
-pub fn crossing_angle(observations: &[Observation]) -> f32 {
-    let mut largest = 0.0;
-    for (i, a) in observations.iter().enumerate() {
-        for b in observations.iter().skip(i + 1) {
-            let angle = wrap(a.bearing().radians() - b.bearing().radians()).abs();
-            let angle = if angle > 0.5 * PI { PI - angle } else { angle };
-            if angle > largest {
-                largest = angle;
-            }
-        }
-    }
-    largest
 }
 
 /// The intersection of a random pair of bearings: a draw from a cloud that holds the source, to start a filter
@@ -110,16 +91,6 @@ mod tests {
         // They would meet south of both.
         let b = towards([10.0, 0.0], [60.0, 100.0]);
         assert_eq!(intersection(&a, &b, 0.02), None);
-    }
-
-    #[test]
-    fn the_crossing_angle_ignores_which_way_the_lines_point() {
-        let east = towards([0.0, 0.0], [100.0, 0.0]);
-        let west = towards([200.0, 0.0], [100.0, 0.0]);
-        let north_east = towards([50.0, -50.0], [100.0, 0.0]);
-        assert!(crossing_angle(&[east, west]) < 1e-5);
-        assert!((crossing_angle(&[east, west, north_east]) - 0.25 * PI).abs() < 1e-5);
-        assert_eq!(crossing_angle(&[]), 0.0);
     }
 
     #[test]

@@ -2,9 +2,9 @@
 
 use heapless::Vec;
 
-use crate::aoa::gauss_newton::{Errors, SolveError, linearise, solve};
+use crate::aoa::gauss_newton::{Errors, Linearised, SolveError, linearise, solve};
 use crate::aoa::{Bearing, BearingLikelihood, Observation};
-use crate::math::{atan2, sqrt};
+use crate::math::{atan2, sin_cos, sqrt, wrap};
 use crate::model::Likelihood;
 
 use super::moves::Proposal;
@@ -111,6 +111,39 @@ impl<const B: usize> Evidence<B> {
             }
         }
         sums
+    }
+
+    /// What the bearings say to a source at `point`: the sum of the squares of their errors in deviations.
+    pub(super) fn misfit(&self, point: [f32; 2]) -> f32 {
+        let square = |o| {
+            let Linearised {
+                residual,
+                information,
+                ..
+            } = linearise(o, point);
+            information * residual * residual
+        };
+        self.observations.iter().map(square).sum()
+    }
+
+    /// The same for a source so far away, in the direction that fits best, that all bearings are parallel; and the
+    /// sum of their information, 1 / sigma^2.
+    pub(super) fn misfit_at_infinity(&self) -> (f32, f32) {
+        let information = |o: &Observation| 1.0 / (o.deviation() * o.deviation());
+        let mut sum = [0.0; 2];
+        let mut total = 0.0;
+        for o in &self.observations {
+            let (sin, cos) = sin_cos(o.bearing().radians());
+            sum[0] += information(o) * cos;
+            sum[1] += information(o) * sin;
+            total += information(o);
+        }
+        let direction = atan2(sum[1], sum[0]);
+        let square = |o: &Observation| {
+            let error = wrap(o.bearing().radians() - direction);
+            information(o) * error * error
+        };
+        (self.observations.iter().map(square).sum(), total)
     }
 
     /// The mode nearest to `start`, and the normal distribution that has its curvature.

@@ -1,10 +1,10 @@
 //! The locator: bearings in, and a fix out as soon as there can be one.
 //!
-//! A particle filter for a source that does not move. It keeps the bearings, in a bounded buffer, because
+//! A particle filter for a source that does not move and may be anywhere: its prior is flat. It keeps the bearings, in a bounded buffer, because
 //! their joint likelihood is what particles must be moved by when they have become too few: a filter that
 //! forgets them can only jitter its particles, which costs accuracy and, with few particles, the source.
 //!
-//! * Before the bearings cross at a sufficient angle the answer is [`Answer::NotObservable`], with the reason.
+//! * Before the bearings rule out that they are parallel the answer is [`Answer::NotObservable`], with the reason.
 //! * Then particles start from intersections of random pairs of bearings (Du et al. 2016, eq. 22 and 23) and
 //!   are weighed by all bearings.
 //! * Each further bearing weighs them once. When the effective sample size falls, they are resampled and moved
@@ -17,8 +17,7 @@ mod moves;
 
 use core::fmt;
 
-use super::gauss_newton::SolveError;
-use super::triangulation::{crossing_angle, random_intersection};
+use super::triangulation::random_intersection;
 use super::{BearingLikelihood, Observation};
 use crate::estimate::Ellipse;
 use crate::filter::ParticleFilter;
@@ -66,14 +65,14 @@ impl Settings {
     /// The defaults.
     pub const fn new() -> Self {
         Self {
-            relative_range_error: 0.3,
+            relative_range_error: 0.25,
             resample_share: 0.5,
             moves: 2,
         }
     }
 
     /// Largest standard deviation of the range to the source, as a share of the range, that makes a fix:
-    /// 0.3 unless set.
+    /// 0.25 unless set.
     ///
     /// # Errors
     /// Outside 0.01 to 1.
@@ -138,14 +137,14 @@ pub enum NotObservable {
         /// How many there are.
         have: u32,
     },
-    /// The bearings cross at too small an angle: drive on, across the bearing.
+    /// The bearings cross at too small an angle, so that they might as well be parallel: drive on, across them.
     CrossingAngle {
-        /// The largest angle between two of them, in radians.
+        /// Angle between the halves of the bearings, as far as it stands out of their errors; in radians.
         radians: f32,
-        /// About the angle that their errors ask for, in radians.
+        /// The angle that their errors ask for, in radians. It falls with the number of bearings.
         needed: f32,
     },
-    /// The bearings do not meet in front of their receivers.
+    /// The bearings part: they do not meet in front of their receivers.
     NoIntersection,
 }
 
@@ -199,6 +198,9 @@ pub struct Locator<const N: usize, const B: usize = 64> {
 /// The smallest sine of the angle of two bearings whose intersection may start a particle.
 const LEAST_SINE: f32 = 0.02;
 
+/// Moves of every particle before the first fix, at least.
+const START_MOVES: u8 = 8;
+
 impl<const N: usize, const B: usize> Locator<N, B> {
     /// No bearings yet.
     pub const fn new(settings: Settings) -> Self {
@@ -219,13 +221,18 @@ impl<const N: usize, const B: usize> Locator<N, B> {
 
     /// Takes one bearing, and says what is known with it.
     ///
-    /// Evaluates at most `N (B + 1) (moves + 1)` likelihoods, and `N` when no particle needs to move.
+    /// Evaluates `N` likelihoods when no particle needs to move, `N (1 + B (moves + 1))` when they do, `10 N B` for
+    /// the first fix (with `N` rounded up to a multiple of 16), and takes a Gauss-Newton search of the `B` bearings
+    /// for either.
     pub fn push<R: Rng + ?Sized>(&mut self, observation: Observation, rng: &mut R) -> Answer {
         if let Answer::Fix(fix) = self.answer {
             self.evidence.push(observation, Some(fix.position));
             // A normal likelihood is never zero, so the update cannot fail.
             let _ = self.filter.update(&BearingLikelihood::new(&observation));
-            self.rejuvenate(self.settings.resample_share * N as f32, rng);
+            // A single particle that is left has no covariance to say so.
+            let share = self.settings.resample_share * N as f32;
+            let needed = if share > 2.0 { share } else { 2.0 };
+            self.rejuvenate(needed, rng);
             self.answer = Answer::Fix(self.fix());
         } else {
             self.evidence.push(observation, None);
@@ -261,49 +268,49 @@ impl<const N: usize, const B: usize> Locator<N, B> {
     }
 
     /// Whether the bearings make a fix: the normal distribution about their intersection, or the reason why not.
+    ///
+    /// They do if they rule out that they are parallel, that the source is anywhere up to infinity: by the
+    /// likelihood ratio, because the curvature of the likelihood alone is deceived by the intersections that
+    /// errors make of parallel bearings, among the vehicle's own places.
     fn observe<R: Rng + ?Sized>(&self, rng: &mut R) -> Result<Proposal, NotObservable> {
         /// The best of this many random intersections starts the search.
         const CANDIDATES: u32 = 8;
         let observations = self.evidence.observations();
-        if observations.len() < 2 {
-            return Err(NotObservable::TooFewBearings {
-                have: observations.len() as u32,
-            });
+        let have = observations.len();
+        if have < 2 {
+            return Err(NotObservable::TooFewBearings { have: have as u32 });
         }
-        let radians = crossing_angle(observations);
+        let (misfit_at_infinity, information) = self.evidence.misfit_at_infinity();
+        let limit = self.settings.relative_range_error;
+        // Two halves of the bearings that differ by this angle have a likelihood ratio of 1 / (2 limit^2).
+        let needed = 2.0 / (limit * sqrt(information));
+        let crossing = |radians| NotObservable::CrossingAngle { radians, needed };
+
         let mut best = None;
         for _ in 0..CANDIDATES {
             if let Some(point) = random_intersection(observations, LEAST_SINE, rng) {
-                let density = self.evidence.log_density(point);
-                if best.is_none_or(|(_, highest)| density > highest) {
-                    best = Some((point, density));
+                let misfit = self.evidence.misfit(point);
+                if best.is_none_or(|(_, least)| misfit < least) {
+                    best = Some((point, misfit));
                 }
             }
         }
-        let Some((start, _)) = best else {
-            return Err(if radians < LEAST_SINE {
-                NotObservable::CrossingAngle {
-                    radians,
-                    needed: LEAST_SINE,
-                }
+        let Some(mode) = best.and_then(|(start, _)| self.evidence.mode(start).ok()) else {
+            // Are they as parallel as their errors let them be? Beyond four deviations of chi-squared they part.
+            let freedom = have as f32 - 1.0;
+            let parallel = misfit_at_infinity < freedom + 4.0 * sqrt(2.0 * freedom);
+            return Err(if parallel {
+                crossing(0.0)
             } else {
                 NotObservable::NoIntersection
             });
         };
-        let mode = self.evidence.mode(start).map_err(|error| match error {
-            SolveError::Parallel => NotObservable::CrossingAngle {
-                radians,
-                needed: 2.0 * radians,
-            },
-            _ => NotObservable::NoIntersection,
-        })?;
+        let gain = misfit_at_infinity - self.evidence.misfit(mode.mean());
+        let gain = if gain > 0.0 { gain } else { 0.0 };
         let relative_error =
             mode.largest_deviation() / self.evidence.distance_to_latest(mode.mean());
-        let limit = self.settings.relative_range_error;
-        if relative_error > limit {
-            // The error of a range goes with the inverse of the crossing angle.
-            let needed = radians * relative_error / limit;
-            return Err(NotObservable::CrossingAngle { radians, needed });
+        if gain * limit * limit < 1.0 || relative_error > limit {
+            return Err(crossing(2.0 * sqrt(gain / information)));
         }
         Ok(mode)
     }
@@ -319,13 +326,9 @@ impl<const N: usize, const B: usize> Locator<N, B> {
             .filter
             .update(&|point: &[f32; 2]| evidence.log_density(*point));
         self.filter.resample(Scheme::Systematic, rng);
-        moves::sweep(
-            self.filter.columns_mut(),
-            evidence,
-            &mode,
-            self.settings.moves,
-            rng,
-        );
+        // Intersections are not drawn from the posterior: it takes more moves than usual to forget that.
+        let moves = self.settings.moves.max(START_MOVES);
+        moves::sweep(self.filter.columns_mut(), evidence, &mode, moves, rng);
     }
 
     /// Resamples and moves the particles if they are worth fewer than `needed`.
