@@ -273,3 +273,25 @@ impl<const D: usize> Refinement<D> for DifferentialEvolution {
         Self::evaluations(self, particles)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_checked() {
+        let evolution = DifferentialEvolution::new();
+        for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            let result = evolution.base_weight(bad);
+            assert_eq!(result, Err(ConfigurationError::BaseWeight));
+            let result = evolution.difference_weight(bad);
+            assert_eq!(result, Err(ConfigurationError::DifferenceWeight));
+        }
+        for bad in [-0.1, 1.1, f32::NAN] {
+            assert_eq!(evolution.crossover(bad), Err(ConfigurationError::Crossover));
+        }
+        let result = evolution.generations(0);
+        assert_eq!(result, Err(ConfigurationError::Generations));
+        assert_eq!(evolution.evaluations(10), 210);
+    }
+}

@@ -15,7 +15,7 @@ use core::fmt;
 use core::ops::Range;
 
 use super::lengths::{Lengths, Scale, difference, dot};
-use super::neighbours::{CELLS, Mate, Neighbours};
+use super::neighbours::{Grid, Neighbours};
 use super::population::{Population, halves, others};
 use super::{Acceptance, Refinement, Report, Workspace};
 use crate::math::{exp, ln, sqrt};
@@ -31,9 +31,10 @@ const NEGLIGIBLE: f32 = 1e-3;
 /// out, with their share of the flutter, so that the time is proportional to the number within reach, not to
 /// that of all. [`Firefly::improved`] draws each to the brightest alone, which itself stays.
 ///
-/// With [`Acceptance::Metropolis`] the flutter is normal with the same deviation, the move is weighed with the
-/// density of the way back, and a firefly is drawn, whether it is brighter or not, to one that does not depend on
-/// where it is itself: one at random (standard), or the brightest of the other half of the swarm (improved).
+/// With [`Acceptance::Metropolis`] the flutter is normal with the same deviation, and a firefly is drawn to one that
+/// does not depend on where it is itself: any one at random (standard), or the brightest of the other half of the
+/// swarm (improved). Half of the times it is driven away by as much instead, or there would be no way back; the move
+/// is weighed with the density of that.
 ///
 /// ```
 /// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
@@ -240,26 +241,29 @@ impl Firefly {
         &self,
         population: &mut Population<'_, '_, D, T>,
         scale: &Scale<D>,
-        (mates, cells): (&mut [Mate<D>], &mut [u32; CELLS + 1]),
+        grid: &mut Grid<'_, D>,
         rng: &mut R,
     ) {
         // Infinite when nothing is absorbed.
         let reach = sqrt(-ln(NEGLIGIBLE) / self.absorption);
-        let neighbours = Neighbours::new(population, scale, reach, mates, cells);
-        for (firefly, around) in neighbours.iter() {
-            let mut flown = [0.0; D];
-            neighbours.within_reach(firefly, &around, |mate, offset, square| {
-                if mate.log_density > firefly.log_density {
-                    let pull = self.visibility(square);
-                    for (flown, offset) in flown.iter_mut().zip(offset) {
-                        *flown += pull * (offset - *flown) + self.flutter * (uniform(rng) - 0.5);
+        let neighbours = Neighbours::new(population, scale, reach, grid);
+        for (cell, around) in neighbours.cells() {
+            for firefly in cell {
+                let mut flown = [0.0; D];
+                neighbours.within_reach(firefly, &around, |mate, offset, square| {
+                    if mate.log_density > firefly.log_density {
+                        let pull = self.visibility(square);
+                        for (flown, offset) in flown.iter_mut().zip(offset) {
+                            *flown +=
+                                pull * (offset - *flown) + self.flutter * (uniform(rng) - 0.5);
+                        }
                     }
+                });
+                if flown != [0.0; D] {
+                    let i = firefly.index as usize;
+                    let trial = population.trial(scale.away(population.state(i), 1.0, flown));
+                    population.go(i, &trial);
                 }
-            });
-            if flown != [0.0; D] {
-                let i = firefly.index as usize;
-                let trial = population.trial(scale.away(population.state(i), 1.0, flown));
-                population.go(i, &trial);
             }
         }
     }
@@ -314,22 +318,24 @@ impl Firefly {
             };
             let here = population.state(i);
             let offset = scale.measure(difference(population.state(goal), here));
-            let there_pull = pull(population.log_density(i), offset);
+            // Drawn to the goal or, half of the times, away from it: each is the other's way back.
+            let sign = if uniform(rng) < 0.5 { 1.0 } else { -1.0 };
+            let there = sign * pull(population.log_density(i), offset);
             let flutter = scale.noise(rng).map(|x| deviation * x);
             let mut flown = flutter;
             for (flown, offset) in flown.iter_mut().zip(offset) {
-                *flown += there_pull * offset;
+                *flown += there * offset;
             }
             let trial = population.trial(scale.away(here, 1.0, flown));
             // What the flutter would have to be on the way back.
             let offset = difference(offset, flown);
-            let back_pull = pull(trial.log_density, offset);
-            let mut back = flown.map(|x| -x);
-            for (back, offset) in back.iter_mut().zip(offset) {
-                *back -= back_pull * offset;
+            let back = -sign * pull(trial.log_density, offset);
+            let mut flutter_back = flown.map(|x| -x);
+            for (flutter, offset) in flutter_back.iter_mut().zip(offset) {
+                *flutter -= back * offset;
             }
-            let way_back =
-                0.5 * (dot(flutter, flutter) - dot(back, back)) / (deviation * deviation);
+            let way_back = 0.5 * (dot(flutter, flutter) - dot(flutter_back, flutter_back))
+                / (deviation * deviation);
             population.metropolis(i, &trial, way_back, rng);
         }
     }
@@ -349,8 +355,7 @@ impl<const D: usize> Refinement<D> for Firefly {
             population.report.iterations += 1;
             match (self.acceptance, self.attraction) {
                 (Acceptance::Greedy, Attraction::Standard) => {
-                    let memory = (&mut *workspace.mates, &mut *workspace.cells);
-                    self.fly_to_all(&mut population, &scale, memory, rng);
+                    self.fly_to_all(&mut population, &scale, &mut workspace.grid, rng);
                 }
                 (Acceptance::Greedy, Attraction::Improved { .. }) => {
                     self.fly_to_brightest(&mut population, &scale, iteration, rng);
@@ -367,5 +372,55 @@ impl<const D: usize> Refinement<D> for Firefly {
 
     fn evaluations(&self, particles: usize) -> usize {
         Self::evaluations(self, particles)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+    use crate::refine::Memory;
+
+    #[test]
+    fn only_a_negligible_attraction_is_left_out() {
+        let brighter_to_the_right = |[x]: &[f32; 1]| *x;
+        let swarm = Firefly::standard(Lengths::Absolute, 0.5, f32::MIN_POSITIVE).unwrap();
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(88);
+        let mut memory = Memory::<1, 2>::new();
+        for tenth in 1..100 {
+            let distance = 0.1 * tenth as f32;
+            let mut x = [0.0, distance];
+            let workspace = &mut memory.workspace();
+            swarm.refine(&mut [&mut x], &brighter_to_the_right, workspace, &mut rng);
+            let pull = exp(-0.5 * distance * distance);
+            let expected = if pull < NEGLIGIBLE {
+                0.0
+            } else {
+                pull * distance
+            };
+            assert!((x[0] - expected).abs() < 1e-6, "{distance}: {x:?}");
+            assert_eq!(x[1], distance);
+        }
+    }
+
+    #[test]
+    fn settings_are_checked() {
+        for bad in [-1.0, f32::NAN, f32::INFINITY] {
+            let swarm = Firefly::standard(Lengths::Absolute, bad, 0.1);
+            assert_eq!(swarm, Err(ConfigurationError::Absorption));
+        }
+        for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            let swarm = Firefly::improved(Lengths::Absolute, 1.0, bad);
+            assert_eq!(swarm, Err(ConfigurationError::Flutter));
+            let swarm = Firefly::improved(Lengths::Absolute, 1.0, 0.1).unwrap();
+            assert_eq!(swarm.decay(bad), Err(ConfigurationError::Decay));
+        }
+        let swarm = Firefly::improved(Lengths::Relative, 0.0, 0.1).unwrap();
+        for bad in [-0.1, 1.1, f32::NAN] {
+            let result = swarm.least_attraction(bad);
+            assert_eq!(result, Err(ConfigurationError::LeastAttraction));
+        }
+        assert_eq!(swarm.iterations(0), Err(ConfigurationError::Iterations));
+        assert_eq!(swarm.iterations(7).unwrap().evaluations(10), 80);
     }
 }

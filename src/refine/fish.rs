@@ -19,7 +19,7 @@ use core::fmt;
 use core::ops::Range;
 
 use super::lengths::{Lengths, Scale, any_direction, difference, direction};
-use super::neighbours::{Around, CELLS, Mate, Neighbours};
+use super::neighbours::{Around, Grid, Mate, Neighbours};
 use super::population::{Population, halves, others};
 use super::{Acceptance, Refinement, Report, Workspace};
 use crate::math::ln;
@@ -269,17 +269,19 @@ impl FishSchool {
         let required = self.log_crowding + fish.log_density + ln(sight.mates as f32);
         let swarm = if self.behaviour.swarms() {
             let here = population.state(fish.index as usize);
-            let centre = population.trial(scale.away(here, 1.0, sight.centre));
-            centre.log_density
+            population
+                .trial(scale.away(here, 1.0, sight.centre))
+                .log_density
         } else {
             f32::NEG_INFINITY
         };
-        if self.behaviour.follows() && sight.best_log_density > required {
-            if let Some(best) = sight.best {
-                if sight.best_log_density > swarm {
-                    return Some(best);
-                }
-            }
+        let best = sight.best_log_density;
+        if self.behaviour.follows()
+            && best > required
+            && best > swarm
+            && let Some(offset) = sight.best
+        {
+            return Some(offset);
         }
         (swarm > required).then_some(sight.centre)
     }
@@ -313,7 +315,7 @@ impl FishSchool {
         &self,
         population: &mut Population<'_, '_, D, T>,
         scale: &Scale<D>,
-        (mates, cells): (&mut [Mate<D>], &mut [u32; CELLS + 1]),
+        grid: &mut Grid<'_, D>,
         rng: &mut R,
     ) {
         let go = |population: &mut Population<'_, '_, D, T>, i, company: Option<_>, rng: &mut R| {
@@ -331,11 +333,13 @@ impl FishSchool {
             }
             return;
         }
-        let neighbours = Neighbours::new(population, scale, self.perception, mates, cells);
-        for (fish, around) in neighbours.iter() {
-            let sight = Sight::of(&neighbours, fish, &around);
-            let company = self.company(population, fish, &sight, scale);
-            go(population, fish.index as usize, company, rng);
+        let neighbours = Neighbours::new(population, scale, self.perception, grid);
+        for (cell, around) in neighbours.cells() {
+            for fish in cell {
+                let sight = Sight::of(&neighbours, fish, &around);
+                let company = self.company(population, fish, &sight, scale);
+                go(population, fish.index as usize, company, rng);
+            }
         }
     }
 
@@ -399,8 +403,7 @@ impl<const D: usize> Refinement<D> for FishSchool {
             population.report.iterations += 1;
             match self.acceptance {
                 Acceptance::Greedy => {
-                    let memory = (&mut *workspace.mates, &mut *workspace.cells);
-                    self.swim(&mut population, &scale, memory, rng);
+                    self.swim(&mut population, &scale, &mut workspace.grid, rng);
                     let before = highest;
                     highest = population.highest();
                     if self.has_settled(before, highest) {
@@ -473,4 +476,37 @@ fn centre<const D: usize>(states: [[f32; D]; COMPANIONS]) -> [f32; D] {
 /// Positive, finite, and not so small that its inverse is infinite.
 const fn is_length(x: f32) -> bool {
     x >= f32::MIN_POSITIVE && x <= f32::MAX
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOT_LENGTHS: [f32; 5] = [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-45];
+
+    #[test]
+    fn lengths_are_positive_and_finite() {
+        for bad in NOT_LENGTHS {
+            let school = |perception, step| FishSchool::new(Lengths::Absolute, perception, step);
+            assert_eq!(school(bad, 1.0), Err(ConfigurationError::Perception));
+            assert_eq!(school(1.0, bad), Err(ConfigurationError::Step));
+        }
+    }
+
+    #[test]
+    fn settings_are_checked() {
+        const SCHOOL: Result<FishSchool, ConfigurationError> =
+            FishSchool::new(Lengths::Relative, 0.5, 0.3);
+        let school = SCHOOL.unwrap();
+        for bad in NOT_LENGTHS {
+            assert_eq!(school.crowding(bad), Err(ConfigurationError::Crowding));
+        }
+        assert_eq!(school.tries(0), Err(ConfigurationError::Tries));
+        assert_eq!(school.iterations(0), Err(ConfigurationError::Iterations));
+        for bad in [-0.1, f32::NAN, f32::INFINITY] {
+            assert_eq!(school.threshold(bad), Err(ConfigurationError::Threshold));
+        }
+        assert_eq!(school.evaluations(10), 10 * (1 + 1 + 50 + 1));
+        assert_eq!(school.evaluations(usize::MAX), usize::MAX);
+    }
 }

@@ -69,7 +69,7 @@ fn deviation(column: &[f32]) -> f32 {
     let squares: f32 = column.iter().map(|x| (x - mean) * (x - mean)).sum();
     let deviation = sqrt(share * squares);
     // False for NaN. Below, the inverse would not be finite.
-    if deviation >= f32::MIN_POSITIVE && deviation <= f32::MAX {
+    if (f32::MIN_POSITIVE..=f32::MAX).contains(&deviation) {
         deviation
     } else {
         0.0

@@ -58,7 +58,7 @@ pub use lengths::Lengths;
 
 use crate::model::Likelihood;
 use crate::random::Rng;
-use neighbours::{CELLS, Mate};
+use neighbours::{CELLS, Grid, Mate};
 
 /// A way to move particles by a log-density.
 pub trait Refinement<const D: usize> {
@@ -115,8 +115,10 @@ impl<const D: usize, const N: usize> Memory<D, N> {
     pub const fn workspace(&mut self) -> Workspace<'_, D> {
         Workspace {
             log_densities: &mut self.log_densities,
-            mates: &mut self.mates,
-            cells: &mut self.cells,
+            grid: Grid {
+                mates: &mut self.mates,
+                cells: &mut self.cells,
+            },
         }
     }
 }
@@ -131,10 +133,7 @@ impl<const D: usize, const N: usize> Default for Memory<D, N> {
 #[derive(Debug)]
 pub struct Workspace<'a, const D: usize> {
     log_densities: &'a mut [f32],
-    /// For the particles in order of their cells.
-    mates: &'a mut [Mate<D>],
-    /// Where each cell begins among the mates.
-    cells: &'a mut [u32; CELLS + 1],
+    grid: Grid<'a, D>,
 }
 
 #[cfg(test)]

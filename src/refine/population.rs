@@ -235,3 +235,31 @@ pub(super) fn others<const K: usize, R: Rng + ?Sized>(
 fn below<R: Rng + ?Sized>(n: usize, rng: &mut R) -> usize {
     ((u64::from(rng.next_u32()) * n as u64) >> 32) as usize
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+
+    #[test]
+    fn others_are_different_and_each_order_is_as_likely() {
+        // 24 orders of three out of four others, 1000 each on average: six of their deviations of 31.
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(85);
+        let mut counts = [[[0u32; 5]; 5]; 5];
+        for _ in 0..24_000 {
+            let [a, b, c] = others(5, 2, &mut rng).unwrap();
+            counts[a][b][c] += 1;
+        }
+        for (a, counts) in counts.iter().enumerate() {
+            for (b, counts) in counts.iter().enumerate() {
+                for (c, count) in counts.iter().enumerate() {
+                    let all_different = a != b && b != c && a != c && ![a, b, c].contains(&2);
+                    let expected = if all_different { 814..1186 } else { 0..1 };
+                    assert!(expected.contains(count), "{a} {b} {c}: {count}");
+                }
+            }
+        }
+        assert_eq!(others::<3, _>(3, 0, &mut rng), None);
+        assert_eq!(others::<1, _>(0, 0, &mut rng), None);
+    }
+}
