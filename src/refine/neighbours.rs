@@ -286,19 +286,18 @@ mod tests {
 
     #[test]
     fn comparisons_are_few_whatever_the_outliers() {
-        // A tenth of a deviation around 1000 normal particles: of one dimension 84 are in the three cells on average, of two
-        // 7 by area and as many again, since 16 tiles are narrower than the cloud.
+        // With a reach of a tenth of a deviation, the three cells of a line hold 88 of 1000 normal particles on average,
+        // the nine of the plane 36, both by the normal density and because 16 tiles are narrower than the cloud.
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(82);
         let line: Vec<[f32; 1]> = (0..1000).map(|_| [normal(&mut rng)]).collect();
         let plane: Vec<[f32; 2]> = (0..1000)
             .map(|_| [normal(&mut rng), normal(&mut rng)])
             .collect();
         assert!(assert_exact("line", &line, 0.1) < 100.0);
-        let mut compared = assert_exact("plane", &plane, 0.1);
-        assert!(compared < 60.0, "{compared}");
+        assert!(assert_exact("plane", &plane, 0.1) < 45.0);
         let mut with_outlier = plane.clone();
         with_outlier[0] = [3000.0, 3000.0];
-        compared = assert_exact("outlier", &with_outlier, 0.001);
-        assert!(compared < 60.0, "{compared}");
+        // The outlier makes a deviation a hundred times as long, and the reach what it was.
+        assert!(assert_exact("outlier", &with_outlier, 0.001) < 45.0);
     }
 }
