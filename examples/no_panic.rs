@@ -23,9 +23,12 @@ mod proof {
         estimate::{self, Ellipse},
         filter::ParticleFilter,
         gateway::{self, BearingReference, Vehicle},
+        kalman::{Covariance, Gaussian, Unscented},
         math,
         model::{ConstantVelocity, Dynamics, Likelihood, RandomWalk, Static},
         particles::{self, Particles},
+        problems::{bearings::Track, gamma, growth},
+        proposal::{AuxiliaryFilter, PointMassFilter, Transition, UnscentedParticleFilter},
         random::{self, SeedableRng, Xoshiro128PlusPlus},
         resample::{Scheme, resample},
         weights,
@@ -64,6 +67,8 @@ mod proof {
         random(&mut rng);
         cloud(&mut rng);
         filter(&mut rng);
+        kalman(&mut rng);
+        propose(&mut rng);
         bearings(&mut rng);
         locate(&mut rng);
         gateway();
@@ -145,6 +150,73 @@ mod proof {
         ));
         black_box((filter.columns_mut(), any(0.0)));
         black_box((filter.particles(), filter.weights()));
+    }
+
+    fn kalman(rng: &mut Xoshiro128PlusPlus) {
+        let Ok(mut covariance) = Covariance::<3>::new(&any([[0.0; 3]; 3])) else {
+            return;
+        };
+        covariance.add(any([0.0; 3]));
+        black_box((covariance.matrix(), covariance.deviations()));
+        let mut state = any(Gaussian {
+            mean: [0.0; 3],
+            covariance: covariance.plus(&any(Covariance::diagonal([0.0; 3]))),
+        });
+        black_box((state.draw(rng), state.log_density(any([0.0; 3]))));
+        let noise = any(Covariance::<2>::diagonal([0.0; 2]));
+        _ = black_box(state.predict(&any([[0.0; 3]; 3]), &covariance));
+        _ = black_box(state.update(&any([[0.0; 3]; 2]), any([0.0; 2]), &noise));
+        if let Ok(unscented) = Unscented::new(any(0.0), any(0.0), any(0.0)) {
+            _ = black_box(unscented.predict(&mut state, |x| any(*x), &covariance));
+            _ = black_box(unscented.update(&mut state, |[x, y, _]| any([*x, *y]), &noise));
+        }
+    }
+
+    fn propose(rng: &mut Xoshiro128PlusPlus) {
+        let covariance = any(Covariance::diagonal([0.0]));
+        let mut unscented = any(UnscentedParticleFilter::<1, 10>::new());
+        unscented.initialise(rng, &covariance, |_| any([0.0]));
+        let mut auxiliary = any(AuxiliaryFilter::<1, 10>::new());
+        auxiliary.initialise(rng, |_| any([0.0]));
+        let mut points = any(PointMassFilter::<1, 10>::at([0.0]));
+        let mut memory = any([0.0; 32]);
+        let seed = any(1);
+        for (dynamics, _, measurement) in gamma::simulate(
+            any(0.0),
+            any(0.0),
+            &mut Xoshiro128PlusPlus::seed_from_u64(seed),
+        )
+        .take(any(50))
+        {
+            let parameters = &Unscented::DEFAULT;
+            _ = black_box(unscented.step(parameters, &dynamics, &measurement, any(0.0), rng));
+            black_box((unscented.mean(), unscented.covariance()));
+            unscented.resample(any(Scheme::Systematic), rng);
+            _ = black_box(auxiliary.step(&dynamics, &measurement, any(0.0), &mut memory, rng));
+            black_box((auxiliary.mean(), auxiliary.covariance()));
+            _ = black_box(points.step(&dynamics, &measurement, any(0.0), &mut memory));
+            black_box((points.mean(), points.covariance()));
+        }
+        for (dynamics, truth, measurement) in growth::simulate(rng).take(any(50)) {
+            black_box((dynamics.mean(&[truth], any(0.0)), measurement));
+        }
+
+        let walk = any(RandomWalk {
+            deviation: [0.0; 2],
+        });
+        let mut memory = any([0.0; 300]);
+        let mut auxiliary = any(AuxiliaryFilter::<2, 10>::new());
+        let likelihood = |state: &[f32; 2]| any(state[0]);
+        _ = black_box(auxiliary.step(&walk, &likelihood, any(0.0), &mut memory, rng));
+        let (low, high) = any(([0.0; 2], [0.0; 2]));
+        let prior = |state: &[f32; 2]| any(state[1]);
+        if let Ok(mut points) = PointMassFilter::<2, 10>::from_prior(low, high, prior, &mut memory)
+        {
+            _ = black_box(points.step(&walk, &likelihood, any(0.0), &mut memory));
+        }
+        for observation in any(Track::A2).simulate(rng) {
+            black_box(observation);
+        }
     }
 
     fn observation() -> Option<Observation> {

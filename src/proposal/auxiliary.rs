@@ -15,9 +15,9 @@ use crate::weights;
 ///
 /// Pitt and Shephard, "Filtering via simulation: auxiliary particle filters" (1999), fully adapted: what their
 /// section 3 has in closed form for some models, transition times likelihood of each particle, is worked out on a
-/// small grid here. Ancestors are chosen systematically, and the quantiles at which their successors are drawn follow
-/// the golden section, so that successors are spread as evenly as ancestors. The grid's coarseness does not bias the
-/// particles: each is weighed by the density where it is over that at the centre of its cell.
+/// small grid here. Ancestors are chosen systematically; the successors of one are drawn from equal parts of its
+/// density. The grid's coarseness does not bias the particles: each is weighed by the density where it is over that at
+/// the centre of its cell.
 /// The estimate is the mean over the grids of all particles, taken before any of them is drawn.
 ///
 /// Takes 4 N (4 D + 3) bytes and a few more. The grid has `G` cells, which the caller lends; each particle evaluates
@@ -121,26 +121,29 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
             tooth: uniform(rng),
             slot: 0,
         };
-        let mut quantile = uniform(rng);
         for (i, (grid, weight)) in self.grids.iter().zip(&self.weights).enumerate() {
             let share = weight * N as f32;
             if comb.tooth < share {
                 let target = target(read(&columns, i));
                 grid.evaluate(&target, memory);
-                let log_unit = grid.moments(memory).log_mass() - grid.ln_cell();
-                while comb.tooth < share && comb.slot < N {
-                    let Some((centre, log_density, rest)) =
-                        cell_at(quantile, grid.centres::<G>().zip(&*memory), log_unit)
+                let log_sum = grid.moments(memory).log_mass() - grid.ln_cell();
+                let cells = || grid.centres::<G>().zip(&*memory);
+                // One from each of as many equal parts of the local density as there are copies.
+                let copies = (share - comb.tooth) as usize + 1;
+                for copy in 0..copies.min(N - comb.slot.min(N)) {
+                    let quantile = (copy as f32 + uniform(rng)) / copies as f32;
+                    let Some((centre, log_density, rest)) = cell_at(quantile, cells(), log_sum)
                     else {
                         break;
                     };
-                    let part = core::array::from_fn(|d| match d + 1 == D {
-                        true => rest,
-                        false => uniform(rng),
-                    });
+                    let mut part = [rest; D];
+                    for part in part.iter_mut().skip(1) {
+                        *part = uniform(rng);
+                    }
+                    // The last dimension runs fastest, so the rest of the quantile is its own.
+                    part.reverse();
                     let to = grid.within(centre, part);
                     comb.place(&mut self.next, to, target(&to) - log_density);
-                    quantile = advance(quantile);
                 }
             }
             comb.tooth -= share;
@@ -186,21 +189,10 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
         &self.particles
     }
 
-    /// The states, one column per dimension, to refine them between steps.
-    pub fn columns_mut(&mut self) -> [&mut [f32]; D] {
-        self.particles.columns_mut()
-    }
-
     /// The weights, which sum to one.
     pub fn weights(&self) -> &[f32] {
         &self.weights
     }
-}
-
-/// The next of a sequence of quantiles, any stretch of which is spread evenly: steps of the golden section.
-fn advance(quantile: f32) -> f32 {
-    let next = quantile + 0.618_034;
-    if next < 1.0 { next } else { next - 1.0 }
 }
 
 /// The cell in which the `quantile` of a density falls, given the logarithm of its sum over all cells: its centre,

@@ -19,6 +19,9 @@ mod point_mass;
 mod posterior;
 mod unscented;
 
+#[cfg(test)]
+mod tests;
+
 use crate::kalman::Covariance;
 use crate::math::{ln, sqrt};
 use crate::model::{Dynamics, Likelihood, RandomWalk};
@@ -36,8 +39,8 @@ pub trait Transition<const D: usize>: Dynamics<D> {
     /// Covariance of the successors about their mean.
     fn noise(&self, dt: f32) -> Covariance<D>;
 
-    /// Natural logarithm of the density at `to` of the successors of `from`, up to a constant that is the same
-    /// for all states; minus infinity where they cannot be.
+    /// Natural logarithm of the density at `to` of the successors of `from`; minus infinity where they cannot be. A
+    /// constant that is the same for all states may be left out, and is then missing in the evidence.
     fn log_transition(&self, from: &[f32; D], to: &[f32; D], dt: f32) -> f32;
 }
 
@@ -49,6 +52,9 @@ pub trait Sensor<const D: usize, const M: usize>: Likelihood<D> {
     /// Covariance of the noise.
     fn noise(&self) -> Covariance<M>;
 }
+
+/// ln(2 pi)
+const LN_TAU: f32 = ln(core::f32::consts::TAU);
 
 impl<const D: usize> Transition<D> for RandomWalk<D> {
     fn mean(&self, from: &[f32; D], _dt: f32) -> [f32; D] {
@@ -65,7 +71,7 @@ impl<const D: usize> Transition<D> for RandomWalk<D> {
             .map(|((from, to), deviation)| {
                 let spread = deviation * sqrt(dt);
                 let step = (to - from) / spread;
-                -0.5 * step * step - ln(spread)
+                -0.5 * (step * step + LN_TAU) - ln(spread)
             })
             .sum()
     }

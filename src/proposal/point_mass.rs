@@ -17,9 +17,10 @@ use crate::particles::{Particles, read};
 /// and keeps the mass and the mean of each. Between points in proportion to the density, which neglect its tails,
 /// and equally spaced ones, the square root is near the best for what a step of noise then smooths.
 ///
-/// The noise of the transition must bridge the gaps between the points in every dimension, about a fifth of the
-/// posterior's deviation for 50 points in one dimension and one deviation in two: a state that does not move
-/// belongs to another filter.
+/// What lies between the points is lost, so the noise of the transition must bridge the gaps in every dimension: in a
+/// line 50 points are as good as the exact filter where a step moves the state by a tenth of its uncertainty; in the
+/// plane 100 points stay within a tenth of a deviation of it where a step is as large as the uncertainty. A state that
+/// does not move belongs to another filter.
 ///
 /// Takes 4 N (D + 1) bytes and a few more; the grid has `G` cells, which the caller lends. `N G` transitions for each
 /// of about three rounds, at most twelve.

@@ -5,8 +5,10 @@ use crate::estimate;
 use crate::filter::UpdateError;
 use crate::kalman::{Covariance, Gaussian, Unscented};
 use crate::math::ln;
+use crate::model::Likelihood;
 use crate::particles::{read, write};
 use crate::random::Rng;
+use crate::refine::{Memory, Refinement, Report};
 use crate::resample::{Scheme, resample};
 use crate::weights;
 
@@ -141,6 +143,24 @@ impl<const D: usize, const N: usize> UnscentedParticleFilter<D, N> {
         self.equal_weights();
     }
 
+    /// Moves the particles by `refinement` towards or within the density `target`, and makes their weights equal: in
+    /// place of resampling if it is greedy, after it if it keeps the target. Their covariances stay for the next step.
+    ///
+    /// With a greedy [`crate::refine::DifferentialEvolution`] this is the UPFDE of Li, Wang and Wang (2011). The target
+    /// that it takes is [`crate::proposal::Posterior`]: with the likelihood alone it forgets what was known before.
+    pub fn refine<R: Rng + ?Sized>(
+        &mut self,
+        refinement: &impl Refinement<D>,
+        target: &impl Likelihood<D>,
+        memory: &mut Memory<D, N>,
+        rng: &mut R,
+    ) -> Report {
+        let columns = &mut self.columns_mut();
+        let report = refinement.refine(columns, target, &mut memory.workspace(), rng);
+        self.equal_weights();
+        report
+    }
+
     fn equal_weights(&mut self) {
         self.log_weights = [0.0; N];
         self.weights = [1.0 / N as f32; N];
@@ -148,19 +168,24 @@ impl<const D: usize, const N: usize> UnscentedParticleFilter<D, N> {
         self.effective_sample_size = N as f32;
     }
 
-    fn covariance_of(&self, i: usize) -> Covariance<D> {
+    pub(super) fn covariance_of(&self, i: usize) -> Covariance<D> {
         let entry = |column: &[f32; N]| column.get(i).copied().unwrap_or(0.0);
         let columns = self.factors.each_ref();
         Covariance::from_columns(columns.map(|rows| rows.each_ref().map(entry)))
     }
 
-    fn set_covariance(&mut self, i: usize, covariance: &Covariance<D>) {
+    pub(super) fn set_covariance(&mut self, i: usize, covariance: &Covariance<D>) {
         let entries = self.factors.as_flattened_mut().iter_mut();
         for (column, value) in entries.zip(covariance.columns().as_flattened()) {
             if let Some(place) = column.get_mut(i) {
                 *place = *value;
             }
         }
+    }
+
+    #[cfg(test)]
+    pub(super) fn set_weights(&mut self, weights: [f32; N]) {
+        self.weights = weights;
     }
 
     /// How many equally weighted particles the cloud is worth, from 1 to `N`.
@@ -183,8 +208,7 @@ impl<const D: usize, const N: usize> UnscentedParticleFilter<D, N> {
         self.columns.each_ref().map(|column| column.as_slice())
     }
 
-    /// The states, one column per dimension, to refine them after resampling.
-    pub fn columns_mut(&mut self) -> [&mut [f32]; D] {
+    fn columns_mut(&mut self) -> [&mut [f32]; D] {
         self.columns.each_mut().map(|column| column.as_mut_slice())
     }
 
