@@ -15,15 +15,26 @@ pub fn covariance<const D: usize>(columns: &[&[f32]; D], weights: &[f32]) -> [[f
     let mut covariance = [[0.0; D]; D];
     for (a, row) in covariance.iter_mut().enumerate() {
         for (b, entry) in row.iter_mut().enumerate() {
-            *entry = weights
-                .iter()
-                .zip(columns[a].iter().zip(columns[b]))
-                .filter(|(w, _)| **w != 0.0)
-                .map(|(w, (x, y))| w * ((x - mean[a]) * (y - mean[b])))
-                .sum();
+            *entry = weighted_product(weights, (columns[a], mean[a]), (columns[b], mean[b]));
         }
     }
     covariance
+}
+
+/// Sum of `w (x - mean of x) (y - mean of y)` over the particles that have a weight.
+#[inline(never)]
+fn weighted_product(
+    weights: &[f32],
+    (x, mean_x): (&[f32], f32),
+    (y, mean_y): (&[f32], f32),
+) -> f32 {
+    let mut sum = 0.0;
+    for (w, (x, y)) in weights.iter().zip(x.iter().zip(y)) {
+        if *w != 0.0 {
+            sum += w * ((x - mean_x) * (y - mean_y));
+        }
+    }
+    sum
 }
 
 /// Sum of `w x`, in four running sums added in a fixed order.

@@ -106,6 +106,8 @@ pub(super) struct Linearised {
 /// Closer to a receiver than this many metres, the direction of a source turns with every step.
 const NEAREST_M: f32 = 1e-3;
 
+// Once in flash: it holds an arc tangent, and its callers are many.
+#[inline(never)]
 pub(super) fn linearise(observation: &Observation, position: [f32; 2]) -> Linearised {
     let [dx, dy] = [
         position[0] - observation.position()[0],

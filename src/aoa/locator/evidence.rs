@@ -67,6 +67,7 @@ impl<const B: usize> Evidence<B> {
     }
 
     /// The pair that was taken from places nearest to each other, in metres, or as seen from the source.
+    #[inline(never)]
     fn most_alike(&self, source: Option<[f32; 2]>) -> Option<(usize, usize)> {
         let mut best = None;
         let mut least = f32::INFINITY;
@@ -93,6 +94,7 @@ impl<const B: usize> Evidence<B> {
     }
 
     /// Log-density of the source being at `point`, up to a constant.
+    #[inline(never)]
     pub(super) fn log_density(&self, point: [f32; 2]) -> f32 {
         self.likelihoods
             .iter()
@@ -114,6 +116,7 @@ impl<const B: usize> Evidence<B> {
     }
 
     /// What the bearings say to a source at `point`: the sum of the squares of their errors in deviations.
+    #[inline(never)]
     pub(super) fn misfit(&self, point: [f32; 2]) -> f32 {
         let square = |o| {
             let Linearised {
@@ -128,6 +131,7 @@ impl<const B: usize> Evidence<B> {
 
     /// The same for a source so far away, in the direction that fits best, that all bearings are parallel; and the
     /// sum of their information, 1 / sigma^2.
+    #[inline(never)]
     pub(super) fn misfit_at_infinity(&self) -> (f32, f32) {
         let information = |o: &Observation| 1.0 / (o.deviation() * o.deviation());
         let mut sum = [0.0; 2];
@@ -147,6 +151,7 @@ impl<const B: usize> Evidence<B> {
     }
 
     /// The mode nearest to `start`, and the normal distribution that has its curvature.
+    #[inline(never)]
     pub(super) fn mode(&self, start: [f32; 2]) -> Result<Proposal, SolveError> {
         let solution = solve(&self.observations, Errors::Gaussian, start)?;
         Proposal::new(solution.position, solution.covariance).ok_or(SolveError::Parallel)

@@ -272,6 +272,7 @@ impl<const N: usize, const B: usize> Locator<N, B> {
     /// They do if they rule out that they are parallel, that the source is anywhere up to infinity: by the
     /// likelihood ratio, because the curvature of the likelihood alone is deceived by the intersections that
     /// errors make of parallel bearings, among the vehicle's own places.
+    #[inline(never)]
     fn observe<R: Rng + ?Sized>(&self, rng: &mut R) -> Result<Proposal, NotObservable> {
         /// The best of this many random intersections starts the search.
         const CANDIDATES: u32 = 8;
@@ -316,6 +317,7 @@ impl<const N: usize, const B: usize> Locator<N, B> {
     }
 
     /// Starts the particles from intersections of pairs of bearings.
+    #[inline(never)]
     fn start<R: Rng + ?Sized>(&mut self, mode: Proposal, rng: &mut R) {
         let evidence = &self.evidence;
         self.filter.initialise(rng, |rng| {
@@ -332,6 +334,7 @@ impl<const N: usize, const B: usize> Locator<N, B> {
     }
 
     /// Resamples and moves the particles if they are worth fewer than `needed`.
+    #[inline(never)]
     fn rejuvenate<R: Rng + ?Sized>(&mut self, needed: f32, rng: &mut R) {
         if self.filter.effective_sample_size() >= needed {
             return;
