@@ -6,7 +6,7 @@
 mod curves;
 mod map;
 
-pub use curves::{Curve, Curves};
+pub use curves::{Axis, Curve, Curves, Style};
 pub use map::Map;
 
 use std::{fs, path::Path, sync::Once};

@@ -10,6 +10,18 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// The root of the mean of squares, by their own scatter.
+    pub fn root_of_mean(squares: &[f64]) -> Self {
+        let n = squares.len() as f64;
+        let mean = squares.iter().sum::<f64>() / n;
+        let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let value = mean.sqrt();
+        Self {
+            value,
+            error: 0.5 * (variance / n).sqrt() / value,
+        }
+    }
+
     /// How many standard deviations it is from `reference`, a figure of as much scatter that came of
     /// `reference_runs` runs; this one came of `runs`.
     pub fn distance(self, reference: f64, reference_runs: f64, runs: f64) -> f64 {
@@ -58,6 +70,37 @@ pub fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The root mean squares that experiments of some runs each find: in rising order.
+///
+/// For a method of which a few runs in a thousand are lost, and make the figure: what 1,000 runs can show of it
+/// is only seen from many more.
+pub struct Experiments(Vec<f64>);
+
+impl Experiments {
+    /// Draws experiments of `runs` runs each from the errors in `pool`.
+    pub fn draw(pool: &[f64], runs: usize, seed: u64) -> Self {
+        use rand::RngExt;
+
+        const EXPERIMENTS: usize = 4000;
+        let mut rng = generator(seed, u64::MAX);
+        let mut experiments: Vec<f64> = (0..EXPERIMENTS)
+            .map(|_| root_mean_square((0..runs).map(|_| pool[rng.random_range(0..pool.len())])))
+            .collect();
+        experiments.sort_by(f64::total_cmp);
+        Self(experiments)
+    }
+
+    pub fn quantile(&self, probability: f64) -> f64 {
+        self.0[((self.0.len() - 1) as f64 * probability) as usize]
+    }
+
+    /// Share of the experiments that are nearer to the middle one than `value`.
+    pub fn surprise(&self, value: f64) -> f64 {
+        let below = self.0.partition_point(|experiment| *experiment < value) as f64;
+        (2.0 * below / self.0.len() as f64 - 1.0).abs()
+    }
 }
 
 #[cfg(test)]
