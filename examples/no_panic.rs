@@ -30,6 +30,10 @@ mod proof {
         problems::{bearings::Track, gamma, growth},
         proposal::{AuxiliaryFilter, PointMassFilter, Transition, UnscentedParticleFilter},
         random::{self, SeedableRng, Xoshiro128PlusPlus},
+        refine::{
+            Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Memory, Refinement,
+            fish,
+        },
         resample::{Scheme, resample},
         weights,
     };
@@ -67,6 +71,9 @@ mod proof {
         random(&mut rng);
         cloud(&mut rng);
         filter(&mut rng);
+        refine::<1>(&mut rng);
+        refine::<2>(&mut rng);
+        refine::<4>(&mut rng);
         kalman(&mut rng);
         propose(&mut rng);
         bearings(&mut rng);
@@ -150,6 +157,47 @@ mod proof {
         ));
         black_box((filter.columns_mut(), any(0.0)));
         black_box((filter.particles(), filter.weights()));
+    }
+
+    fn refine<const D: usize>(rng: &mut Xoshiro128PlusPlus) {
+        let mut memory = Memory::<D, 50>::new();
+        let mut states = any([[0.0; 60]; D]);
+        let mut columns = states.each_mut().map(|column| some_mut(column));
+        let target = |state: &[f32; D]| any(state[0]);
+        let acceptance = any(Acceptance::Greedy);
+        let lengths = any(Lengths::Absolute);
+        let school = FishSchool::new(lengths, any(1.0), any(1.0))
+            .and_then(|school| school.tries(any(3)))
+            .and_then(|school| school.iterations(any(4)))
+            .and_then(|school| school.crowding(any(0.5)))
+            .and_then(|school| school.threshold(any(0.1)));
+        if let Ok(school) = school {
+            let school = school
+                .behaviour(any(fish::Behaviour::Prey))
+                .heading(any(fish::Heading::Random))
+                .acceptance(acceptance);
+            black_box(school.evaluations(any(3)));
+            black_box(school.refine(&mut columns, &target, &mut memory.workspace(), rng));
+        }
+        for firefly in [
+            Firefly::standard(lengths, any(1.0), any(1.0)),
+            Firefly::improved(lengths, any(1.0), any(1.0)),
+        ] {
+            let firefly = firefly
+                .and_then(|firefly| firefly.iterations(any(2)))
+                .and_then(|firefly| firefly.decay(any(2.0)));
+            if let Ok(firefly) = firefly {
+                let firefly = firefly.acceptance(acceptance);
+                black_box(firefly.refine(&mut columns, &target, &mut memory.workspace(), rng));
+            }
+        }
+        let evolution = DifferentialEvolution::new()
+            .acceptance(acceptance)
+            .generations(any(3))
+            .and_then(|evolution| evolution.crossover(any(0.3)));
+        if let Ok(evolution) = evolution {
+            black_box(evolution.refine(&mut columns, &target, &mut memory.workspace(), rng));
+        }
     }
 
     fn kalman(rng: &mut Xoshiro128PlusPlus) {

@@ -10,7 +10,9 @@ mod digest;
 mod filter;
 mod gateway;
 mod math;
+mod proposal;
 mod random;
+mod refine;
 
 use digest::Digest;
 
@@ -22,6 +24,8 @@ const GROUPS: &[&[Case]] = &[
     random::CASES,
     filter::CASES,
     aoa::CASES,
+    refine::CASES,
+    proposal::CASES,
     gateway::CASES,
 ];
 

@@ -1,0 +1,60 @@
+use foxhunt::{
+    filter::ParticleFilter,
+    random::{SeedableRng, Xoshiro128PlusPlus, normal},
+    refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Memory, Refinement},
+};
+
+use crate::{Case, digest::Digest};
+
+pub const CASES: &[Case] = &[
+    ("refine::schools", schools),
+    ("refine::fireflies", fireflies),
+    ("refine::evolution", evolution),
+];
+
+/// A crescent.
+fn crescent([x, y]: &[f32; 2]) -> f32 {
+    let bent = y - 0.5 * x * x;
+    -0.5 * (x * x + bent * bent / 0.09)
+}
+
+/// Both forms move particles, and only to places that the target knows.
+fn refined(refinements: [impl Refinement<2>; 2]) -> Digest {
+    let mut digest = Digest::new();
+    for refinement in refinements {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+        let mut filter = ParticleFilter::<2, 120>::new();
+        let mut memory = Memory::new();
+        filter.initialise(&mut rng, |rng| [normal(rng), normal(rng)]);
+        let report = filter.refine(&refinement, &crescent, &mut memory, &mut rng);
+        assert!(report.moves > 0 && report.evaluations <= refinement.evaluations(120));
+        for column in filter.particles().columns() {
+            digest.add(column);
+        }
+    }
+    digest
+}
+
+const BOTH: [Acceptance; 2] = [Acceptance::Greedy, Acceptance::Metropolis];
+
+fn schools() -> Digest {
+    let school = FishSchool::new(Lengths::Relative, 0.8, 0.4).expect("lengths are positive");
+    let school = school
+        .tries(5)
+        .and_then(|school| school.iterations(4))
+        .expect("in range");
+    refined(BOTH.map(|acceptance| school.acceptance(acceptance)))
+}
+
+fn fireflies() -> Digest {
+    let standard = Firefly::standard(Lengths::Relative, 1.0, 0.3).expect("in range");
+    let improved = Firefly::improved(Lengths::Relative, 1.0, 0.3).expect("in range");
+    let mut digest = refined(BOTH.map(|acceptance| improved.acceptance(acceptance)));
+    let Digest(of_standard) = refined([standard; 2]);
+    digest.add_bytes(&of_standard.to_le_bytes());
+    digest
+}
+
+fn evolution() -> Digest {
+    refined(BOTH.map(|acceptance| DifferentialEvolution::new().acceptance(acceptance)))
+}
