@@ -54,11 +54,16 @@ impl TimeOfDay {
 ///
 /// One wild stamp far ahead must not silence the talker for hours: when a few lines in a row run backwards
 /// and agree among themselves, it is their time that holds.
+///
+/// Lines that state no time borrow it. When the talker falls silent its time stands still, so how often it may
+/// be lent is bounded.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Clock {
     now: Option<TimeOfDay>,
     doubt: Option<TimeOfDay>,
     doubts: u8,
+    /// Lines that have borrowed `now`.
+    lent: u8,
 }
 
 impl Clock {
@@ -70,11 +75,23 @@ impl Clock {
             now: None,
             doubt: None,
             doubts: 0,
+            lent: 0,
         }
     }
 
     pub const fn now(&self) -> Option<TimeOfDay> {
         self.now
+    }
+
+    /// The time for a line that states none: at most `limit` of them until the talker moves on, and none while
+    /// its latest line ran backwards.
+    pub fn lend(&mut self, limit: u8) -> Result<TimeOfDay, Rejected> {
+        let now = self.now.ok_or(Rejected::NoPosition)?;
+        if self.doubts > 0 || self.lent >= limit {
+            return Err(Rejected::StalePosition);
+        }
+        self.lent = self.lent.saturating_add(1);
+        Ok(now)
     }
 
     pub fn advance(&mut self, time: TimeOfDay) -> Result<(), Rejected> {
@@ -90,8 +107,10 @@ impl Clock {
                 return Err(Rejected::TimeBackwards);
             }
         }
+        let stands = self.now == Some(time);
         *self = Self {
             now: Some(time),
+            lent: if stands { self.lent } else { 0 },
             ..Self::new()
         };
         Ok(())
@@ -133,6 +152,25 @@ mod tests {
         assert_eq!(clock.advance(at("000000")), Ok(()));
         assert_eq!(clock.advance(at("235959")), Err(Rejected::TimeBackwards));
         assert_eq!(clock.now(), Some(at("000000")));
+    }
+
+    #[test]
+    fn a_time_is_lent_until_it_is_worn() {
+        let mut clock = Clock::new();
+        assert_eq!(clock.lend(2), Err(Rejected::NoPosition));
+        assert_eq!(clock.advance(at("100000")), Ok(()));
+        assert_eq!(clock.lend(2), Ok(at("100000")));
+        // Stated again, it is no younger.
+        assert_eq!(clock.advance(at("100000")), Ok(()));
+        assert_eq!(clock.lend(2), Ok(at("100000")));
+        assert_eq!(clock.lend(2), Err(Rejected::StalePosition));
+        assert_eq!(clock.advance(at("100001")), Ok(()));
+        assert_eq!(clock.lend(2), Ok(at("100001")));
+        // In doubt it is not lent.
+        assert_eq!(clock.advance(at("100000")), Err(Rejected::TimeBackwards));
+        assert_eq!(clock.lend(2), Err(Rejected::StalePosition));
+        assert_eq!(clock.advance(at("100001")), Ok(()));
+        assert_eq!(clock.lend(2), Ok(at("100001")));
     }
 
     #[test]

@@ -23,7 +23,9 @@ pub enum Rejected {
     OutOfRange,
     /// A bearing before there was any position.
     NoPosition,
-    /// A bearing whose nearest position is older than [`super::Settings::maximum_age_ms`], or as much newer.
+    /// A bearing whose nearest position is older than [`super::Settings::maximum_age_ms`], or as much newer. Or
+    /// one whose line states no time, after [`super::Settings::undated_bearings`] others at the same time of the
+    /// receiver, or when that has just run backwards.
     StalePosition,
     /// A relative bearing with neither a fresh true heading nor a course of a vehicle that moves.
     NoHeading,

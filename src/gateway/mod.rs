@@ -24,8 +24,9 @@
 //! A relative bearing needs a heading: that of its own line, else a fresh true heading, else the course of a
 //! vehicle that is fast enough. A bearing without a position of its own takes the last one of the receiver,
 //! if that is fresh by the times that both state (the clock of a direction finder that states times must
-//! therefore be right; one that states none is taken at the receiver's time). The quality decides on the
-//! standard deviation: see [`Settings::with_deviations`].
+//! therefore be right; one that states none is taken at the receiver's time, but only so often: see
+//! [`Settings::with_undated_bearings`]). The quality decides on the standard deviation: see
+//! [`Settings::with_deviations`].
 //!
 //! # Lines out
 //!

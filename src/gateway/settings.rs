@@ -36,6 +36,7 @@ pub struct Settings {
     best_deviation_rad: f32,
     worst_deviation_rad: f32,
     maximum_age_ms: u32,
+    undated_bearings: u8,
     minimum_speed_m_s: f32,
     report_interval_ms: u32,
 }
@@ -78,7 +79,8 @@ impl Settings {
     const LONGEST_MS: u32 = 3_600_000;
 
     /// For a car: relative bearings of quality 40 or better, 2 to 10 degrees of deviation, positions and
-    /// headings up to 2 s old, a course that holds from 1.5 m/s, a report a second.
+    /// headings up to 2 s old or 20 bearings without a time, a course that holds from 1.5 m/s, a report a
+    /// second.
     pub const fn new() -> Self {
         const RADIANS: f32 = core::f32::consts::PI / 180.0;
         Self {
@@ -89,6 +91,7 @@ impl Settings {
             best_deviation_rad: 2.0 * RADIANS,
             worst_deviation_rad: 10.0 * RADIANS,
             maximum_age_ms: 2_000,
+            undated_bearings: 20,
             minimum_speed_m_s: 1.5,
             report_interval_ms: 1_000,
         }
@@ -151,6 +154,16 @@ impl Settings {
         Ok(self)
     }
 
+    /// How many bearings whose lines state no time are taken at one time of the receiver; the next ones are
+    /// rejected as [`super::Rejected::StalePosition`] until it states another.
+    ///
+    /// This tells a silent receiver without a clock of the gateway's own: it should be what the direction
+    /// finder says in [`Self::maximum_age_ms`]. Initially 20.
+    pub const fn with_undated_bearings(mut self, bearings: u8) -> Self {
+        self.undated_bearings = bearings;
+        self
+    }
+
     /// The speed, in metres per second, from which the course over ground is the heading.
     ///
     /// # Errors
@@ -204,6 +217,11 @@ impl Settings {
     /// See [`Self::with_maximum_age_ms`].
     pub const fn maximum_age_ms(&self) -> u32 {
         self.maximum_age_ms
+    }
+
+    /// See [`Self::with_undated_bearings`].
+    pub const fn undated_bearings(&self) -> u8 {
+        self.undated_bearings
     }
 
     /// See [`Self::with_minimum_speed_m_s`].

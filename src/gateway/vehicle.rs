@@ -191,10 +191,10 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
         if line.quality < self.settings.minimum_quality() {
             return Err(Rejected::LowQuality);
         }
-        let time = line
-            .time
-            .or(self.receiver.now())
-            .ok_or(Rejected::NoPosition)?;
+        let time = match line.time {
+            Some(time) => time,
+            None => self.receiver.lend(self.settings.undated_bearings())?,
+        };
         let (place, own_heading) = match line.place {
             Some((place, heading)) => (place, Some(heading)),
             None => (self.place_at(time)?, None),
@@ -397,6 +397,33 @@ mod tests {
             kraken(NOON + 43_200_500, 10.0, NOWHERE)
         );
         assert!(last_bearing(settings, &text).is_ok());
+    }
+
+    #[test]
+    fn a_silent_receiver_becomes_stale() {
+        let settings = Settings::default().with_undated_bearings(3);
+        let mut gateway = Gateway::new(settings);
+        push(&mut gateway, &rmc("120000"));
+        for _ in 0..2 {
+            push(&mut gateway, &"%010/9\r".repeat(1_000));
+            assert_eq!(gateway.counters().bearings, 3);
+            // A receiver that hangs says the same again.
+            push(&mut gateway, &rmc("120000"));
+        }
+        assert_eq!(gateway.counters().rejected(Rejected::StalePosition), 1_997);
+        push(&mut gateway, &format!("{}%010/9\r", rmc("120001")));
+        assert_eq!(gateway.counters().bearings, 4);
+    }
+
+    #[test]
+    fn a_receiver_in_doubt_lends_no_time() {
+        let text = format!("{}{}%010/9\r", rmc("120000"), rmc("115959"));
+        assert_eq!(
+            last_bearing(Settings::default(), &text),
+            Err(Rejected::StalePosition)
+        );
+        let text = text + &rmc("120001") + "%010/9\r";
+        assert!(last_bearing(Settings::default(), &text).is_ok());
     }
 
     #[test]
