@@ -51,8 +51,10 @@ impl LineReader {
     pub fn push(&mut self, byte: u8) -> Option<Result<Kind, Rejected>> {
         match byte {
             b'\r' | b'\n' => return self.end(),
-            // Where bytes were lost the next sentence begins in the middle of a line.
-            b'$' if self.length > 0 && self.kind != Some(Kind::Kraken) => {
+            // What an idle or unplugged line sounds like.
+            0 if self.length == 0 => {}
+            // Where bytes were lost the next line begins in the middle of another.
+            b'$' | b'%' if self.length > 0 && !self.may_hold(byte) => {
                 self.begin(byte);
                 return Some(Err(Rejected::Unparsable));
             }
@@ -65,6 +67,16 @@ impl LineReader {
     /// The line that has just ended, until the next byte is pushed.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
+    }
+
+    /// Whether the first byte of a line may also stand within this one: both in the name of a KrakenSDR's
+    /// station, `%` in the text of a sentence.
+    fn may_hold(&self, byte: u8) -> bool {
+        match self.kind {
+            Some(Kind::Kraken) => true,
+            Some(Kind::Nmea) => byte == b'%',
+            Some(Kind::Agrelo) | None => false,
+        }
     }
 
     fn begin(&mut self, byte: u8) {
@@ -162,6 +174,32 @@ mod tests {
                 line("$GPHDT,1*00"),
                 Err(Rejected::Unparsable),
                 line("$GPHDT,2*00"),
+            ]
+        );
+    }
+
+    #[test]
+    fn lost_bytes_cost_no_bearing_that_is_whole() {
+        let bearing = || Ok((Kind::Agrelo, String::from("%045/7")));
+        for lost in ["%27", "/9", "x%270/"] {
+            let lines = read(&format!("{lost}%045/7\r"));
+            assert_eq!(lines.last(), Some(&bearing()), "{lost}");
+            assert!(lines[..lines.len() - 1].iter().all(Result::is_err));
+        }
+        for text in ["$GPTXT,01,01,02,5%*00", "17,2,fox % $"] {
+            assert!(matches!(&read(&format!("{text}\r"))[..], [Ok((_, line))] if line == text));
+        }
+    }
+
+    #[test]
+    fn an_idle_line_is_no_line() {
+        let line = |kind, text| Ok((kind, String::from(text)));
+        assert_eq!(
+            read("\0\0%045/7\r\0\n\017,2\r\0$GPHDT,1*00\n\0\r"),
+            [
+                line(Kind::Agrelo, "%045/7"),
+                line(Kind::Kraken, "17,2"),
+                line(Kind::Nmea, "$GPHDT,1*00"),
             ]
         );
     }
