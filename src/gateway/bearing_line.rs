@@ -84,10 +84,11 @@ impl BearingLine {
             let value = fixed(text, 7).ok_or(Rejected::Unparsable)?;
             i32::try_from(value).map_err(|_| Rejected::OutOfRange)
         };
-        let time = match fixed(time, 0) {
-            Some(milliseconds) if time.len() == 13 => TimeOfDay::from_epoch(milliseconds),
-            _ => return Err(Rejected::Unparsable),
-        };
+        let digits = time.len() == 13 && time.iter().all(u8::is_ascii_digit);
+        let time = fixed(time, 0)
+            .filter(|_| digits)
+            .map(TimeOfDay::from_epoch)
+            .ok_or(Rejected::Unparsable)?;
         let place = match (degrees_e7(latitude)?, degrees_e7(longitude)?) {
             (0, 0) => None,
             (latitude, longitude) => {
@@ -139,6 +140,8 @@ mod tests {
         for (field, text, reason) in [
             (0, "1756823719", Rejected::Unparsable),
             (0, "175682371925x", Rejected::Unparsable),
+            (0, "17568237192.5", Rejected::Unparsable),
+            (0, "1756823719250.0", Rejected::Unparsable),
             (1, "361", Rejected::OutOfRange),
             (1, "-1", Rejected::OutOfRange),
             (1, "nan", Rejected::Unparsable),
