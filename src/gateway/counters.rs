@@ -13,7 +13,8 @@ pub enum Rejected {
     Overlong,
     /// The line is of no known kind, or a field of it is missing or malformed.
     Unparsable,
-    /// The receiver says that it has no position, or that its heading is void.
+    /// The receiver says that it has no position, or that its heading is void; or it says how the vehicle heads
+    /// or moves before it has stated any time.
     NoFix,
     /// The receiver reports 0 degrees north and east: what many send before their first fix.
     NullPosition,

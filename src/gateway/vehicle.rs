@@ -150,7 +150,7 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
                 self.receiver.advance(time)?;
                 self.position = Some((time, place));
                 if let Some(motion) = motion {
-                    self.motion(motion);
+                    self.motion(time, motion);
                 }
             }
             Sentence::NoFix(time) => {
@@ -159,9 +159,13 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
                 }
                 return Err(Rejected::NoFix);
             }
-            Sentence::Motion(motion) => self.motion(motion),
+            Sentence::Motion(motion) => {
+                let now = self.receiver.now().ok_or(Rejected::NoFix)?;
+                self.motion(now, motion);
+            }
             Sentence::Heading(degrees) => {
-                self.heading = self.receiver.now().map(|now| (now, degrees));
+                let now = self.receiver.now().ok_or(Rejected::NoFix)?;
+                self.heading = Some((now, degrees));
             }
             Sentence::Query => {
                 self.write_answer();
@@ -177,10 +181,10 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
         Ok(None)
     }
 
-    fn motion(&mut self, motion: Motion) {
+    fn motion(&mut self, time: TimeOfDay, motion: Motion) {
         let moves = motion.speed >= self.settings.minimum_speed_m_s();
         let course = motion.course.filter(|_| moves);
-        self.course = self.receiver.now().zip(course);
+        self.course = course.map(|degrees| (time, degrees));
     }
 
     #[inline(never)]
@@ -518,6 +522,17 @@ mod tests {
             reports += usize::from(!gateway.report().is_empty());
         }
         assert_eq!(reports, 2);
+    }
+
+    #[test]
+    fn a_heading_before_any_time_is_not_used() {
+        let text = sentence("HEHDT,300.0,T") + &sentence("GPVTG,090.0,T,,M,050.0,N,92.6,K,A");
+        let mut gateway = Gateway::new(Settings::default());
+        let none = Event::Rejected(Rejected::NoFix);
+        assert_eq!(push(&mut gateway, &text), [none, none]);
+        assert_eq!(gateway.counters().sentences, 0);
+        push(&mut gateway, &(rmc("120000") + &text));
+        assert_eq!(gateway.counters().sentences, 3);
     }
 
     #[test]
