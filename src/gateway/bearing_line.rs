@@ -1,8 +1,8 @@
 //! Lines of direction finders.
 
-use super::Rejected;
 use super::clock::TimeOfDay;
 use super::decimal::{decimal, fixed};
+use super::{KrakenConfidence, KrakenSense, Rejected, Settings};
 use crate::aoa::geodesy::Geodetic;
 
 /// A bearing as its line gives it.
@@ -61,7 +61,9 @@ impl BearingLine {
     ///
     /// A latitude and longitude of zero mean that the receiver does not know where it is.
     #[inline(never)]
-    pub fn from_kraken(line: &[u8]) -> Result<Self, Rejected> {
+    pub fn from_kraken(line: &[u8], settings: &Settings) -> Result<Self, Rejected> {
+        /// 360 values of which all but one are zero.
+        const LARGEST_DECIBELS: f32 = 25.563_025;
         let mut fields: [&[u8]; 13] = [&[]; 13];
         let mut columns = line.split(|byte| *byte == b',');
         for field in &mut fields {
@@ -71,6 +73,8 @@ impl BearingLine {
             time,
             bearing,
             confidence,
+            _power,
+            frequency,
             ..,
             latitude,
             longitude,
@@ -84,6 +88,12 @@ impl BearingLine {
             let value = fixed(text, 7).ok_or(Rejected::Unparsable)?;
             i32::try_from(value).map_err(|_| Rejected::OutOfRange)
         };
+        if let Some(wanted) = settings.kraken_frequency_hz() {
+            let frequency = fixed(frequency, 0).ok_or(Rejected::Unparsable)?;
+            if frequency != i64::from(wanted) {
+                return Err(Rejected::OtherFrequency);
+            }
+        }
         let digits = time.len() == 13 && time.iter().all(u8::is_ascii_digit);
         let time = fixed(time, 0)
             .filter(|_| digits)
@@ -100,20 +110,34 @@ impl BearingLine {
                 Some((place, heading))
             }
         };
-        Self::new(Some(time), number(bearing)?, number(confidence)?, place)
+        let degrees = match settings.kraken_sense() {
+            KrakenSense::Clockwise => number(bearing)?,
+            KrakenSense::CounterClockwise => 360.0 - number(bearing)?,
+        };
+        let quality = match settings.kraken_confidence() {
+            KrakenConfidence::Percent => number(confidence)?,
+            KrakenConfidence::Decibels => number(confidence)? * (100.0 / LARGEST_DECIBELS),
+        };
+        Self::new(Some(time), degrees, quality, place)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
+    use std::format;
 
     const KRAKEN: &[u8] = b"1756823719250, 297, 87.80, -32.5, 433920000, UCA, 112, \
         fox-1, 52.2296756, -21.0122287, 12.5, 341.25, Compass, R, R, R, R";
 
+    fn read(line: &[u8]) -> Result<BearingLine, Rejected> {
+        BearingLine::from_kraken(line, &Settings::new())
+    }
+
     #[test]
     fn kraken() {
-        let line = BearingLine::from_kraken(KRAKEN).unwrap();
+        let line = read(KRAKEN).unwrap();
         assert_eq!(line.time, TimeOfDay::from_nmea(b"143519.25"));
         assert_eq!((line.degrees, line.quality), (297.0, 87.8));
         let place = Geodetic::new(522_296_756, -210_122_287).unwrap();
@@ -131,7 +155,7 @@ mod tests {
                 line.extend_from_slice(if index == field { text.as_bytes() } else { old })
                     .unwrap();
             }
-            BearingLine::from_kraken(&line)
+            read(&line)
         };
         let gps_heading = with(12, "GPS").unwrap().place.unwrap().1;
         assert_eq!(gps_heading, 12.5);
@@ -157,9 +181,40 @@ mod tests {
             assert_eq!(with(field, text), Err(reason), "field {field} {text}");
         }
         let nowhere: &[u8] = b"1756823719250,5,50,-30,1,UCA,1,x,0.0,0,nan,nan,GPS";
-        assert_eq!(BearingLine::from_kraken(nowhere).unwrap().place, None);
+        assert_eq!(read(nowhere).unwrap().place, None);
+        assert_eq!(read(b"1756823719250,5,50"), Err(Rejected::Unparsable));
+    }
+
+    #[test]
+    fn kraken_builds() {
+        let settings = Settings::new().with_kraken_sense(KrakenSense::CounterClockwise);
+        let line = BearingLine::from_kraken(KRAKEN, &settings).unwrap();
+        assert_eq!(line.degrees, 63.0);
+
+        let settings = Settings::new().with_kraken_confidence(KrakenConfidence::Decibels);
+        let quality = |decibels: &str| {
+            let line = format!("1756823719250,5,{decibels},-30,1,UCA,1,x,0,0,0,0,GPS");
+            BearingLine::from_kraken(line.as_bytes(), &settings).map(|line| line.quality)
+        };
+        assert_eq!(quality("0"), Ok(0.0));
+        assert!((quality("10.2252").unwrap() - 40.0).abs() < 0.01);
+        assert!((quality("25.56").unwrap() - 100.0).abs() < 0.02);
+        assert_eq!(quality("26"), Err(Rejected::OutOfRange));
+        assert_eq!(quality("-1"), Err(Rejected::OutOfRange));
+    }
+
+    #[test]
+    fn kraken_channels() {
+        let with = |hertz| {
+            let settings = Settings::new().with_kraken_frequency_hz(hertz).unwrap();
+            BearingLine::from_kraken(KRAKEN, &settings)
+        };
+        assert!(with(433_920_000).is_ok());
+        assert_eq!(with(433_920_001), Err(Rejected::OtherFrequency));
+        let settings = Settings::new().with_kraken_frequency_hz(1).unwrap();
+        let line = b"1756823719250,5,50,-30,UHF,UCA,1,x,0,0,0,0,GPS";
         assert_eq!(
-            BearingLine::from_kraken(b"1756823719250,5,50"),
+            BearingLine::from_kraken(line, &settings),
             Err(Rejected::Unparsable)
         );
     }

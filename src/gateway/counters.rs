@@ -32,11 +32,13 @@ pub enum Rejected {
     NoHeading,
     /// A bearing of a quality below [`super::Settings::minimum_quality`].
     LowQuality,
+    /// A bearing on another frequency than [`super::Settings::kraken_frequency_hz`].
+    OtherFrequency,
 }
 
 impl Rejected {
     /// Every reason, in the order of the status sentence.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Checksum,
         Self::Overlong,
         Self::Unparsable,
@@ -48,6 +50,7 @@ impl Rejected {
         Self::StalePosition,
         Self::NoHeading,
         Self::LowQuality,
+        Self::OtherFrequency,
     ];
 }
 
@@ -65,6 +68,7 @@ impl fmt::Display for Rejected {
             Self::StalePosition => "position is too old",
             Self::NoHeading => "heading is unknown",
             Self::LowQuality => "quality is too low",
+            Self::OtherFrequency => "frequency is another",
         })
     }
 }

@@ -15,8 +15,12 @@
 //! | `$--VTG` | speed and course over ground |
 //! | `$--HDT` `$--THS` | true heading |
 //! | `%BBB/Q` | Agrelo: bearing in degrees, quality 0 to 9 |
-//! | `1756823719250, 297, 87.8, ...` | KrakenSDR's app format: time, bearing, confidence 0 to 99, and unless it is zero its own position and heading; the spectrum is skipped |
+//! | `1756823719250, 297, 87.8, ...` | KrakenSDR's app format: time, bearing, confidence, frequency, and unless it is zero its own position and heading; the spectrum is skipped |
 //! | `$PFOXQ*50` | a query: the answer and the status are sent whenever they were sent last |
+//!
+//! The builds of the KrakenSDR's software do not agree on the sense of a bearing and the scale of its confidence:
+//! see [`Settings::with_kraken_sense`] and [`Settings::with_kraken_confidence`]. If it watches several frequencies,
+//! say which is the source's: [`Settings::with_kraken_frequency_hz`].
 //!
 //! Every NMEA sentence must carry its checksum. Other correct sentences are ignored and counted; everything
 //! else that is not used is counted by its reason, [`Rejected`], and has no effect on the locator.
@@ -60,5 +64,5 @@ mod settings;
 mod vehicle;
 
 pub use counters::{Counters, Rejected};
-pub use settings::{BearingReference, Settings, SettingsError};
+pub use settings::{BearingReference, KrakenConfidence, KrakenSense, Settings, SettingsError};
 pub use vehicle::{Event, Vehicle};

@@ -16,6 +16,31 @@ pub enum BearingReference {
     TrueNorth,
 }
 
+/// Which way the bearings of a KrakenSDR grow: its builds differ.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum KrakenSense {
+    /// As those of a compass.
+    #[default]
+    Clockwise,
+    /// As mathematical angles.
+    CounterClockwise,
+}
+
+/// What the confidence of a KrakenSDR is: its builds differ.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum KrakenConfidence {
+    /// 0 to 100, taken as the quality.
+    #[default]
+    Percent,
+    /// The maximum of the spectrum over its mean, in decibels. The most that its 360 values allow, 25.6, is
+    /// taken as quality 100 and 0 as quality 0, so that a minimum quality of 40 asks for 10.2.
+    Decibels,
+}
+
 /// How a [`super::Vehicle`] treats its lines.
 ///
 /// ```
@@ -32,6 +57,9 @@ pub struct Settings {
     locator: locator::Settings,
     seed: u64,
     reference: BearingReference,
+    kraken_sense: KrakenSense,
+    kraken_confidence: KrakenConfidence,
+    kraken_frequency_hz: Option<u32>,
     minimum_quality: f32,
     best_deviation_rad: f32,
     worst_deviation_rad: f32,
@@ -54,6 +82,8 @@ pub enum SettingsError {
     MinimumSpeed,
     /// `maximum_age_ms` or `report_interval_ms` is longer than an hour.
     Duration,
+    /// `kraken_frequency_hz` is 0.
+    Frequency,
 }
 
 impl fmt::Display for SettingsError {
@@ -63,6 +93,7 @@ impl fmt::Display for SettingsError {
             Self::Deviation => "deviation is out of range, or the best is larger than the worst",
             Self::MinimumSpeed => "minimum speed is negative or not finite",
             Self::Duration => "duration is longer than an hour",
+            Self::Frequency => "frequency is 0",
         })
     }
 }
@@ -87,6 +118,9 @@ impl Settings {
             locator: locator::Settings::new(),
             seed: 1,
             reference: BearingReference::Relative,
+            kraken_sense: KrakenSense::Clockwise,
+            kraken_confidence: KrakenConfidence::Percent,
+            kraken_frequency_hz: None,
             minimum_quality: 40.0,
             best_deviation_rad: 2.0 * RADIANS,
             worst_deviation_rad: 10.0 * RADIANS,
@@ -113,6 +147,32 @@ impl Settings {
     pub const fn with_reference(mut self, reference: BearingReference) -> Self {
         self.reference = reference;
         self
+    }
+
+    /// Which way the bearings of a KrakenSDR grow. Initially clockwise.
+    pub const fn with_kraken_sense(mut self, sense: KrakenSense) -> Self {
+        self.kraken_sense = sense;
+        self
+    }
+
+    /// What the confidence of a KrakenSDR is. Initially in percent.
+    pub const fn with_kraken_confidence(mut self, confidence: KrakenConfidence) -> Self {
+        self.kraken_confidence = confidence;
+        self
+    }
+
+    /// The frequency, in hertz, of the source: a KrakenSDR with several channels sends a line for each, and
+    /// those of another frequency are rejected as [`super::Rejected::OtherFrequency`]. Initially lines of every
+    /// frequency are used.
+    ///
+    /// # Errors
+    /// [`SettingsError::Frequency`] if it is 0.
+    pub const fn with_kraken_frequency_hz(mut self, frequency: u32) -> Result<Self, SettingsError> {
+        if frequency == 0 {
+            return Err(SettingsError::Frequency);
+        }
+        self.kraken_frequency_hz = Some(frequency);
+        Ok(self)
     }
 
     /// The quality, 0 to 100, below which a bearing is rejected.
@@ -203,6 +263,21 @@ impl Settings {
         self.reference
     }
 
+    /// See [`Self::with_kraken_sense`].
+    pub const fn kraken_sense(&self) -> KrakenSense {
+        self.kraken_sense
+    }
+
+    /// See [`Self::with_kraken_confidence`].
+    pub const fn kraken_confidence(&self) -> KrakenConfidence {
+        self.kraken_confidence
+    }
+
+    /// See [`Self::with_kraken_frequency_hz`].
+    pub const fn kraken_frequency_hz(&self) -> Option<u32> {
+        self.kraken_frequency_hz
+    }
+
     /// See [`Self::with_minimum_quality`].
     pub const fn minimum_quality(&self) -> f32 {
         self.minimum_quality
@@ -273,6 +348,10 @@ mod tests {
         assert_eq!(
             settings.with_report_interval_ms(3_600_001).err(),
             Some(SettingsError::Duration)
+        );
+        assert_eq!(
+            settings.with_kraken_frequency_hz(0).err(),
+            Some(SettingsError::Frequency)
         );
     }
 

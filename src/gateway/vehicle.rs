@@ -98,14 +98,14 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
         let kind = self.reader.push(byte)?;
         self.report.clear();
         self.counters.lines = self.counters.lines.saturating_add(1);
-        let result =
-            kind.and_then(|kind| match kind {
-                Kind::Nmea => nmea::parse(self.reader.bytes()).and_then(|s| self.sentence(s)),
-                Kind::Agrelo => BearingLine::from_agrelo(self.reader.bytes())
-                    .and_then(|line| self.bearing(&line)),
-                Kind::Kraken => BearingLine::from_kraken(self.reader.bytes())
-                    .and_then(|line| self.bearing(&line)),
-            });
+        let result = kind.and_then(|kind| match kind {
+            Kind::Nmea => nmea::parse(self.reader.bytes()).and_then(|s| self.sentence(s)),
+            Kind::Agrelo => {
+                BearingLine::from_agrelo(self.reader.bytes()).and_then(|line| self.bearing(&line))
+            }
+            Kind::Kraken => BearingLine::from_kraken(self.reader.bytes(), &self.settings)
+                .and_then(|line| self.bearing(&line)),
+        });
         result.unwrap_or_else(|reason| {
             self.counters.reject(reason);
             Some(Event::Rejected(reason))
