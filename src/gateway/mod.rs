@@ -47,8 +47,8 @@
 //! **`$PFOXN,hhmmss.sss,reason,bearings,has,needs*hh`**, no fix yet: the time of the last bearing, empty if
 //! there was none; the reason: `FEW` fewer than two bearings, `ANGLE` the bearings are too nearly
 //! parallel, `APART` their lines do not meet, `RANGE` the source is further from the origin than
-//! [`MAX_RANGE_M`](crate::aoa::geodesy::LocalPlane::MAX_RANGE_M); how many bearings there were; for `ANGLE` the
-//! angle in degrees at which they cross and the least that is needed.
+//! [`MAX_RANGE_M`](crate::aoa::geodesy::LocalPlane::MAX_RANGE_M); how many bearings there were since the last
+//! restart; for `ANGLE` the angle in degrees at which they cross and the least that is needed.
 //!
 //! **`$PFOXS,lines,sentences,bearings,ignored,...*hh`**, the status: the counts of [`Counters`] and then, in
 //! the order of [`Rejected::ALL`], of every reason for a rejection.

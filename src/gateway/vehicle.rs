@@ -52,6 +52,8 @@ pub struct Vehicle<const N: usize, const B: usize = 64> {
     plane: Option<LocalPlane>,
     locator: Locator<N, B>,
     generator: Option<Xoshiro128PlusPlus>,
+    /// Bearings that the locator was given since it began anew.
+    given: u32,
     /// The last bearing that was used.
     latest: Option<(TimeOfDay, Observation)>,
     /// The time of the bearing that was reported last.
@@ -74,6 +76,7 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
             plane: None,
             locator: Locator::new(settings.locator()),
             generator: None,
+            given: 0,
             latest: None,
             reported: None,
             report: Report::new(),
@@ -85,6 +88,7 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
         self.locator.reset();
         self.plane = None;
         self.generator = None;
+        self.given = 0;
         self.latest = None;
         self.reported = None;
         self.report.clear();
@@ -228,6 +232,7 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
         let answer = self.locator.push(observation, generator);
         self.plane = Some(plane);
         self.latest = Some((time, observation));
+        self.given = self.given.saturating_add(1);
         self.counters.bearings = self.counters.bearings.saturating_add(1);
         if self.report_is_due(time) {
             self.reported = Some(time);
@@ -278,8 +283,7 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
         match self.locator.answer() {
             Answer::Fix(fix) => self.report.fix(time, &fix, self.plane.as_ref()),
             Answer::NotObservable(reason) => {
-                self.report
-                    .not_observable(time, reason, self.counters.bearings);
+                self.report.not_observable(time, reason, self.given);
             }
         }
     }
@@ -504,10 +508,13 @@ mod tests {
         gateway.restart();
         push(&mut gateway, "$PFOXQ*50\r\n");
         assert!(
-            gateway.report().starts_with("$PFOXN,,FEW,11,,*"),
+            gateway.report().starts_with("$PFOXN,,FEW,0,,*"),
             "{}",
             gateway.report()
         );
+        push(&mut gateway, "%010/9\r");
+        assert!(gateway.report().contains(",FEW,1,,*"));
+        assert_eq!(gateway.counters().bearings, 12);
     }
 
     #[test]
