@@ -89,7 +89,7 @@ proptest! {
     /// Closer to real lines than random bytes.
     #[test]
     fn any_text(lines in prop::collection::vec(
-        "(\\$(GP|HE|PF)(RMC|GGA|VTG|HDT|THS|OXQ),|%|1[0-9]{12},)[-+.,0-9ANSEWTKM/*]{0,100}[\r\n]", 0..100)
+        "(\\$(GP|HE|PF)(RMC|GGA|VTG|HDT|THS|OXQ|OXR),|%|1[0-9]{12},)[-+.,0-9ANSEWTKM/*]{0,100}[\r\n]", 0..100)
     ) {
         check(&run(&mut Gateway::new(Settings::default()), lines.concat().as_bytes()));
     }
@@ -109,7 +109,7 @@ proptest! {
         for byte in bytes {
             let event = gateway.push(byte);
             match event {
-                Some(Event::Fix(_) | Event::NotObservable(_)) => known = state(gateway.locator()),
+                Some(Event::Fix(_) | Event::NotObservable(_) | Event::Restarted) => known = state(gateway.locator()),
                 None => {}
                 _ => prop_assert_eq!(&state(gateway.locator()), &known),
             }

@@ -17,6 +17,7 @@
 //! | `%BBB/Q` | Agrelo: bearing in degrees, quality 0 to 9 |
 //! | `1756823719250, 297, 87.8, ...` | KrakenSDR's app format: time, bearing, confidence, frequency, and unless it is zero its own position and heading; the spectrum is skipped |
 //! | `$PFOXQ*50` | a query: the answer and the status are sent whenever they were sent last |
+//! | `$PFOXR*53` | a restart, to look for another source: [`Vehicle::restart`] |
 //!
 //! The builds of the KrakenSDR's software do not agree on the sense of a bearing and the scale of its confidence:
 //! see [`Settings::with_kraken_sense`] and [`Settings::with_kraken_confidence`]. If it watches several frequencies,
@@ -36,7 +37,7 @@
 //!
 //! Sentences with a checksum, ended by CR and LF. One `$PFOXF` or `$PFOXN` after an accepted bearing, if the
 //! last is at least [`Settings::report_interval_ms`] old; one of them and a `$PFOXS` for a query, which thus
-//! also tells that all bytes before it were processed.
+//! also tells that all bytes before it were processed; a `$PFOXN` for a restart.
 //!
 //! **`$PFOXF,hhmmss.sss,ddmm.mmmmmm,N,dddmm.mmmmmm,E,major,minor,orientation,bearings,ess*hh`**, a fix:
 //! UTC time of the last bearing; latitude and longitude of the source, to 1e-7 degree; standard deviations, in

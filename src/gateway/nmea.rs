@@ -25,6 +25,8 @@ pub(super) enum Sentence {
     Heading(f32),
     /// The host asks for a report.
     Query,
+    /// The host looks for another source.
+    Restart,
     /// Of no use here.
     Other,
 }
@@ -42,8 +44,10 @@ pub(super) struct Motion {
 #[inline(never)]
 pub(super) fn parse(line: &[u8]) -> Result<Sentence, Rejected> {
     let payload = checked(line)?;
-    if payload == b"PFOXQ" {
-        return Ok(Sentence::Query);
+    match payload {
+        b"PFOXQ" => return Ok(Sentence::Query),
+        b"PFOXR" => return Ok(Sentence::Restart),
+        _ => {}
     }
     // Two letters of the talker, three of the sentence, a comma, the fields.
     let Some((address, fields)) = payload.split_at_checked(6) else {
@@ -287,6 +291,7 @@ mod tests {
         assert_eq!(read("HEHDT,274.07,T"), Ok(Sentence::Heading(274.07)));
         assert_eq!(read("GNTHS,77.5,A"), Ok(Sentence::Heading(77.5)));
         assert_eq!(read("PFOXQ"), Ok(Sentence::Query));
+        assert_eq!(parse(b"$PFOXR*53"), Ok(Sentence::Restart));
         for payload in [
             "GPGSV,1,1,00",
             "GPTXT,01,01,02,ANTSTATUS=OK",

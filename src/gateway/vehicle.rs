@@ -24,6 +24,8 @@ pub enum Event {
     Rejected(Rejected),
     /// The host has asked, and [`Vehicle::report`] answers.
     Queried,
+    /// The host looks for another source: as [`Vehicle::restart`], and [`Vehicle::report`] confirms it.
+    Restarted,
 }
 
 /// Bytes of a receiver and of a direction finder in, fixes out, with `N` particles and a memory of `B`
@@ -175,6 +177,11 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
                 self.write_answer();
                 self.report.status(&self.counters);
                 return Ok(Some(Event::Queried));
+            }
+            Sentence::Restart => {
+                self.restart();
+                self.write_answer();
+                return Ok(Some(Event::Restarted));
             }
             Sentence::Other => {
                 self.counters.ignored = self.counters.ignored.saturating_add(1);
@@ -515,6 +522,11 @@ mod tests {
         push(&mut gateway, "%010/9\r");
         assert!(gateway.report().contains(",FEW,1,,*"));
         assert_eq!(gateway.counters().bearings, 12);
+
+        let restarted = push(&mut gateway, "$PFOXR*53\r\n");
+        assert_eq!(restarted, [Event::Restarted]);
+        assert!(gateway.report().starts_with("$PFOXN,,FEW,0,,*"));
+        assert!(gateway.plane().is_none());
     }
 
     #[test]
