@@ -20,7 +20,7 @@ pub enum Rejected {
     NullPosition,
     /// A time stamp earlier than the one before it.
     TimeBackwards,
-    /// A coordinate, angle or quality outside its range, or a place too far from the first one.
+    /// A coordinate, angle or quality outside its range, or a place too far from [`super::Vehicle::plane`].
     OutOfRange,
     /// A bearing before there was any position.
     NoPosition,

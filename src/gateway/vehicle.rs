@@ -52,6 +52,9 @@ pub struct Vehicle<const N: usize, const B: usize = 64> {
     heading: Option<(TimeOfDay, f32)>,
     course: Option<(TimeOfDay, f32)>,
     plane: Option<LocalPlane>,
+    /// Consecutive bearings that are near each other but too far from the origin: where the first was taken,
+    /// and how many there are.
+    strays: Option<(Geodetic, u8)>,
     locator: Locator<N, B>,
     generator: Option<Xoshiro128PlusPlus>,
     /// Bearings that the locator was given since it began anew.
@@ -64,6 +67,9 @@ pub struct Vehicle<const N: usize, const B: usize = 64> {
 }
 
 impl<const N: usize, const B: usize> Vehicle<N, B> {
+    /// Strays that move the origin: one wild position is not to blind the gateway.
+    const STRAYS: u8 = 3;
+
     /// Knows nothing yet. Fit for a `static`.
     pub const fn new(settings: Settings) -> Self {
         Self {
@@ -76,6 +82,7 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
             heading: None,
             course: None,
             plane: None,
+            strays: None,
             locator: Locator::new(settings.locator()),
             generator: None,
             given: 0,
@@ -89,6 +96,7 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
     pub fn restart(&mut self) {
         self.locator.reset();
         self.plane = None;
+        self.strays = None;
         self.generator = None;
         self.given = 0;
         self.latest = None;
@@ -134,7 +142,9 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
         &self.settings
     }
 
-    /// The plane of the particles and fixes; its origin is where the first bearing was taken.
+    /// The plane of the particles and fixes; its origin is where the first bearing was taken. Unless that was a
+    /// wild position: while there is no fix, three bearings in a row that are too far from it but not from each
+    /// other [restart](Self::restart) the search, with an origin at the third.
     pub fn plane(&self) -> Option<&LocalPlane> {
         self.plane.as_ref()
     }
@@ -222,16 +232,16 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
                 Bearing::from_relative_degrees(line.degrees, heading)
             }
         };
-        let plane = match self.plane {
-            Some(plane) => plane,
-            None => LocalPlane::new(place).map_err(|_| Rejected::OutOfRange)?,
-        };
+        let plane = self.plane_for(place)?;
         let position = plane.to_local(place).map_err(|_| Rejected::OutOfRange)?;
         let deviation = self.settings.deviation_rad(line.quality);
         let observation =
             Observation::new(position, bearing, deviation).map_err(|_| Rejected::OutOfRange)?;
 
         // From here on nothing is rejected.
+        if self.plane.is_some_and(|old| old != plane) {
+            self.restart();
+        }
         let seed = self.settings.seed();
         let generator = self
             .generator
@@ -249,6 +259,29 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
             Answer::Fix(fix) => Event::Fix(fix),
             Answer::NotObservable(reason) => Event::NotObservable(reason),
         }))
+    }
+
+    /// The plane for a bearing that was taken at `place`: another than before where that was too far away and
+    /// nothing has come of it.
+    fn plane_for(&mut self, place: Geodetic) -> Result<LocalPlane, Rejected> {
+        let round = |origin| LocalPlane::new(origin).map_err(|_| Rejected::OutOfRange);
+        let Some(plane) = self.plane else {
+            return round(place);
+        };
+        if plane.to_local(place).is_ok() {
+            self.strays = None;
+            return Ok(plane);
+        }
+        let is_near = |first| round(first).is_ok_and(|plane| plane.to_local(place).is_ok());
+        let (first, count) = match self.strays {
+            Some((first, count)) if is_near(first) => (first, count.saturating_add(1)),
+            _ => (place, 1),
+        };
+        self.strays = Some((first, count));
+        match self.locator.answer() {
+            Answer::NotObservable(_) if count >= Self::STRAYS => round(place),
+            _ => Err(Rejected::OutOfRange),
+        }
     }
 
     fn place_at(&self, time: TimeOfDay) -> Result<Geodetic, Rejected> {
@@ -467,6 +500,40 @@ mod tests {
             run(kraken(NOON, 10.0, "89.9, 11.5, 0, 0, GPS")),
             Err(Rejected::OutOfRange)
         );
+    }
+
+    #[test]
+    fn a_wild_first_position_does_not_last() {
+        let place = |latitude: &str| kraken(NOON, 10.0, &format!("{latitude}, 11.5, 0, 0, GPS"));
+        let (wild, wilder, here) = (place("58.1"), place("68.1"), place("48.1"));
+        let mut gateway = Gateway::new(Settings::default());
+        let mut run = |text: &str| push(&mut gateway, text).pop().unwrap();
+        let first = Event::NotObservable(NotObservable::TooFewBearings { have: 1 });
+        let far = Event::Rejected(Rejected::OutOfRange);
+        assert_eq!(run(&wild), first);
+        // Strays must follow each other and be near each other.
+        assert_eq!(run(&format!("{here}{here}")), far);
+        assert_eq!(run(&wilder), far);
+        assert_eq!(run(&format!("{here}{here}")), far);
+        assert!(matches!(run(&wild), Event::NotObservable(_)));
+        assert_eq!(run(&format!("{here}{here}")), far);
+        assert_eq!(run(&here), first);
+        assert!(matches!(run(&here), Event::NotObservable(_)));
+        assert_eq!(gateway.plane().unwrap().origin().latitude_e7(), 481_000_000);
+    }
+
+    #[test]
+    fn strays_do_not_move_the_origin_of_a_fix() {
+        let mut gateway = Gateway::new(Settings::default());
+        push(&mut gateway, &drive(10));
+        assert!(gateway.report().starts_with("$PFOXF"));
+        let plane = *gateway.plane().unwrap();
+        let far = kraken(NOON, 10.0, "58.1, 11.5, 0, 0, GPS").repeat(10);
+        assert_eq!(
+            push(&mut gateway, &far),
+            [Event::Rejected(Rejected::OutOfRange); 10]
+        );
+        assert_eq!(gateway.plane(), Some(&plane));
     }
 
     /// Two seconds apart, 100 m further east each, a source 100 m ahead and 600 m to the left.
