@@ -1,7 +1,7 @@
 //! A stream of bytes through the gateway of the firmware, on the host.
 
 use foxhunt::{
-    aoa::locator::{Answer, Fix},
+    aoa::locator::{Answer, Fix, NotObservable},
     gateway::{Event, Settings, Vehicle},
 };
 
@@ -53,6 +53,14 @@ impl Replay {
             self.output
                 .extend_from_slice(self.gateway.report().as_bytes());
             self.events.push(event);
+            match event {
+                // A new search, with an origin of its own.
+                Event::Restarted
+                | Event::NotObservable(NotObservable::TooFewBearings { have: 1 }) => {
+                    self.sights.clear();
+                }
+                _ => {}
+            }
             if let Event::Fix(_) | Event::NotObservable(_) = event {
                 self.sights
                     .extend(self.gateway.observation().as_ref().map(Sight::from));
@@ -75,7 +83,7 @@ impl Replay {
         &self.events
     }
 
-    /// Every bearing that was used, in their order.
+    /// Every bearing that was used since the gateway began its search, in their order.
     pub fn sights(&self) -> &[Sight] {
         &self.sights
     }
@@ -127,6 +135,19 @@ mod tests {
         for line in std::str::from_utf8(replay.output()).unwrap().lines() {
             assert!(line.starts_with("$PFOX") && line.is_ascii(), "{line}");
         }
+    }
+
+    #[test]
+    fn a_restart_forgets_the_bearings() {
+        let drive = drive::example(1);
+        let mut replay = Replay::of(drive.bytes());
+        let count = replay.sights().len();
+        replay.push(b"$PFOXR*53\r\n");
+        assert!(replay.sights().is_empty());
+        // What it heard last is fresh still.
+        replay.push(b"%010/9\r%020/9\r");
+        assert_eq!(replay.sights().len(), 2);
+        assert!(count > 2);
     }
 
     #[test]
