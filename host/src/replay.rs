@@ -3,6 +3,8 @@
 use foxhunt::{
     aoa::locator::{Answer, Fix, NotObservable},
     gateway::{Event, Settings, Vehicle},
+    random::{SeedableRng, Xoshiro128PlusPlus},
+    resample::{Scheme, resample},
 };
 
 use crate::Sight;
@@ -96,17 +98,24 @@ impl Replay {
         }
     }
 
-    /// The cloud, in metres east and north of the origin; none before the first fix.
+    /// The cloud, in metres east and north of the origin; none before the first fix. Resampled: each particle is
+    /// there as often as its weight says.
     pub fn particles(&self) -> Vec<[f64; 2]> {
         if self.fix().is_none() {
             return Vec::new();
         }
-        let [east, north] = self.gateway.locator().columns();
-        east.iter()
-            .zip(north)
-            .map(|(e, n)| [f64::from(*e), f64::from(*n)])
-            .collect()
+        let locator = self.gateway.locator();
+        by_weight(locator.columns(), locator.weights())
     }
+}
+
+fn by_weight([east, north]: [&[f32]; 2], weights: &[f32]) -> Vec<[f64; 2]> {
+    let mut memory = vec![0.0; weights.len()];
+    let mut generator = Xoshiro128PlusPlus::seed_from_u64(1);
+    resample(Scheme::Systematic, weights, &mut memory, &mut generator)
+        .iter()
+        .map(|ancestor| [east[ancestor], north[ancestor]].map(f64::from))
+        .collect()
 }
 
 #[cfg(test)]
@@ -148,6 +157,13 @@ mod tests {
         replay.push(b"%010/9\r%020/9\r");
         assert_eq!(replay.sights().len(), 2);
         assert!(count > 2);
+    }
+
+    #[test]
+    fn a_particle_is_drawn_as_often_as_its_weight_says() {
+        let (east, north) = ([1.0, 2.0, 3.0, 4.0], [5.0, 6.0, 7.0, 8.0]);
+        let drawn = by_weight([&east, &north], &[0.0, 0.75, 0.0, 0.25]);
+        assert_eq!(drawn, [[2.0, 6.0], [2.0, 6.0], [2.0, 6.0], [4.0, 8.0]]);
     }
 
     #[test]
