@@ -1,5 +1,7 @@
 //! How good a fix is.
 
+mod coverage;
+
 use std::{fmt, path::Path};
 
 use anyhow::{Context, Result, ensure};
@@ -17,6 +19,7 @@ use foxhunt_host::{
     replay::Replay,
 };
 
+use self::coverage::Coverage;
 use super::{Scene, report::ReportedFix};
 
 /// A fix beside the truth and the best that the same bearings allow. Places in metres from the origin.
@@ -29,7 +32,8 @@ pub struct Assessment {
     gauss_newton: [f64; 2],
     /// Root of the trace of the Cramer-Rao bound.
     bound: f64,
-    ellipse: Option<Ellipse>,
+    ellipse: Ellipse,
+    coverage: Coverage,
 }
 
 /// A fix may be this many posterior standard deviations from the exact posterior mean.
@@ -48,6 +52,7 @@ impl Assessment {
             longitude: f64::from(origin.longitude_e7()) * 1e-7,
         };
         let truth = origin.local(truth);
+        let estimate = replay.fix().context("the gateway has no fix")?;
         let sights = replay.sights();
         let posterior = Posterior::new(sights).context("the bearings do not determine a place")?;
         let observations: Vec<Observation> = sights
@@ -67,7 +72,8 @@ impl Assessment {
                 .context("the bearings do not determine a place")?
                 .trace()
                 .sqrt(),
-            ellipse: replay.fix().map(|fix| fix.ellipse(0.95)),
+            ellipse: estimate.ellipse(0.95),
+            coverage: Coverage::new(&estimate, truth),
         })
     }
 
@@ -87,7 +93,7 @@ impl Assessment {
             ),
             sights: replay.sights().to_vec(),
             particles: replay.particles(),
-            ellipse: self.ellipse,
+            ellipse: Some(self.ellipse),
             fix: Some(self.fix),
             truth: Some(self.truth),
         };
@@ -138,6 +144,7 @@ impl fmt::Display for Assessment {
             self.error(self.gauss_newton)
         )?;
         writeln!(f, "  Cramer-Rao bound      {:8.3} m", self.bound)?;
+        writeln!(f, "{}", self.coverage)?;
         write!(
             f,
             "the fix is {:.3} m from the exact posterior mean: {:.2} posterior standard deviations (at most {FARTHEST})",
