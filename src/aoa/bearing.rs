@@ -70,7 +70,7 @@ mod tests {
             let degrees = tenth as f32 * 0.1;
             let back = Bearing::from_compass_degrees(degrees).compass_degrees();
             let off = (back - degrees).abs();
-            assert!((off < 1e-4 || off > 359.9999) && (0.0..360.0).contains(&back));
+            assert!(off.min(360.0 - off) < 1e-4 && (0.0..360.0).contains(&back));
         }
         assert!(Bearing::from_compass_degrees(-1e-6).compass_degrees() < 360.0);
         assert!(

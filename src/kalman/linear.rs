@@ -212,12 +212,12 @@ mod tests {
                 + textbook.update(&[0.0, 1.0, 0.0, 0.0], f64::from(z[1]), 4.0);
             assert!((f64::from(innovation.log_evidence) - evidence).abs() < 1e-3);
             let matrix = state.covariance.matrix();
-            for i in 0..4 {
+            for (i, row) in matrix.iter().enumerate() {
                 let deviation = textbook.covariance[i][i].sqrt();
                 assert!((f64::from(state.mean[i]) - textbook.mean[i]).abs() < 1e-3 * deviation);
-                for j in 0..4 {
+                for (j, entry) in row.iter().enumerate() {
                     let scale = deviation * textbook.covariance[j][j].sqrt();
-                    let off = f64::from(matrix[i][j]) - textbook.covariance[i][j];
+                    let off = f64::from(*entry) - textbook.covariance[i][j];
                     assert!(off.abs() < 1e-4 * scale, "step {step}: {off} of {scale}");
                 }
             }

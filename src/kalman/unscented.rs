@@ -282,8 +282,8 @@ mod tests {
             let near = |found: f32, expected: f64| (f64::from(found) - expected).abs() < 2e-4;
             for a in 0..2 {
                 assert!(near(found.mean[a], mean[a]), "{set:?}");
-                for b in 0..2 {
-                    assert!(near(total.matrix()[a][b], covariance[a][b]), "{set:?}");
+                for (b, expected) in covariance[a].iter().enumerate() {
+                    assert!(near(total.matrix()[a][b], *expected), "{set:?}");
                 }
             }
             for a in 0..3 {

@@ -125,7 +125,7 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
             let share = weight * N as f32;
             if comb.tooth < share {
                 let target = target(read(&columns, i));
-                grid.evaluate(&target, memory);
+                grid.evaluate(target, memory);
                 let log_sum = grid.moments(memory).log_mass() - grid.ln_cell();
                 let cells = || grid.centres::<G>().zip(&*memory);
                 // One from each of as many equal parts of the local density as there are copies.

@@ -119,8 +119,7 @@ impl<const D: usize, const N: usize> PointMassFilter<D, N> {
     ) -> Result<f32, UpdateError> {
         let whole = grid.moments(memory);
         let log_mass = whole.log_mass();
-        // False for NaN.
-        if !(log_mass > f32::NEG_INFINITY) {
+        if log_mass.is_nan() || log_mass == f32::NEG_INFINITY {
             return Err(UpdateError::AllWeightsZero);
         }
         self.posterior = whole;

@@ -27,8 +27,7 @@ pub struct Posterior<'a, const D: usize, T, L> {
 impl<const D: usize, T: Transition<D>, L: Likelihood<D>> Likelihood<D> for Posterior<'_, D, T, L> {
     fn log_likelihood(&self, state: &[f32; D]) -> f32 {
         let log_likelihood = self.likelihood.log_likelihood(state);
-        // False for NaN.
-        if !(log_likelihood > f32::NEG_INFINITY) {
+        if log_likelihood.is_nan() || log_likelihood == f32::NEG_INFINITY {
             return f32::NEG_INFINITY;
         }
         let (mut largest, mut sum) = (f32::NEG_INFINITY, 0.0);
