@@ -22,7 +22,7 @@ mod proof {
         },
         estimate::{self, Ellipse},
         filter::ParticleFilter,
-        gateway::{self, BearingReference, Vehicle},
+        gateway::{self, BearingReference, KrakenConfidence, KrakenSense, Vehicle},
         kalman::{Covariance, Gaussian, Unscented},
         math,
         model::{ConstantVelocity, Dynamics, Likelihood, RandomWalk, Static},
@@ -340,8 +340,12 @@ mod proof {
             .with_locator(any(locator::Settings::new()))
             .with_reference(any(BearingReference::Relative))
             .with_seed(any(0))
+            .with_undated_bearings(any(0))
+            .with_kraken_sense(any(KrakenSense::Clockwise))
+            .with_kraken_confidence(any(KrakenConfidence::Percent))
             .with_deviations(any(0.0), any(0.0))
             .and_then(|settings| settings.with_minimum_quality(any(0.0)))
+            .and_then(|settings| settings.with_kraken_frequency_hz(any(0)))
             .and_then(|settings| settings.with_maximum_age_ms(any(0)))
             .and_then(|settings| settings.with_minimum_speed_m_s(any(0.0)))
             .and_then(|settings| settings.with_report_interval_ms(any(0)));

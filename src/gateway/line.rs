@@ -195,7 +195,7 @@ mod tests {
     fn an_idle_line_is_no_line() {
         let line = |kind, text| Ok((kind, String::from(text)));
         assert_eq!(
-            read("\0\0%045/7\r\0\n\017,2\r\0$GPHDT,1*00\n\0\r"),
+            read("\0\0%045/7\r\0\n\x0017,2\r\0$GPHDT,1*00\n\0\r"),
             [
                 line(Kind::Agrelo, "%045/7"),
                 line(Kind::Kraken, "17,2"),
