@@ -13,7 +13,10 @@ use crate::{
 mod aoa;
 mod bearings;
 mod counted;
+mod evolution;
+mod firefly;
 mod fish;
+mod scalar;
 mod statistics;
 
 /// The options of `cargo xtask papers`.
@@ -30,6 +33,10 @@ enum Paper {
     Aoa(Study),
     /// Its particles refined by a fish school (the same paper), as published and with the posterior kept.
     Fish(Study),
+    /// Track the growth model, and locate a transmitter, with fireflies: Du, Li and Jiang (2017).
+    Firefly(Study),
+    /// Track a model with gamma noise with differential evolution and unscented proposals: Li, Wang and Wang (2011).
+    Evolution(Study),
 }
 
 /// How a study is run.
@@ -62,6 +69,8 @@ pub fn run(options: &Options) -> Result<()> {
     match &options.paper {
         Paper::Aoa(study) => aoa::run(study),
         Paper::Fish(study) => fish::run(study),
+        Paper::Firefly(study) => firefly::run(study),
+        Paper::Evolution(study) => evolution::run(study),
     }
 }
 

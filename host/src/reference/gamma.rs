@@ -134,8 +134,8 @@ fn predicted(bases: &[(f64, f64)], points: &[f64]) -> impl Iterator<Item = f64> 
     })
 }
 
-/// Gamma with the model's shape and rate.
-fn noise(rng: &mut impl Rng) -> f64 {
+/// A sample of the model's noise: gamma with shape 3 and rate 2.
+pub fn noise(rng: &mut impl Rng) -> f64 {
     Gamma::new(SHAPE, 1.0 / RATE).map_or(f64::NAN, |gamma| gamma.sample(rng))
 }
 

@@ -10,15 +10,24 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The root of the mean of squares, by their own scatter.
-    pub fn root_of_mean(squares: &[f64]) -> Self {
-        let n = squares.len() as f64;
-        let mean = squares.iter().sum::<f64>() / n;
-        let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        let value = mean.sqrt();
+    /// The mean of values, by their own scatter.
+    pub fn mean(values: &[f64]) -> Self {
+        let n = values.len() as f64;
+        let value = values.iter().sum::<f64>() / n;
+        let variance = values.iter().map(|v| (v - value).powi(2)).sum::<f64>() / (n - 1.0);
         Self {
             value,
-            error: 0.5 * (variance / n).sqrt() / value,
+            error: (variance / n).sqrt(),
+        }
+    }
+
+    /// The root of the mean of squares, by their own scatter.
+    pub fn root_of_mean(squares: &[f64]) -> Self {
+        let mean = Self::mean(squares);
+        let value = mean.value.sqrt();
+        Self {
+            value,
+            error: 0.5 * mean.error / value,
         }
     }
 

@@ -1,0 +1,356 @@
+//! Li, Wang, Wang: differential evolution in particle filters, J. Electronics & Information Technology 33(7), 2011.
+//!
+//! A model with gamma noise, measured precisely, and with more noise: their filters with log-weights and true
+//! moments, ours, and the exact filter; and their table by the numerics that it was made with.
+
+mod legacy;
+
+use anyhow::Result;
+use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
+use foxhunt::{
+    problems::gamma::{self, GammaNoise, Measurement},
+    refine::{Acceptance, DifferentialEvolution},
+};
+use foxhunt_host::{
+    picture::{Axis, Curve, Curves, Style, save},
+    reference, simulate,
+};
+use indicatif::ParallelProgressIterator;
+use rayon::prelude::*;
+
+use self::legacy::Legacy;
+use super::{
+    Study, picture,
+    scalar::{
+        self, Experiment, STEPS,
+        methods::{self, Target},
+    },
+    statistics::Estimate,
+};
+use crate::figures::Figure;
+
+type Problem = scalar::Problem<GammaNoise, Measurement>;
+type Method = scalar::Method<Problem>;
+
+const N: usize = 10;
+const VARIANCES: [f64; 4] = [1e-5, 0.01, 0.1, 1.0];
+/// That of the original study, which gives the paper's table, and the one that the paper prints.
+const OMEGAS: [f64; 2] = [0.04, 0.4];
+
+const PF: &str = "pf";
+const PFDE: &str = "pfde";
+const PFDE_LIKELIHOOD: &str = "pfde.likelihood";
+const UPF: &str = "upf";
+const UPFDE: &str = "upfde";
+const AUXILIARY: &str = "auxiliary";
+const PF_200: &str = "pf.n200";
+const UPFDE_LIKELIHOOD: &str = "upfde.likelihood";
+const POINT_MASS: &str = "point_mass";
+const METROPOLIS: &str = "evolution.metropolis";
+
+/// Ours that keep the posterior.
+const OURS: [&str; 3] = [AUXILIARY, POINT_MASS, METROPOLIS];
+
+/// Runs the experiments.
+pub fn run(study: &Study) -> Result<()> {
+    let mut figures = Vec::new();
+    for omega in OMEGAS {
+        figures.extend(table_of_the_paper(study, omega)?);
+    }
+    let mut curves: Vec<Curve> = Vec::new();
+    for variance in VARIANCES {
+        let experiment = experiment(study, OMEGAS[0], variance)?;
+        figures.extend(report(&experiment, OMEGAS[0], variance));
+        for (index, method) in experiment.methods.iter().enumerate() {
+            if curves.len() <= index {
+                curves.push(Curve {
+                    name: method.label.clone(),
+                    style: Style::DotsAndLine,
+                    ..Curve::default()
+                });
+            }
+            let ratio = experiment.mean_over_floor(method);
+            curves[index].points.push((variance, ratio.value));
+            curves[index].errors.push(ratio.error);
+        }
+        let stem = picture(&format!("evolution-{variance}"));
+        let title = format!("Gamma noise, R = {variance}, N = {N}");
+        experiment.draw(&title, &[PF, PFDE, UPFDE, METROPOLIS, scalar::FLOOR], &stem)?;
+        println!("picture: {}\n", stem.with_extension("svg").display());
+    }
+    // The printed omega too, where the paper measures.
+    let printed = experiment(study, OMEGAS[1], VARIANCES[0])?;
+    figures.extend(report(&printed, OMEGAS[1], VARIANCES[0]));
+
+    let stem = picture("evolution");
+    let picture = Curves {
+        title: format!("Gamma noise, N = {N}: mean RMSE over that of the exact filter"),
+        horizontal: Axis::logarithmic("variance of the measurements"),
+        vertical: Axis::logarithmic("RMSE / floor"),
+        curves,
+    };
+    save(&picture.svg()?, &stem)?;
+    println!("picture: {}\n", stem.with_extension("svg").display());
+    study.conclude(&figures)
+}
+
+/// A row of the paper's table: its own mean and, where it is printed, variance of the RMSE over the runs.
+struct Row {
+    label: &'static str,
+    key: &'static str,
+    method: Legacy,
+    mean: f64,
+    variance: Option<f64>,
+    /// Within a tenth, which is what can be asked where it is clear what was done.
+    clear: bool,
+}
+
+const fn row(
+    (label, key): (&'static str, &'static str),
+    (particles, unscented, evolution): (usize, bool, bool),
+    mean: f64,
+    variance: Option<f64>,
+    clear: bool,
+) -> Row {
+    let method = Legacy {
+        particles,
+        unscented,
+        evolution,
+    };
+    Row {
+        label,
+        key,
+        method,
+        mean,
+        variance,
+        clear,
+    }
+}
+
+const PAPER: [Row; 5] = [
+    row(("PF", PF), (10, false, false), 0.9485, Some(0.0324), true),
+    row(
+        ("PF, N = 200", PF_200),
+        (200, false, false),
+        0.4398,
+        None,
+        true,
+    ),
+    row(
+        ("PFDE", PFDE),
+        (10, false, true),
+        0.8054,
+        Some(0.0320),
+        true,
+    ),
+    row(("UPF", UPF), (10, true, false), 0.4893, Some(0.0100), true),
+    row(
+        ("UPFDE", UPFDE),
+        (10, true, true),
+        0.2580,
+        Some(0.0084),
+        false,
+    ),
+];
+
+/// The paper's table by the numerics that it was made with.
+fn table_of_the_paper(study: &Study, omega: f64) -> Result<Vec<Figure>> {
+    let model = reference::gamma::GammaNoise {
+        omega,
+        variance: VARIANCES[0],
+    };
+    let runs = study.runs.unwrap_or(2000);
+    let rmses: Vec<[f64; 5]> = (0..runs)
+        .into_par_iter()
+        .progress_with(super::progress(
+            runs.into(),
+            format!("legacy, omega {omega}"),
+        )?)
+        .map(|run| {
+            let rng = &mut simulate::generator(study.seed, run.into());
+            let (truth, measurements) = model.run(STEPS, rng);
+            PAPER.map(|row| row.method.rmse(&model, &truth, &measurements, rng))
+        })
+        .collect();
+    println!(
+        "The paper's table by the numerics that it was made with: omega = {omega}, {runs} runs"
+    );
+    let mut table = Table::new();
+    table.load_style(ASCII_MARKDOWN).set_header([
+        "method",
+        "mean RMSE",
+        "variance",
+        "the paper",
+        "ours / paper",
+    ]);
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    let mut figures = Vec::new();
+    for (index, row) in PAPER.iter().enumerate() {
+        let column: Vec<f64> = rmses.iter().map(|rmses| rmses[index]).collect();
+        let mean = Estimate::mean(&column);
+        let variance = mean.error.powi(2) * column.len() as f64;
+        let printed = row
+            .variance
+            .map(|v| format!(" / {v:.4}"))
+            .unwrap_or_default();
+        table.add_row([
+            row.label.to_owned(),
+            mean.to_string(),
+            format!("{variance:.4}"),
+            format!("{:.4}{printed}", row.mean),
+            format!("{:.2}", mean.value / row.mean),
+        ]);
+        let figure = |what: &str, value| {
+            Figure::new(
+                format!("papers.evolution.legacy.omega_{omega}.{}.{what}", row.key),
+                value,
+                "",
+            )
+        };
+        figures.push(figure("rmse", mean.value));
+        let off = figure("off_the_paper", (mean.value / row.mean - 1.0).abs());
+        figures.push(if omega == OMEGAS[0] && row.clear {
+            off.at_most(0.1)
+        } else {
+            off
+        });
+    }
+    println!("{table}\n");
+    Ok(figures)
+}
+
+fn experiment(study: &Study, omega: f64, variance: f64) -> Result<Experiment> {
+    let model = reference::gamma::GammaNoise { omega, variance };
+    let problem = |run| {
+        let (truth, measurements) = model.run(STEPS, &mut simulate::generator(study.seed, run));
+        let measured = |(z, step): (&f64, u32)| {
+            let dynamics = GammaNoise {
+                step,
+                omega: omega as f32,
+            };
+            let measurement = Measurement {
+                step,
+                value: *z as f32,
+                variance: variance as f32,
+            };
+            (dynamics, measurement)
+        };
+        Problem {
+            start: gamma::START,
+            steps: measurements.iter().zip(1..).map(measured).collect(),
+            exact: model.means(&measurements),
+            truth,
+        }
+    };
+    Experiment::run(
+        format!("omega {omega}, R {variance}"),
+        problem,
+        methods()?,
+        study.runs.unwrap_or(2000),
+        study.seed,
+    )
+}
+
+fn report(experiment: &Experiment, omega: f64, variance: f64) -> Vec<Figure> {
+    println!(
+        "Log-weights and true moments: omega = {omega}, R = {variance}, N = {N}, {} runs",
+        experiment.runs()
+    );
+    let mut table = Table::new();
+    table.load_style(ASCII_MARKDOWN).set_header([
+        "method",
+        "mean RMSE",
+        "variance",
+        "median",
+        "RMSE / floor",
+        "calls of the model",
+    ]);
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    let mut figures = Vec::new();
+    let best = OURS
+        .iter()
+        .filter_map(|key| experiment.named(key))
+        .map(|method| experiment.mean_over_floor(method).value)
+        .fold(f64::INFINITY, f64::min);
+    let prefix = format!("papers.evolution.omega_{omega}.r_{variance}");
+    for method in &experiment.methods {
+        let over_floor = experiment.mean_over_floor(method);
+        let (mean, spread) = (method.mean(), method.variance());
+        let digits = (2.0 - mean.value.log10().floor()) as usize;
+        table.add_row([
+            method.label.clone(),
+            format!("{:.digits$} ± {:.digits$}", mean.value, mean.error),
+            format!("{spread:.1e}"),
+            format!("{:.digits$}", method.median()),
+            over_floor.to_string(),
+            format!("{:.0}", method.calls()),
+        ]);
+        let figure = |what: &str, value, unit| {
+            Figure::new(format!("{prefix}.{}.{what}", method.key), value, unit)
+        };
+        let precise = variance == VARIANCES[0] && [PFDE, UPFDE].contains(&method.key);
+        let rmse = figure("rmse", mean.value, "");
+        let over = figure("rmse_over_floor", over_floor.value, "");
+        figures.extend([
+            if precise { rmse.at_most(0.006) } else { rmse },
+            figure("rmse_error", mean.error, ""),
+            figure("rmse_variance", spread, ""),
+            if method.key == METROPOLIS {
+                over.at_most(1.03)
+            } else {
+                over
+            },
+            figure("calls", method.calls(), "per run"),
+        ]);
+    }
+    println!("{table}\n");
+    figures.push(Figure::new(format!("{prefix}.best.rmse_over_floor"), best, "").at_most(1.03));
+    figures
+}
+
+fn methods() -> Result<Vec<Method>> {
+    let published = DifferentialEvolution::new();
+    let chain = DifferentialEvolution::new()
+        .generations(1)?
+        .acceptance(Acceptance::Metropolis);
+    Ok(vec![
+        Method::new("PF", PF, methods::bootstrap::<N, _, _>),
+        Method::new("PF, N = 200", PF_200, methods::bootstrap::<200, _, _>),
+        Method::new("PFDE", PFDE, move |problem, rng| {
+            methods::evolved::<N, _, _>(problem, &published, Target::Posterior, rng)
+        }),
+        Method::new(
+            "PFDE, fitness likelihood",
+            PFDE_LIKELIHOOD,
+            move |problem, rng| {
+                methods::evolved::<N, _, _>(problem, &published, Target::Likelihood, rng)
+            },
+        ),
+        Method::new("UPF", UPF, methods::unscented::<N, _, _>),
+        Method::new("UPFDE", UPFDE, move |problem, rng| {
+            methods::unscented_evolved::<N, _, _>(problem, &published, Target::Posterior, rng)
+        }),
+        Method::new(
+            "UPFDE, fitness likelihood",
+            UPFDE_LIKELIHOOD,
+            move |problem, rng| {
+                methods::unscented_evolved::<N, _, _>(problem, &published, Target::Likelihood, rng)
+            },
+        ),
+        Method::new(
+            "adapted auxiliary filter",
+            AUXILIARY,
+            methods::auxiliary::<N, 32, _, _>,
+        ),
+        Method::new("tempered point mass", POINT_MASS, |problem, _| {
+            methods::point_mass::<N, 64, _, _>(problem)
+        }),
+        Method::new("evolution, Metropolis", METROPOLIS, move |problem, rng| {
+            methods::chain::<N, _, _>(problem, &published, &chain, 80, rng)
+        }),
+    ])
+}
