@@ -9,8 +9,19 @@
 //! | [`AuxiliaryFilter`] | `N` particles | one or two dimensions, any shape | about `3 G N` |
 //! | [`PointMassFilter`] | `N` points with weights, nothing random | one or two dimensions, noise in all of them | about `3 G N` |
 //!
-//! `G` is the number of cells of a transient grid, whose memory the caller lends. What each is worth on the
-//! models of [`crate::problems`], as a multiple of the exact filter's RMSE, stands in the tests.
+//! `G` is the number of cells of a transient grid, whose memory the caller lends.
+//!
+//! RMSE over 2,000 runs of the models in [`crate::problems`], as a multiple of the exact filter's: with gamma noise, ten
+//! particles and four variances of the measurement, and the growth model with fifty particles.
+//!
+//! | filter | 1e-5 | 0.01 | 0.1 | 1 | growth |
+//! |---|---|---|---|---|---|
+//! | bootstrap | 81 | 2.81 | 1.41 | 1.14 | 1.20 |
+//! | [`UnscentedParticleFilter`] | 12.2 | 1.16 | 1.07 | 1.07 | 1.76 |
+//! | [`AuxiliaryFilter`], `G` = 32 | 1.000 | 1.000 | 1.002 | 1.008 | 1.09 |
+//! | [`PointMassFilter`], `G` = 64; 256 | 1.000 | 1.000 | 1.000 | 1.000 | 1.000 |
+//!
+//! The growth model shows where a normal proposal misleads: its posterior has two modes.
 
 mod auxiliary;
 mod grid;
