@@ -12,6 +12,7 @@ use crate::{
 
 mod aoa;
 mod bearings;
+mod cost;
 mod counted;
 mod evolution;
 mod firefly;
@@ -37,6 +38,8 @@ enum Paper {
     Firefly(Study),
     /// Track a model with gamma noise with differential evolution and unscented proposals: Li, Wang and Wang (2011).
     Evolution(Study),
+    /// What each method of these is worth beside the bootstrap filter that costs as much.
+    Cost(Study),
 }
 
 /// How a study is run.
@@ -71,6 +74,7 @@ pub fn run(options: &Options) -> Result<()> {
         Paper::Fish(study) => fish::run(study),
         Paper::Firefly(study) => firefly::run(study),
         Paper::Evolution(study) => evolution::run(study),
+        Paper::Cost(study) => cost::run(study),
     }
 }
 

@@ -12,8 +12,8 @@ use plotters::{
 
 use super::{GRID, font, width};
 
-/// Colours that stay apart for the colour-blind too (Okabe and Ito).
-const COLOURS: [RGBColor; 8] = [
+/// Colours that stay apart for the colour-blind too (Okabe and Ito), and three more.
+const COLOURS: [RGBColor; 10] = [
     RGBColor(0, 0, 0),
     RGBColor(213, 94, 0),
     RGBColor(0, 114, 178),
@@ -22,6 +22,8 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(230, 159, 0),
     RGBColor(86, 180, 233),
     RGBColor(130, 130, 130),
+    RGBColor(110, 40, 160),
+    RGBColor(130, 80, 30),
 ];
 
 const WIDTH: u32 = 960;
@@ -46,7 +48,7 @@ pub enum Style {
 /// One method.
 #[derive(Debug, Clone, Default)]
 pub struct Curve {
-    /// Its name in the legend.
+    /// Its name in the legend; without one it takes a colour and no more.
     pub name: String,
     /// Its points, by rising x.
     pub points: Vec<(f64, f64)>,
@@ -119,23 +121,24 @@ impl Curves {
     /// # Errors
     /// If it cannot be drawn.
     pub fn svg(&self) -> Result<String> {
-        Self::row(std::slice::from_ref(self))
+        Self::grid(std::slice::from_ref(self), 1)
     }
 
-    /// Several pictures in a row.
+    /// Several pictures in one, `columns` of them in a row.
     ///
     /// # Errors
     /// If they cannot be drawn.
-    pub fn row(pictures: &[Self]) -> Result<String> {
+    pub fn grid(pictures: &[Self], columns: usize) -> Result<String> {
         super::use_font()?;
         let mut svg = String::new();
         {
-            let across = pictures.len().max(1);
-            let each = if across == 1 { WIDTH } else { 3 * WIDTH / 4 };
-            let size = (each * across as u32, HEIGHT);
+            let columns = columns.max(1);
+            let rows = pictures.len().div_ceil(columns);
+            let across = if columns == 1 { WIDTH } else { 5 * WIDTH / 6 };
+            let size = (across * columns as u32, HEIGHT * rows as u32);
             let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
             area.fill(&WHITE)?;
-            for (picture, area) in pictures.iter().zip(area.split_evenly((1, across))) {
+            for (picture, area) in pictures.iter().zip(area.split_evenly((rows, columns))) {
                 picture.draw(&area)?;
             }
             area.present()?;
@@ -149,6 +152,9 @@ impl Curves {
         let below = LINE * legend.last().map_or(0, |(_, row, _)| row + 1) + 12;
         let (chart, footer) = area.split_vertically(height - below as u32);
         for ((curve, colour), (x, row, _)) in self.coloured().zip(legend) {
+            if curve.name.is_empty() {
+                continue;
+            }
             let y = LINE * row + 12;
             let mark = |style| PathElement::new([(x, y), (x + MARK, y)], style);
             if curve.style != Style::Dots {
@@ -243,14 +249,18 @@ impl Curves {
         let style = font(15);
         let mut entries: Vec<(i32, i32, i32)> = Vec::new();
         for curve in &self.curves {
-            let long = MARK + 8 + width(area, &curve.name, &style)?;
             let (mut x, mut row) = entries
                 .last()
-                .map_or((64 + MARGIN, 0), |(_, row, end)| (end + 26, *row));
+                .map_or((64 + MARGIN, 0), |(_, row, end)| (*end, *row));
+            if curve.name.is_empty() {
+                entries.push((x, row, x));
+                continue;
+            }
+            let long = MARK + 8 + width(area, &curve.name, &style)?;
             if x + long > whole as i32 - MARGIN {
                 (x, row) = (64 + MARGIN, row + 1);
             }
-            entries.push((x, row, x + long));
+            entries.push((x, row, x + long + 26));
         }
         Ok(entries)
     }

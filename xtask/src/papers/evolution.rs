@@ -29,10 +29,11 @@ use super::{
 };
 use crate::figures::Figure;
 
-type Problem = scalar::Problem<GammaNoise, Measurement>;
-type Method = scalar::Method<Problem>;
+pub type Problem = scalar::Problem<GammaNoise, Measurement>;
+pub type Method = scalar::Method<Problem>;
 
 const N: usize = 10;
+const RUNS: u32 = 2000;
 const VARIANCES: [f64; 4] = [1e-5, 0.01, 0.1, 1.0];
 /// That of the original study, which gives the paper's table, and the one that the paper prints.
 const OMEGAS: [f64; 2] = [0.04, 0.4];
@@ -59,7 +60,7 @@ pub fn run(study: &Study) -> Result<()> {
     }
     let mut curves: Vec<Curve> = Vec::new();
     for variance in VARIANCES {
-        let experiment = experiment(study, OMEGAS[0], variance)?;
+        let experiment = experiment(study, OMEGAS[0], variance, methods()?, RUNS)?;
         figures.extend(report(&experiment, OMEGAS[0], variance));
         for (index, method) in experiment.methods.iter().enumerate() {
             if curves.len() <= index {
@@ -73,13 +74,13 @@ pub fn run(study: &Study) -> Result<()> {
             curves[index].points.push((variance, ratio.value));
             curves[index].errors.push(ratio.error);
         }
-        let stem = picture(&format!("evolution-{variance}"));
-        let title = format!("Gamma noise, R = {variance}, N = {N}");
+        let stem = picture(&format!("evolution-{variance:e}"));
+        let title = format!("Gamma noise, R = {variance:e}, N = {N}");
         experiment.draw(&title, &[PF, PFDE, UPFDE, METROPOLIS, scalar::FLOOR], &stem)?;
         println!("picture: {}\n", stem.with_extension("svg").display());
     }
     // The printed omega too, where the paper measures.
-    let printed = experiment(study, OMEGAS[1], VARIANCES[0])?;
+    let printed = experiment(study, OMEGAS[1], VARIANCES[0], methods()?, RUNS)?;
     figures.extend(report(&printed, OMEGAS[1], VARIANCES[0]));
 
     let stem = picture("evolution");
@@ -159,7 +160,7 @@ fn table_of_the_paper(study: &Study, omega: f64) -> Result<Vec<Figure>> {
         omega,
         variance: VARIANCES[0],
     };
-    let runs = study.runs.unwrap_or(2000);
+    let runs = study.runs.unwrap_or(RUNS);
     let rmses: Vec<[f64; 5]> = (0..runs)
         .into_par_iter()
         .progress_with(super::progress(
@@ -221,7 +222,14 @@ fn table_of_the_paper(study: &Study, omega: f64) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-fn experiment(study: &Study, omega: f64, variance: f64) -> Result<Experiment> {
+/// `methods` on the model with this drift and this variance of the measurements.
+pub fn experiment(
+    study: &Study,
+    omega: f64,
+    variance: f64,
+    methods: Vec<Method>,
+    runs: u32,
+) -> Result<Experiment> {
     let model = reference::gamma::GammaNoise { omega, variance };
     let problem = |run| {
         let (truth, measurements) = model.run(STEPS, &mut simulate::generator(study.seed, run));
@@ -245,17 +253,17 @@ fn experiment(study: &Study, omega: f64, variance: f64) -> Result<Experiment> {
         }
     };
     Experiment::run(
-        format!("omega {omega}, R {variance}"),
+        format!("omega {omega}, R {variance:e}"),
         problem,
-        methods()?,
-        study.runs.unwrap_or(2000),
+        methods,
+        study.runs.unwrap_or(runs),
         study.seed,
     )
 }
 
 fn report(experiment: &Experiment, omega: f64, variance: f64) -> Vec<Figure> {
     println!(
-        "Log-weights and true moments: omega = {omega}, R = {variance}, N = {N}, {} runs",
+        "Log-weights and true moments: omega = {omega}, R = {variance:e}, N = {N}, {} runs",
         experiment.runs()
     );
     let mut table = Table::new();
@@ -276,7 +284,7 @@ fn report(experiment: &Experiment, omega: f64, variance: f64) -> Vec<Figure> {
         .filter_map(|key| experiment.named(key))
         .map(|method| experiment.mean_over_floor(method).value)
         .fold(f64::INFINITY, f64::min);
-    let prefix = format!("papers.evolution.omega_{omega}.r_{variance}");
+    let prefix = format!("papers.evolution.omega_{omega}.r_{variance:e}");
     for method in &experiment.methods {
         let over_floor = experiment.mean_over_floor(method);
         let (mean, spread) = (method.mean(), method.variance());
@@ -312,10 +320,11 @@ fn report(experiment: &Experiment, omega: f64, variance: f64) -> Vec<Figure> {
     figures
 }
 
-fn methods() -> Result<Vec<Method>> {
+/// All methods that are compared.
+pub fn methods() -> Result<Vec<Method>> {
     let published = DifferentialEvolution::new();
     let chain = DifferentialEvolution::new()
-        .generations(1)?
+        .generations(2)?
         .acceptance(Acceptance::Metropolis);
     Ok(vec![
         Method::new("PF", PF, methods::bootstrap::<N, _, _>),
@@ -350,7 +359,7 @@ fn methods() -> Result<Vec<Method>> {
             methods::point_mass::<N, 64, _, _>(problem)
         }),
         Method::new("evolution, Metropolis", METROPOLIS, move |problem, rng| {
-            methods::chain::<N, _, _>(problem, &published, &chain, 80, rng)
+            methods::chain::<N, _, _>(problem, &published, &chain, 40, rng)
         }),
     ])
 }

@@ -19,8 +19,8 @@ use super::{
 };
 use crate::figures::Figure;
 
-type Problem = scalar::Problem<Growth, Measurement>;
-type Method = scalar::Method<Problem>;
+pub type Problem = scalar::Problem<Growth, Measurement>;
+pub type Method = scalar::Method<Problem>;
 
 const BOOTSTRAP: &str = "bootstrap";
 const BOOTSTRAP_1000: &str = "bootstrap.n1000";
@@ -43,8 +43,8 @@ pub fn run(study: &Study) -> Result<()> {
     study.conclude(&figures)
 }
 
-/// The growth model with 50 particles.
-fn growth(study: &Study) -> Result<Vec<Figure>> {
+/// `methods` on the growth model.
+pub fn growth_experiment(study: &Study, methods: Vec<Method>, runs: u32) -> Result<Experiment> {
     let exact = reference::growth::GridFilter::new(STEPS);
     let problem = |run| {
         let (truth, measurements) =
@@ -57,15 +57,14 @@ fn growth(study: &Study) -> Result<Vec<Figure>> {
             truth,
         }
     };
-    let runs = study.runs.unwrap_or(2000);
-    let experiment = Experiment::run(
-        "growth model".into(),
-        problem,
-        growth_methods()?,
-        runs,
-        study.seed,
-    )?;
+    let runs = study.runs.unwrap_or(runs);
+    Experiment::run("growth model".into(), problem, methods, runs, study.seed)
+}
 
+/// The growth model with 50 particles.
+fn growth(study: &Study) -> Result<Vec<Figure>> {
+    let experiment = growth_experiment(study, growth_methods()?, 2000)?;
+    let runs = experiment.runs();
     println!("Growth model, {STEPS} steps, N = 50, {runs} runs");
     let mut table = Table::new();
     table.load_style(ASCII_MARKDOWN).set_header([
@@ -150,7 +149,8 @@ fn fireflies() -> Result<[Firefly; 3]> {
     ])
 }
 
-fn growth_methods() -> Result<Vec<Method>> {
+/// All methods that are compared on the growth model.
+pub fn growth_methods() -> Result<Vec<Method>> {
     let [standard, improved, five_moves] = fireflies()?;
     let metropolis = Firefly::improved(Lengths::Relative, 1.0, 0.2)?
         .iterations(5)?

@@ -72,7 +72,7 @@ const REFERENCES: [Reference; 18] = [
 
 /// A few runs in a thousand of the published filters are lost, and they make the RMSE: what 1,000 runs can show
 /// of it is only seen from many more.
-const MORE_RUNS: u32 = 10_000;
+const MORE_RUNS: u32 = 20_000;
 
 const PUBLISHED: &str = "published";
 const FISH: &str = "fish";
@@ -85,9 +85,6 @@ const LOCATOR: &str = "locator";
 const LOCATOR_4: &str = "locator.4_moves";
 const GAUSS_NEWTON: &str = "gauss_newton";
 
-/// Ours, in the order in which they are preferred.
-const OURS: [&str; 4] = [LOCATOR, LOCATOR_4, METROPOLIS, EVOLUTION];
-
 /// Runs the experiment on all tracks.
 pub fn run(study: &Study) -> Result<()> {
     let mut all = Vec::new();
@@ -99,8 +96,10 @@ pub fn run(study: &Study) -> Result<()> {
         for method in &experiment.methods {
             all.extend(experiment.figures("fish", method));
             all.extend(reproduction(&experiment, method, study.seed)?);
+            if method.key == LOCATOR {
+                all.extend(goals(&experiment, method));
+            }
         }
-        all.extend(goals(&experiment));
 
         let stem = picture(&format!("fish-{}", experiment.name()));
         experiment.draw_errors(&[PUBLISHED, FISH, FISH_50, METROPOLIS, LOCATOR], &stem)?;
@@ -113,35 +112,32 @@ pub fn run(study: &Study) -> Result<()> {
         "The paper prints mean relative errors in x and y, over the estimates of one run on a track of its own: \
          particle filter 0.266 % and 0.206 %, fish school 0.101 % and 0.091 %; that is 2.3 to 2.6 times better. The \
          median of the plain filter is within a fifth of that of the exact posterior on A1, A2 and B2: no refinement \
-         could be so much better there.\n"
+         could be so much better there. Where the reference finds an RMSE that ours hardly ever has, the medians \
+         agree: a run or two in a thousand that are lost make the difference, and how many are depends on where \
+         the particles start, which is not printed.\n"
     );
     study.conclude(&all)
 }
 
-/// What is asked of the best of ours.
-fn goals(experiment: &Experiment) -> Vec<Figure> {
-    let ours = experiment.methods.iter().filter(|m| OURS.contains(&m.key));
-    let over_floor = |method: &Outcomes| experiment.over_floor(method).value;
-    let Some(best) = ours.min_by(|a, b| over_floor(a).total_cmp(&over_floor(b))) else {
-        return Vec::new();
-    };
-    println!("best of ours: {}", best.label);
+/// What is asked of the locator.
+fn goals(experiment: &Experiment, locator: &Outcomes) -> [Figure; 3] {
     let figure = |what: &str, value, unit| {
-        let name = format!("papers.fish.{}.best.{what}", experiment.name());
+        let name = format!("papers.fish.{}.{LOCATOR}.{what}", experiment.name());
         Figure::new(name, value, unit)
     };
-    let off = (best.coverage() - experiment.floor().coverage()).abs();
+    let off = (locator.coverage() - experiment.floor().coverage()).abs();
+    let over_floor = experiment.over_floor(locator).value;
     let limit = if experiment.track.name == "A1" {
         1.03
     } else {
         1.02
     };
-    vec![
-        figure("rmse_over_floor", over_floor(best), "").at_most(limit),
-        figure("coverage_off_floor", 100.0 * off, "% of runs").at_most(2.0),
+    [
+        figure("goal.rmse_over_floor", over_floor, "").at_most(limit),
+        figure("goal.coverage_off_floor", 100.0 * off, "% of runs").at_most(2.0),
         figure(
-            "beyond_5_sigma",
-            experiment.beyond_five_sigma(best),
+            "goal.beyond_5_sigma",
+            experiment.beyond_five_sigma(locator),
             "of runs",
         )
         .at_most(0.0),
@@ -220,7 +216,8 @@ fn more_runs(experiment: &Experiment, key: &str, seed: u64) -> Result<Experiment
     Ok(experiments)
 }
 
-fn methods(track: &Track) -> Result<Vec<Method>> {
+/// All methods that are compared on a track.
+pub fn methods(track: &Track) -> Result<Vec<Method>> {
     match track.particles {
         80 => methods_with::<80>(),
         _ => methods_with::<100>(),

@@ -211,7 +211,7 @@ impl Experiment {
                 .chain(named().map(Outcomes::curve))
                 .collect(),
         };
-        picture::save(&Curves::row(&[one, errors])?, stem)
+        picture::save(&Curves::grid(&[one, errors], 2)?, stem)
     }
 }
 
