@@ -250,15 +250,13 @@ impl Panel {
             .iter()
             .flat_map(|curve| &curve.points)
             .fold(1.0, |highest, (_, ratio)| ratio.max(highest));
-        let axis = if highest > 5.0 {
-            Axis::logarithmic
-        } else {
-            Axis::linear
-        };
         Curves {
             title: self.title.into(),
             horizontal: Axis::logarithmic(self.calls),
-            vertical: axis("RMSE / floor".into()),
+            vertical: Axis {
+                name: "RMSE / floor".into(),
+                logarithmic: highest > 5.0,
+            },
             curves,
         }
     }
