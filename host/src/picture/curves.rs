@@ -1,10 +1,12 @@
 //! Curves, to compare methods.
 
+use std::ops::Range;
+
 use anyhow::Result;
 use plotters::{
     coord::{
         Shift,
-        combinators::IntoLogRange,
+        combinators::{BindKeyPoints, IntoLogRange},
         ranged1d::{AsRangedCoord, ValueFormatter},
     },
     prelude::*,
@@ -85,7 +87,7 @@ impl Axis {
     }
 
     /// The range of `values`, a little wider.
-    fn range(&self, values: impl Iterator<Item = f64>, margin: f64) -> std::ops::Range<f64> {
+    fn range(&self, values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
         let finite = values.filter(|v| v.is_finite() && (!self.logarithmic || *v > 0.0));
         let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
             (low.min(v), high.max(v))
@@ -175,12 +177,21 @@ impl Curves {
         let x = self
             .horizontal
             .range(x, if self.has_dots() { 0.04 } else { 0.0 });
-        let y = self.vertical.range(points().map(|p| p.1), 0.05);
+        let ends = self.curves.iter().flat_map(|curve| {
+            let bars = curve.points.iter().zip(&curve.errors);
+            bars.flat_map(|((_, y), error)| [y - error, y + error])
+        });
+        let y = points().map(|p| p.1).chain(ends);
+        let y = self.vertical.range(y, 0.05);
+        let log = |range: Range<f64>| {
+            let ticks = ticks(&range);
+            range.log_scale().with_key_points(ticks)
+        };
         match (self.horizontal.logarithmic, self.vertical.logarithmic) {
             (false, false) => self.plot(&chart, x, y),
-            (false, true) => self.plot(&chart, x, y.log_scale()),
-            (true, false) => self.plot(&chart, x.log_scale(), y),
-            (true, true) => self.plot(&chart, x.log_scale(), y.log_scale()),
+            (false, true) => self.plot(&chart, x, log(y)),
+            (true, false) => self.plot(&chart, log(x), y),
+            (true, true) => self.plot(&chart, log(x), log(y)),
         }
     }
 
@@ -264,6 +275,23 @@ impl Curves {
         }
         Ok(entries)
     }
+}
+
+/// Places of the numbers along a logarithmic axis: fewer in a decade, the more decades there are.
+fn ticks(range: &Range<f64>) -> Vec<f64> {
+    let decades = (range.end / range.start).log10();
+    let steps: &[f64] = if decades > 3.0 {
+        &[1.0]
+    } else if decades > 1.0 {
+        &[1.0, 2.0, 5.0]
+    } else {
+        &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0]
+    };
+    let first = range.start.log10().floor() as i32;
+    (first..=first + decades as i32 + 1)
+        .flat_map(|decade| steps.iter().map(move |step| step * 10f64.powi(decade)))
+        .filter(|tick| range.contains(tick))
+        .collect()
 }
 
 /// Short, without the digits that a rounding error has.
