@@ -62,7 +62,8 @@ pub fn run(study: &Study) -> Result<()> {
     for variance in VARIANCES {
         let experiment = experiment(study, OMEGAS[0], variance, methods()?, RUNS)?;
         figures.extend(report(&experiment, OMEGAS[0], variance));
-        for (index, method) in experiment.methods.iter().enumerate() {
+        let others = experiment.methods.iter().filter(|m| m.key != scalar::FLOOR);
+        for (index, method) in others.enumerate() {
             if curves.len() <= index {
                 curves.push(Curve {
                     name: method.label.clone(),
@@ -288,7 +289,7 @@ fn report(experiment: &Experiment, omega: f64, variance: f64) -> Vec<Figure> {
     for method in &experiment.methods {
         let over_floor = experiment.mean_over_floor(method);
         let (mean, spread) = (method.mean(), method.variance());
-        let digits = (2.0 - mean.value.log10().floor()) as usize;
+        let digits = (3.0 - mean.value.log10().floor()) as usize;
         table.add_row([
             method.label.clone(),
             format!("{:.digits$} ± {:.digits$}", mean.value, mean.error),
