@@ -117,7 +117,7 @@ pub(super) fn linearise(observation: &Observation, position: [f32; 2]) -> Linear
     Linearised {
         residual: wrap(observation.bearing().radians() - atan2(dy, dx)),
         gradient: [-dy / square, dx / square],
-        information: 1.0 / (observation.deviation() * observation.deviation()),
+        information: observation.information(),
     }
 }
 

@@ -87,4 +87,9 @@ impl Observation {
     pub const fn deviation(&self) -> f32 {
         self.deviation
     }
+
+    /// What the bearing counts for beside others: the inverse of its variance.
+    pub(super) fn information(&self) -> f32 {
+        1.0 / (self.deviation * self.deviation)
+    }
 }

@@ -133,19 +133,18 @@ impl<const B: usize> Evidence<B> {
     /// sum of their information, 1 / sigma^2.
     #[inline(never)]
     pub(super) fn misfit_at_infinity(&self) -> (f32, f32) {
-        let information = |o: &Observation| 1.0 / (o.deviation() * o.deviation());
         let mut sum = [0.0; 2];
         let mut total = 0.0;
         for o in &self.observations {
             let (sin, cos) = sin_cos(o.bearing().radians());
-            sum[0] += information(o) * cos;
-            sum[1] += information(o) * sin;
-            total += information(o);
+            sum[0] += o.information() * cos;
+            sum[1] += o.information() * sin;
+            total += o.information();
         }
         let direction = atan2(sum[1], sum[0]);
         let square = |o: &Observation| {
             let error = wrap(o.bearing().radians() - direction);
-            information(o) * error * error
+            o.information() * error * error
         };
         (self.observations.iter().map(square).sum(), total)
     }
@@ -167,8 +166,7 @@ fn square_of_distance(a: [f32; 2], b: [f32; 2]) -> f32 {
 ///
 /// The error that it has at the source is the average of theirs; far sources see the two under equal angles.
 fn average(a: &Observation, b: &Observation, source: Option<[f32; 2]>) -> Observation {
-    let information = |o: &Observation| 1.0 / (o.deviation() * o.deviation());
-    let (ia, ib) = (information(a), information(b));
+    let (ia, ib) = (a.information(), b.information());
     let share = ib / (ia + ib);
     let mix = |a: f32, b: f32| a + share * (b - a);
     let position = [
