@@ -6,8 +6,9 @@ use foxhunt::aoa::gauss_newton::{self, Errors, Solution};
 use foxhunt::aoa::locator::{Answer, Fix, Locator, Settings};
 use foxhunt::aoa::{Bearing, Observation};
 use foxhunt::filter::ParticleFilter;
-use foxhunt::model::{ConstantVelocity, Dynamics};
-use foxhunt::random::{Rng, SeedableRng, Xoshiro128PlusPlus, normal};
+use foxhunt::model::ConstantVelocity;
+use foxhunt::problems::growth::{Growth, Measurement, START};
+use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 use foxhunt::resample::Scheme;
 use foxhunt_host::measured::Measured;
 use foxhunt_host::reference::{Kalman, Posterior, growth, mahalanobis};
@@ -146,27 +147,18 @@ fn linear_gaussian_model_agrees_with_the_kalman_filter() {
     assert!(evidence < 0.6);
 }
 
-/// The growth model as a user of the library writes it.
-struct Growth {
-    step: usize,
-}
-
-impl Dynamics<1> for Growth {
-    fn step<R: Rng + ?Sized>(&self, [x]: [f32; 1], _dt: f32, rng: &mut R) -> [f32; 1] {
-        [growth::transition(f64::from(x), self.step) as f32 + normal(rng)]
-    }
-}
-
 /// Mean squared errors of the particle filter and of the exact filter over one run.
 fn growth_run(exact: &growth::GridFilter, steps: usize, run: u64) -> [f64; 2] {
     let (states, measurements) = growth::run(steps, &mut simulate::generator(50, run));
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(run);
     let mut filter = ParticleFilter::<1, 1000>::new();
-    filter.initialise(&mut rng, |_| [growth::START as f32]);
+    filter.initialise(&mut rng, |_| [START]);
     let ours = measurements.iter().enumerate().map(|(step, y)| {
-        filter.predict(&Growth { step: step + 1 }, 1.0, &mut rng);
-        let likelihood = |[x]: &[f32; 1]| -0.5 * (*y as f32 - x * x / 20.0).powi(2);
-        filter.update(&likelihood).unwrap();
+        let dynamics = Growth {
+            step: step as u32 + 1,
+        };
+        filter.predict(&dynamics, 1.0, &mut rng);
+        filter.update(&Measurement { value: *y as f32 }).unwrap();
         let mean = f64::from(filter.mean()[0]);
         filter.resample(Scheme::Systematic, &mut rng);
         mean
