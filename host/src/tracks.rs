@@ -1,9 +1,9 @@
 //! The problems of the published experiments, ready made.
 //!
-//! Each has a source that stands still, receivers along a track and bearings with Gaussian errors.
-//! The papers print their tracks as pictures only; these are ours, of the same size.
+//! Each has a source that stands still, receivers along a track and bearings with Gaussian errors: those of
+//! [`foxhunt::problems::bearings`], for references in f64.
 
-use std::f64::consts::TAU;
+use foxhunt::problems::bearings;
 
 /// A source and the places from which its bearing is taken.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,46 +26,35 @@ pub struct Track {
 impl Track {
     /// A straight line past the source (fish school paper, 2016).
     pub fn a1() -> Self {
-        Self::fish("A1", along(&[[0.0, 0.0], [1500.0, 0.0]], 60))
+        Self::of("A1", bearings::Track::A1)
     }
 
     /// An L round the source (fish school paper, 2016).
     pub fn a2() -> Self {
-        Self::fish(
-            "A2",
-            along(&[[0.0, 0.0], [1500.0, 0.0], [1500.0, 1500.0]], 60),
-        )
+        Self::of("A2", bearings::Track::A2)
     }
 
     /// A circle of 350 m round the source (fish school paper, 2016).
     pub fn a5() -> Self {
-        let place = |k: u32| {
-            let (sin, cos) = (TAU * f64::from(k) / 60.0).sin_cos();
-            [1200.0 + 350.0 * cos, 800.0 + 350.0 * sin]
-        };
-        Self::fish("A5", (0..60).map(place).collect())
+        Self::of("A5", bearings::Track::A5)
     }
 
     /// A larger L (firefly paper, 2017).
     pub fn b2() -> Self {
-        Self {
-            name: "B2",
-            source: [3000.0, 2200.0],
-            receivers: along(&[[0.0, 0.0], [4000.0, 0.0], [4000.0, 2000.0]], 40),
-            deviation: 3.8e-4_f64.sqrt(),
-            process: 5.0,
-            particles: 80,
-        }
+        Self::of("B2", bearings::Track::B2)
     }
 
-    fn fish(name: &'static str, receivers: Vec<[f64; 2]>) -> Self {
+    /// The library's track, in f64.
+    fn of(name: &'static str, track: bearings::Track) -> Self {
         Self {
             name,
-            source: [1200.0, 800.0],
-            receivers,
-            deviation: 3.801e-4_f64.sqrt(),
-            process: 1.0,
-            particles: 100,
+            source: track.source().map(f64::from),
+            receivers: (0..track.bearings())
+                .map(|index| track.receiver(index).map(f64::from))
+                .collect(),
+            deviation: f64::from(track.variance()).sqrt(),
+            process: f64::from(track.process_variance()),
+            particles: track.particles(),
         }
     }
 }
