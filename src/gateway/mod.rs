@@ -61,6 +61,7 @@ mod decimal;
 mod line;
 mod nmea;
 mod report;
+mod sentence;
 mod settings;
 mod vehicle;
 

@@ -5,9 +5,9 @@
 //! Read here and not by a crate, because every `no_std` parser of NMEA leaves panics in the firmware that links
 //! it (float parsing, slices of strings). The tests hold this one to what the `nmea` crate reads.
 
-use super::Rejected;
 use super::clock::TimeOfDay;
 use super::decimal::{decimal, fixed};
+use super::{Rejected, sentence};
 use crate::aoa::geodesy::Geodetic;
 
 const METRES_PER_SECOND_PER_KNOT: f32 = 1852.0 / 3600.0;
@@ -43,7 +43,7 @@ pub(super) struct Motion {
 /// Checks the sentence `$payload*hh` and reads it.
 #[inline(never)]
 pub(super) fn parse(line: &[u8]) -> Result<Sentence, Rejected> {
-    let payload = checked(line)?;
+    let payload = sentence::checked(line).ok_or(Rejected::Checksum)?;
     match payload {
         b"PFOXQ" => return Ok(Sentence::Query),
         b"PFOXR" => return Ok(Sentence::Restart),
@@ -64,27 +64,6 @@ pub(super) fn parse(line: &[u8]) -> Result<Sentence, Rejected> {
     }
 }
 
-/// What stands between `$` and `*hh`, if its exclusive or is `hh`.
-fn checked(line: &[u8]) -> Result<&[u8], Rejected> {
-    let [b'$', payload @ .., b'*', high, low] = line else {
-        return Err(Rejected::Checksum);
-    };
-    let digit = |byte: u8| char::from(byte).to_digit(16);
-    let stated = digit(*high)
-        .zip(digit(*low))
-        .map(|(high, low)| high << 4 | low);
-    if stated == Some(u32::from(checksum(payload))) {
-        Ok(payload)
-    } else {
-        Err(Rejected::Checksum)
-    }
-}
-
-/// The exclusive or of all bytes.
-pub(super) fn checksum(payload: &[u8]) -> u8 {
-    payload.iter().fold(0, |sum, byte| sum ^ byte)
-}
-
 #[inline(never)]
 fn rmc(fields: &[u8]) -> Result<Sentence, Rejected> {
     let [
@@ -96,7 +75,7 @@ fn rmc(fields: &[u8]) -> Result<Sentence, Rejected> {
         longitude_side,
         speed,
         course,
-    ] = columns(fields)?;
+    ] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
     let time = time(clock)?;
     let mode = fields.split(|byte| *byte == b',').nth(11);
     let void = status != b"A" || mode == Some(b"N");
@@ -118,7 +97,7 @@ fn gga(fields: &[u8]) -> Result<Sentence, Rejected> {
         longitude,
         longitude_side,
         quality,
-    ] = columns(fields)?;
+    ] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
     let time = time(clock)?;
     match (time, quality) {
         (Some(time), [b'1'..=b'9']) => {
@@ -132,22 +111,12 @@ fn gga(fields: &[u8]) -> Result<Sentence, Rejected> {
 
 #[inline(never)]
 fn vtg(fields: &[u8]) -> Result<Sentence, Rejected> {
-    let [course, _, _, _, speed] = columns(fields)?;
+    let [course, _, _, _, speed] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
     let mode = fields.split(|byte| *byte == b',').nth(8);
     match motion(course, speed)? {
         Some(motion) if mode != Some(b"N") => Ok(Sentence::Motion(motion)),
         _ => Ok(Sentence::NoFix(None)),
     }
-}
-
-/// The first `C` fields.
-fn columns<const C: usize>(fields: &[u8]) -> Result<[&[u8]; C], Rejected> {
-    let mut rest = fields.split(|byte| *byte == b',');
-    let mut columns = [&[] as &[u8]; C];
-    for column in &mut columns {
-        *column = rest.next().ok_or(Rejected::Unparsable)?;
-    }
-    Ok(columns)
 }
 
 /// `heading,mode` with one of the `valid` modes: HDT and THS, which the parser does not know.
@@ -239,7 +208,7 @@ mod tests {
     use std::format;
 
     fn read(payload: &str) -> Result<Sentence, Rejected> {
-        parse(format!("${payload}*{:02X}", checksum(payload.as_bytes())).as_bytes())
+        parse(format!("${payload}*{:02X}", sentence::checksum(payload.as_bytes())).as_bytes())
     }
 
     fn at(time: &str) -> TimeOfDay {
@@ -428,7 +397,7 @@ mod tests {
             let vtg = format!("GPVTG,{course:.1},T,,M,{speed:.1},N,,K");
             let hdt = format!("HEHDT,{course:.1},T");
             for payload in [rmc, gga, vtg, hdt] {
-                let line = format!("${payload}*{:02X}", checksum(payload.as_bytes()));
+                let line = format!("${payload}*{:02X}", sentence::checksum(payload.as_bytes()));
                 assert_agree(
                     &line,
                     &parse(line.as_bytes()).unwrap(),

@@ -1,9 +1,8 @@
-//! Sentences out.
-
-use heapless::String;
+//! The vehicle's sentences out.
 
 use super::clock::TimeOfDay;
-use super::{Counters, Rejected, nmea};
+use super::sentence::{Text, Unit};
+use super::{Counters, Rejected};
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
 use crate::aoa::locator::{Fix, NotObservable};
 
@@ -11,36 +10,10 @@ use crate::aoa::locator::{Fix, NotObservable};
 const ONE_SIGMA: f32 = 0.393_469_34;
 const DEGREES: f32 = 180.0 / core::f32::consts::PI;
 
-#[derive(Clone, Copy)]
-enum Unit {
-    Tenth,
-    Thousandth,
-}
-
-/// The text of the sentences that one line leads to. Writing never fails: it has room for the longest.
-#[derive(Debug)]
-pub(super) struct Report {
-    text: String<320>,
-    /// Where the sentence that is being written begins.
-    start: usize,
-}
+/// Has room for a fix and a status.
+pub(super) type Report = Text<320>;
 
 impl Report {
-    pub const fn new() -> Self {
-        Self {
-            text: String::new(),
-            start: 0,
-        }
-    }
-
-    pub fn clear(&mut self) {
-        self.text.clear();
-    }
-
-    pub fn as_str(&self) -> &str {
-        &self.text
-    }
-
     /// `$PFOXF`, or `$PFOXN` with the reason `RANGE` where the fix is too far away for coordinates.
     pub fn fix(&mut self, time: Option<TimeOfDay>, fix: &Fix, plane: Option<&LocalPlane>) {
         let place = plane.and_then(|plane| plane.to_geodetic(fix.position).ok());
@@ -114,31 +87,6 @@ impl Report {
         self.end();
     }
 
-    fn begin(&mut self, name: &str) {
-        self.start = self.text.len();
-        self.put("$");
-        self.put(name);
-    }
-
-    fn end(&mut self) {
-        let sentence = self
-            .text
-            .as_bytes()
-            .get(self.start + 1..)
-            .unwrap_or_default();
-        let sum = nmea::checksum(sentence);
-        self.put("*");
-        for digit in [sum >> 4, sum & 15] {
-            let letter = if digit < 10 {
-                b'0' + digit
-            } else {
-                b'A' + (digit - 10)
-            };
-            self.letter(letter);
-        }
-        self.put("\r\n");
-    }
-
     fn time(&mut self, time: Option<TimeOfDay>) {
         self.put(",");
         if let Some(time) = time {
@@ -168,55 +116,6 @@ impl Report {
         self.put(",");
         let [positive, negative] = sides;
         self.put(if degrees_e7 < 0 { negative } else { positive });
-    }
-
-    fn field(&mut self, value: u32) {
-        self.put(",");
-        self.digits(value, 1);
-    }
-
-    /// A value that is not negative, in tenths or thousandths; nothing if it is not finite.
-    fn decimal(&mut self, value: f32, unit: Unit) {
-        self.put(",");
-        if value.is_finite() {
-            let (per_one, width) = match unit {
-                Unit::Tenth => (10, 1),
-                Unit::Thousandth => (1_000, 3),
-            };
-            let scaled = (value * per_one as f32 + 0.5) as u32;
-            self.digits(scaled / per_one, 1);
-            self.put(".");
-            self.digits(scaled % per_one, width);
-        }
-    }
-
-    /// At least `width` digits.
-    #[inline(never)]
-    fn digits(&mut self, value: u32, width: u32) {
-        let mut rest = value;
-        let mut reversed = 0u64;
-        let mut count = 0;
-        // Four bits a digit, the first in the lowest.
-        while count < width || rest > 0 {
-            reversed = reversed << 4 | u64::from(rest % 10);
-            rest /= 10;
-            count += 1;
-        }
-        for _ in 0..count {
-            self.letter(b'0' + (reversed & 15) as u8);
-            reversed >>= 4;
-        }
-    }
-
-    #[inline(never)]
-    fn letter(&mut self, letter: u8) {
-        // The capacity is checked by a test; a report that were too long would be cut.
-        let _ = self.text.push(char::from(letter));
-    }
-
-    #[inline(never)]
-    fn put(&mut self, text: &str) {
-        let _ = self.text.push_str(text);
     }
 }
 
@@ -297,20 +196,5 @@ mod tests {
         let counts = 4 + Rejected::ALL.len();
         assert!(report.as_str().ends_with("\r\n"));
         assert!(report.as_str().len() + (counts - 1) * 9 <= 320);
-    }
-
-    #[test]
-    fn digits() {
-        for (value, width, text) in [
-            (0, 1, "0"),
-            (0, 3, "000"),
-            (7, 2, "07"),
-            (4_294_967_295, 2, "4294967295"),
-            (100, 1, "100"),
-        ] {
-            let mut report = Report::new();
-            report.digits(value, width);
-            assert_eq!(report.as_str(), text);
-        }
     }
 }

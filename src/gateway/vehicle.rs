@@ -333,12 +333,13 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
 mod tests {
     extern crate std;
     use super::*;
+    use crate::gateway::sentence::checksum;
     use std::{format, string::String, vec::Vec};
 
     type Gateway = Vehicle<60, 16>;
 
     fn sentence(payload: &str) -> String {
-        format!("${payload}*{:02X}\r\n", nmea::checksum(payload.as_bytes()))
+        format!("${payload}*{:02X}\r\n", checksum(payload.as_bytes()))
     }
 
     /// Position, moving east at 50 knots.

@@ -1,0 +1,157 @@
+//! Sentences of the NMEA form, read and written: `$payload*hh`.
+
+use heapless::String;
+
+/// What stands between `$` and `*hh`, if its exclusive or is `hh`.
+pub(super) fn checked(line: &[u8]) -> Option<&[u8]> {
+    let [b'$', payload @ .., b'*', high, low] = line else {
+        return None;
+    };
+    let digit = |byte: u8| char::from(byte).to_digit(16);
+    let stated = digit(*high)
+        .zip(digit(*low))
+        .map(|(high, low)| high << 4 | low);
+    (stated == Some(u32::from(checksum(payload)))).then_some(payload)
+}
+
+/// The exclusive or of all bytes.
+pub(super) fn checksum(payload: &[u8]) -> u8 {
+    payload.iter().fold(0, |sum, byte| sum ^ byte)
+}
+
+/// The first `C` fields, if there are so many.
+pub(super) fn columns<const C: usize>(fields: &[u8]) -> Option<[&[u8]; C]> {
+    let mut rest = fields.split(|byte| *byte == b',');
+    let mut columns = [&[] as &[u8]; C];
+    for column in &mut columns {
+        *column = rest.next()?;
+    }
+    Some(columns)
+}
+
+/// How finely a number is written.
+#[derive(Clone, Copy)]
+pub(super) enum Unit {
+    Tenth,
+    Thousandth,
+}
+
+/// The text of the sentences that one line leads to. Writing never fails: `N` has room for the longest, which the
+/// tests of each report check.
+#[derive(Debug)]
+pub(super) struct Text<const N: usize> {
+    text: String<N>,
+    /// Where the sentence that is being written begins.
+    start: usize,
+}
+
+impl<const N: usize> Text<N> {
+    pub const fn new() -> Self {
+        Self {
+            text: String::new(),
+            start: 0,
+        }
+    }
+
+    pub fn clear(&mut self) {
+        self.text.clear();
+    }
+
+    pub fn as_str(&self) -> &str {
+        &self.text
+    }
+
+    pub fn begin(&mut self, name: &str) {
+        self.start = self.text.len();
+        self.put("$");
+        self.put(name);
+    }
+
+    pub fn end(&mut self) {
+        let sentence = self
+            .text
+            .as_bytes()
+            .get(self.start + 1..)
+            .unwrap_or_default();
+        let sum = checksum(sentence);
+        self.put("*");
+        for digit in [sum >> 4, sum & 15] {
+            let letter = if digit < 10 {
+                b'0' + digit
+            } else {
+                b'A' + (digit - 10)
+            };
+            self.letter(letter);
+        }
+        self.put("\r\n");
+    }
+
+    pub fn field(&mut self, value: u32) {
+        self.put(",");
+        self.digits(value, 1);
+    }
+
+    /// A value that is not negative, in tenths or thousandths; nothing if it is not finite.
+    pub fn decimal(&mut self, value: f32, unit: Unit) {
+        self.put(",");
+        if value.is_finite() {
+            let (per_one, width) = match unit {
+                Unit::Tenth => (10, 1),
+                Unit::Thousandth => (1_000, 3),
+            };
+            let scaled = (value * per_one as f32 + 0.5) as u32;
+            self.digits(scaled / per_one, 1);
+            self.put(".");
+            self.digits(scaled % per_one, width);
+        }
+    }
+
+    /// At least `width` digits.
+    #[inline(never)]
+    pub fn digits(&mut self, value: u32, width: u32) {
+        let mut rest = value;
+        let mut reversed = 0u64;
+        let mut count = 0;
+        // Four bits a digit, the first in the lowest.
+        while count < width || rest > 0 {
+            reversed = reversed << 4 | u64::from(rest % 10);
+            rest /= 10;
+            count += 1;
+        }
+        for _ in 0..count {
+            self.letter(b'0' + (reversed & 15) as u8);
+            reversed >>= 4;
+        }
+    }
+
+    #[inline(never)]
+    fn letter(&mut self, letter: u8) {
+        // The capacity is checked by a test; a report that were too long would be cut.
+        let _ = self.text.push(char::from(letter));
+    }
+
+    #[inline(never)]
+    pub fn put(&mut self, text: &str) {
+        let _ = self.text.push_str(text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits() {
+        for (value, width, text) in [
+            (0, 1, "0"),
+            (0, 3, "000"),
+            (7, 2, "07"),
+            (4_294_967_295, 2, "4294967295"),
+            (100, 1, "100"),
+        ] {
+            let mut report = Text::<16>::new();
+            report.digits(value, width);
+            assert_eq!(report.as_str(), text);
+        }
+    }
+}
