@@ -45,6 +45,7 @@
 #![deny(unsafe_code)]
 
 pub mod aoa;
+mod checksum;
 pub mod estimate;
 pub mod filter;
 #[cfg(feature = "gateway")]
