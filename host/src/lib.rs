@@ -4,6 +4,8 @@
 //! f64 with everything a desk has:
 //!
 //! - [`tracks`]: the problems of the published experiments, ready made;
+//! - [`tunnel`]: a tunnel with beacons, its survey and walks through it; [`survey`]: what a survey is;
+//! - [`tetam`]: a survey and walks measured in an office floor;
 //! - [`simulate`]: noisy bearings along a track; [`drive`]: a whole drive of a vehicle, as the bytes
 //!   that its receiver and its direction finder put on the line;
 //! - [`mod@reference`]: exact answers, to measure the library against;
@@ -19,7 +21,10 @@ pub mod picture;
 pub mod reference;
 pub mod replay;
 pub mod simulate;
+pub mod survey;
+pub mod tetam;
 pub mod tracks;
+pub mod tunnel;
 
 mod sight;
 

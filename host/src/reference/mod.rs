@@ -1,6 +1,7 @@
 //! Exact answers in f64, to measure the library against.
 
 mod bound;
+pub mod corridor;
 pub mod gamma;
 mod gauss_newton;
 pub mod growth;
