@@ -7,9 +7,10 @@ use super::nmea::{self, Motion, Sentence};
 use super::report::Report;
 use super::{BearingReference, Counters, Rejected, Settings};
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
-use crate::aoa::locator::{Answer, Fix, Locator, NotObservable};
+use crate::aoa::locator::{Answer, Fix, Locator, ModeMoves, Moves, NotObservable};
 use crate::aoa::{Bearing, Observation};
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+use crate::refine::Refinement;
 
 /// What a line led to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,7 +43,7 @@ pub enum Event {
 /// assert!(vehicle.report().starts_with("$PFOXN,,FEW,0,,*"));
 /// ```
 #[derive(Debug)]
-pub struct Vehicle<const N: usize, const B: usize = 64> {
+pub struct Vehicle<const N: usize, const B: usize = 64, M: Moves<N> = ModeMoves> {
     settings: Settings,
     reader: LineReader,
     counters: Counters,
@@ -55,7 +56,7 @@ pub struct Vehicle<const N: usize, const B: usize = 64> {
     /// Consecutive bearings that are near each other but too far from the origin: where the first was taken,
     /// and how many there are.
     strays: Option<(Geodetic, u8)>,
-    locator: Locator<N, B>,
+    locator: Locator<N, B, M>,
     generator: Option<Xoshiro128PlusPlus>,
     /// Bearings that the locator was given since it began anew.
     given: u32,
@@ -67,11 +68,36 @@ pub struct Vehicle<const N: usize, const B: usize = 64> {
 }
 
 impl<const N: usize, const B: usize> Vehicle<N, B> {
+    /// Knows nothing yet. Fit for a `static`.
+    pub const fn new(settings: Settings) -> Self {
+        Self::of(settings, Locator::new(settings.locator()))
+    }
+}
+
+impl<const N: usize, const B: usize, F: Refinement<2>> Vehicle<N, B, F> {
+    /// Knows nothing yet; `refinement` is to move the particles, as in [`Locator::with_refinement`]. Fit for a `static`.
+    ///
+    /// ```
+    /// use foxhunt::gateway::{Settings, Vehicle};
+    /// use foxhunt::refine::{Acceptance, DifferentialEvolution};
+    ///
+    /// let evolution = DifferentialEvolution::new().acceptance(Acceptance::Metropolis).generations(4)?;
+    /// let vehicle = Vehicle::<200, 64, DifferentialEvolution>::with_refinement(Settings::new(), evolution);
+    /// # Ok::<(), foxhunt::refine::evolution::ConfigurationError>(())
+    /// ```
+    pub const fn with_refinement(settings: Settings, refinement: F) -> Self {
+        Self::of(
+            settings,
+            Locator::with_refinement(settings.locator(), refinement),
+        )
+    }
+}
+
+impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
     /// Strays that move the origin: one wild position is not to blind the gateway.
     const STRAYS: u8 = 3;
 
-    /// Knows nothing yet. Fit for a `static`.
-    pub const fn new(settings: Settings) -> Self {
+    const fn of(settings: Settings, locator: Locator<N, B, M>) -> Self {
         Self {
             settings,
             reader: LineReader::new(),
@@ -83,7 +109,7 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
             course: None,
             plane: None,
             strays: None,
-            locator: Locator::new(settings.locator()),
+            locator,
             generator: None,
             given: 0,
             latest: None,
@@ -155,7 +181,7 @@ impl<const N: usize, const B: usize> Vehicle<N, B> {
     }
 
     /// The locator, with its particles and bearings.
-    pub fn locator(&self) -> &Locator<N, B> {
+    pub fn locator(&self) -> &Locator<N, B, M> {
         &self.locator
     }
 

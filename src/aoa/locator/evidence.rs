@@ -14,7 +14,7 @@ use super::moves::Proposal;
 /// A full buffer makes room by averaging the two bearings that say most nearly the same, so a long drive thins
 /// out where it was far from the source, a parked vehicle's readings become one, and nothing is forgotten.
 #[derive(Debug, Clone)]
-pub(super) struct Evidence<const B: usize> {
+pub struct Evidence<const B: usize> {
     observations: Vec<Observation, B>,
     /// Of the observations, in the same order.
     likelihoods: Vec<BearingLikelihood, B>,
@@ -95,7 +95,7 @@ impl<const B: usize> Evidence<B> {
 
     /// Log-density of the source being at `point`, up to a constant.
     #[inline(never)]
-    pub(super) fn log_density(&self, point: [f32; 2]) -> f32 {
+    fn log_density(&self, point: [f32; 2]) -> f32 {
         self.likelihoods
             .iter()
             .map(|likelihood| likelihood.log_likelihood(&point))
@@ -154,6 +154,13 @@ impl<const B: usize> Evidence<B> {
     pub(super) fn mode(&self, start: [f32; 2]) -> Result<Proposal, SolveError> {
         let solution = solve(&self.observations, Errors::Gaussian, start)?;
         Proposal::new(solution.position, solution.covariance).ok_or(SolveError::Parallel)
+    }
+}
+
+/// The likelihood of all bearings; under a flat prior, the posterior.
+impl<const B: usize> Likelihood<2> for Evidence<B> {
+    fn log_likelihood(&self, point: &[f32; 2]) -> f32 {
+        self.log_density(*point)
     }
 }
 

@@ -9,11 +9,13 @@
 //!   are weighed by all bearings.
 //! * Each further bearing weighs them once. When the effective sample size falls, they are resampled and moved
 //!   by Metropolis-Hastings steps that leave the posterior of all bearings invariant (resample-move: Gilks and
-//!   Berzuini 2001).
+//!   Berzuini 2001): those of [`ModeMoves`], or of any [`Refinement`] that
+//!   [`Locator::with_refinement`] is given.
 //! * When the buffer is full, the two bearings that say most nearly the same are averaged: none is forgotten.
 
 mod evidence;
 mod moves;
+mod rejuvenation;
 
 use core::fmt;
 
@@ -23,9 +25,11 @@ use crate::estimate::Ellipse;
 use crate::filter::ParticleFilter;
 use crate::math::sqrt;
 use crate::random::Rng;
+use crate::refine::{Memory, Refinement};
 use crate::resample::Scheme;
 use evidence::Evidence;
 use moves::Proposal;
+pub use rejuvenation::{ModeMoves, Moves};
 
 /// What a [`Locator`] can be told; the defaults suit a direction finder on a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,7 +102,7 @@ impl Settings {
     }
 
     /// Metropolis-Hastings steps of every particle after a resampling: 2 unless set. Each evaluates all
-    /// bearings in the buffer once.
+    /// bearings in the buffer once. A refinement has its own number of moves.
     ///
     /// # Errors
     /// Outside 1 to 16.
@@ -171,6 +175,9 @@ impl Fix {
 
 /// Locates one source that does not move, with `N` particles and a buffer of `B` bearings.
 ///
+/// `M` moves the particles: the locator's own [`ModeMoves`], or any refinement, which brings its memory with it. See
+/// [`Locator::with_refinement`].
+///
 /// ```
 /// use foxhunt::aoa::{Bearing, Observation};
 /// use foxhunt::aoa::locator::{Answer, Locator, Settings};
@@ -188,11 +195,13 @@ impl Fix {
 /// assert!(fix.ellipse(0.95).contains([600.0, 800.0]));
 /// ```
 #[derive(Debug, Clone)]
-pub struct Locator<const N: usize, const B: usize = 64> {
+pub struct Locator<const N: usize, const B: usize = 64, M: Moves<N> = ModeMoves> {
     settings: Settings,
     evidence: Evidence<B>,
     filter: ParticleFilter<2, N>,
     answer: Answer,
+    moves: M,
+    memory: M::Memory,
 }
 
 /// The smallest sine of the angle of two bearings whose intersection may start a particle.
@@ -204,12 +213,47 @@ const START_MOVES: u8 = 8;
 impl<const N: usize, const B: usize> Locator<N, B> {
     /// No bearings yet.
     pub const fn new(settings: Settings) -> Self {
+        Self::with_moves(settings, ModeMoves, ())
+    }
+}
+
+impl<const N: usize, const B: usize, F: Refinement<2>> Locator<N, B, F> {
+    /// No bearings yet; `refinement` is to move the particles, by the posterior of all bearings. Takes `20 N + 1028`
+    /// bytes more, its [`Memory`].
+    ///
+    /// ```
+    /// use foxhunt::aoa::locator::{Locator, Settings};
+    /// use foxhunt::refine::{Acceptance, FishSchool, Lengths, fish};
+    ///
+    /// let school = FishSchool::new(Lengths::Relative, 1.0, 3.0)?.iterations(2)?.acceptance(Acceptance::Metropolis);
+    /// let locator = Locator::<100, 64, FishSchool>::with_refinement(Settings::new(), school);
+    /// # Ok::<(), fish::ConfigurationError>(())
+    /// ```
+    ///
+    /// With [`Acceptance::Metropolis`](crate::refine::Acceptance::Metropolis), as here, the posterior stays exact and so
+    /// does the ellipse, if each particle is offered four places or so.
+    ///
+    /// [`Acceptance::Greedy`](crate::refine::Acceptance::Greedy) is there because it was published. It draws the
+    /// particles together at the mode: the ellipse is too small and holds the source far less often than it says, and
+    /// the effective sample size does not tell any more when they must move. With lengths relative to the cloud, fish
+    /// and fireflies that have gathered cannot follow the mode, and the fix stays behind by many deviations: give them
+    /// [`Lengths::Absolute`](crate::refine::Lengths::Absolute) of the accuracy that is hoped for, which is then what
+    /// the ellipse shows, and have them move after every bearing, by a [`Settings::resample_share`] of 1.
+    pub const fn with_refinement(settings: Settings, refinement: F) -> Self {
+        Self::with_moves(settings, refinement, Memory::new())
+    }
+}
+
+impl<const N: usize, const B: usize, M: Moves<N>> Locator<N, B, M> {
+    const fn with_moves(settings: Settings, moves: M, memory: M::Memory) -> Self {
         const { assert!(N >= 2 && B >= 2, "a locator needs particles and bearings") };
         Self {
             settings,
             evidence: Evidence::new(),
             filter: ParticleFilter::new(),
             answer: Answer::NotObservable(NotObservable::TooFewBearings { have: 0 }),
+            moves,
+            memory,
         }
     }
 
@@ -223,7 +267,8 @@ impl<const N: usize, const B: usize> Locator<N, B> {
     ///
     /// Evaluates `N` likelihoods when no particle needs to move, `N (1 + B (moves + 1))` when they do, `10 N B` for
     /// the first fix (with `N` rounded up to a multiple of 16), and takes a Gauss-Newton search of the `B` bearings
-    /// for either.
+    /// for either. The first fix is the same whatever moves the particles; a refinement then takes `B` times its
+    /// [`evaluations`](Refinement::evaluations) to move them, after the locator's own moves if fewer than 8 were left.
     pub fn push<R: Rng + ?Sized>(&mut self, observation: Observation, rng: &mut R) -> Answer {
         if let Answer::Fix(fix) = self.answer {
             self.evidence.push(observation, Some(fix.position));
@@ -324,9 +369,7 @@ impl<const N: usize, const B: usize> Locator<N, B> {
             random_intersection(evidence.observations(), LEAST_SINE, rng)
                 .unwrap_or_else(|| mode.draw(rng))
         });
-        let _ = self
-            .filter
-            .update(&|point: &[f32; 2]| evidence.log_density(*point));
+        let _ = self.filter.update(evidence);
         self.filter.resample(Scheme::Systematic, rng);
         // Intersections are not drawn from the posterior: it takes more moves than usual to forget that.
         let moves = self.settings.moves.max(START_MOVES);
@@ -339,23 +382,9 @@ impl<const N: usize, const B: usize> Locator<N, B> {
         if self.filter.effective_sample_size() >= needed {
             return;
         }
-        let mean = self.filter.mean();
-        let proposal = self
-            .evidence
-            .mode(mean)
-            .ok()
-            .or_else(|| Proposal::new(mean, self.filter.covariance()));
-        self.filter.resample(Scheme::Systematic, rng);
-        if let Some(proposal) = proposal {
-            let moves = self.settings.moves;
-            moves::sweep(
-                self.filter.columns_mut(),
-                &self.evidence,
-                &proposal,
-                moves,
-                rng,
-            );
-        }
+        let (filter, memory) = (&mut self.filter, &mut self.memory);
+        self.moves
+            .rejuvenate(filter, &self.evidence, &self.settings, memory, rng);
     }
 
     fn fix(&self) -> Fix {

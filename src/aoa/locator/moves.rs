@@ -142,6 +142,7 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::aoa::{Bearing, Observation};
+    use crate::model::Likelihood;
     use crate::random::{SeedableRng, Xoshiro128PlusPlus, uniform};
     use std::vec::Vec;
 
@@ -191,14 +192,14 @@ mod tests {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(42);
         // Exact draws by rejection from a wide box, which holds all but a negligible part of the posterior.
         const N: usize = 20_000;
-        let peak = evidence.log_density(proposal.mean());
+        let peak = evidence.log_likelihood(&proposal.mean());
         let mut exact = [Vec::new(), Vec::new()];
         while exact[0].len() < N {
             let point = [
                 600.0 * uniform(&mut rng) - 300.0,
                 8000.0 * uniform(&mut rng),
             ];
-            if ln(uniform_open(&mut rng)) < evidence.log_density(point) - peak {
+            if ln(uniform_open(&mut rng)) < evidence.log_likelihood(&point) - peak {
                 exact[0].push(point[0]);
                 exact[1].push(point[1]);
             }

@@ -1,7 +1,10 @@
 extern crate std;
 use super::*;
 use crate::aoa::Bearing;
+use crate::problems::bearings::Track;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
+use crate::refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths};
+use std::vec::Vec;
 
 const SOURCE: [f32; 2] = [1200.0, 800.0];
 const SIGMA: f32 = 0.0195;
@@ -133,4 +136,188 @@ fn settings_are_checked() {
     );
     assert_eq!(Settings::new().moves(0), Err(SettingsError::Moves));
     assert!(Settings::new().moves(3).is_ok());
+}
+
+/// Refinements of as many moves as the portable tests and the firmwares have.
+fn school(lengths: Lengths, step: f32, acceptance: Acceptance) -> FishSchool {
+    let school = FishSchool::new(lengths, 2.0 * step, step).and_then(|s| s.tries(5));
+    let school = school.and_then(|s| s.iterations(2)).unwrap();
+    school.acceptance(acceptance)
+}
+
+fn fireflies(lengths: Lengths, absorption: f32, flutter: f32, acceptance: Acceptance) -> Firefly {
+    let swarm = Firefly::improved(lengths, absorption, flutter).and_then(|s| s.iterations(4));
+    swarm.unwrap().acceptance(acceptance)
+}
+
+fn evolution(acceptance: Acceptance) -> DifferentialEvolution {
+    let evolution = DifferentialEvolution::new().generations(4);
+    evolution.unwrap().acceptance(acceptance)
+}
+
+/// How the fixes of many drives compare with those of many particles, which stand for the posterior.
+struct Comparison {
+    /// Root mean square of the distance of the positions, in posterior deviations.
+    apart: f32,
+    /// Geometric mean of the ratio of the areas of the ellipses.
+    area: f32,
+    /// Share of the 95 % ellipses that hold the source.
+    coverage: f32,
+}
+
+impl std::fmt::Display for Comparison {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self {
+            apart,
+            area,
+            coverage,
+        } = self;
+        write!(
+            f,
+            "{apart:.3} apart, area x {area:.3}, coverage {coverage:.3}"
+        )
+    }
+}
+
+const DRIVES: u64 = 200;
+
+/// The last fix of each drive along track A2.
+fn fixes<const N: usize, M: Moves<N>>(new: impl Fn() -> Locator<N, 64, M>) -> Vec<Fix> {
+    let fix = |run| {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(1000 + run);
+        let mut locator = new();
+        for observation in Track::A2.simulate(&mut Xoshiro128PlusPlus::seed_from_u64(run)) {
+            locator.push(observation, &mut rng);
+        }
+        match locator.answer() {
+            Answer::Fix(fix) => fix,
+            Answer::NotObservable(reason) => panic!("run {run}: {reason:?}"),
+        }
+    };
+    (0..DRIVES).map(fix).collect()
+}
+
+fn compare(fixes: &[Fix], posterior: &[Fix]) -> Comparison {
+    let determinant = |[[a, b], [_, c]]: [[f32; 2]; 2]| a * c - b * b;
+    let (mut squares, mut logs, mut covered) = (0.0, 0.0, 0.0);
+    for (fix, posterior) in fixes.iter().zip(posterior) {
+        let [x, y] = [0, 1].map(|d| fix.position[d] - posterior.position[d]);
+        let [[a, b], [_, c]] = posterior.covariance;
+        let whole = determinant(posterior.covariance);
+        squares += (c * x * x - 2.0 * b * x * y + a * y * y) / whole;
+        // A cloud that has become a point has a logarithm, too.
+        let area = determinant(fix.covariance).max(1e-12);
+        logs += 0.5 * (area / whole).ln();
+        if fix.ellipse(0.95).contains(Track::A2.source()) {
+            covered += 1.0;
+        }
+    }
+    let n = DRIVES as f32;
+    Comparison {
+        apart: (squares / n).sqrt(),
+        area: (logs / n).exp(),
+        coverage: covered / n,
+    }
+}
+
+#[test]
+fn refinements_that_keep_the_posterior_are_as_good_as_own_moves() {
+    const METROPOLIS: Acceptance = Acceptance::Metropolis;
+    let posterior = fixes(|| Locator::<2000>::new(Settings::new()));
+    let all = [
+        ("own", fixes(|| Locator::<100>::new(Settings::new()))),
+        ("fish", {
+            let school = school(Lengths::Relative, 3.0, METROPOLIS);
+            fixes(|| Locator::<100, 64, _>::with_refinement(Settings::new(), school))
+        }),
+        ("fireflies", {
+            let swarm = fireflies(Lengths::Relative, 0.1, 4.0, METROPOLIS);
+            fixes(|| Locator::<100, 64, _>::with_refinement(Settings::new(), swarm))
+        }),
+        ("evolution", {
+            let evolution = evolution(METROPOLIS);
+            fixes(|| Locator::<100, 64, _>::with_refinement(Settings::new(), evolution))
+        }),
+    ];
+    for (name, fixes) in &all {
+        let comparison = compare(fixes, &posterior);
+        std::println!("{name}: {comparison}");
+        assert!(comparison.apart < 0.25, "{name}: {comparison}");
+        assert!(
+            (0.9..1.1).contains(&comparison.area),
+            "{name}: {comparison}"
+        );
+        // Three deviations of a share of 200.
+        assert!(
+            (0.9..=1.0).contains(&comparison.coverage),
+            "{name}: {comparison}"
+        );
+    }
+}
+
+#[test]
+fn greedy_refinements_find_the_source_but_not_their_error() {
+    const GREEDY: Acceptance = Acceptance::Greedy;
+    let posterior = fixes(|| Locator::<2000>::new(Settings::new()));
+    let always = Settings::new().resample_share(1.0).unwrap();
+    // Steps of 10 m, a little more than the errors.
+    let all = [
+        ("fish", {
+            let school = school(Lengths::Absolute, 10.0, GREEDY);
+            fixes(|| Locator::<100, 64, _>::with_refinement(always, school))
+        }),
+        ("fireflies", {
+            let swarm = fireflies(Lengths::Absolute, 0.01, 10.0, GREEDY);
+            fixes(|| Locator::<100, 64, _>::with_refinement(always, swarm))
+        }),
+        ("evolution", {
+            let evolution = evolution(GREEDY);
+            fixes(|| Locator::<100, 64, _>::with_refinement(always, evolution))
+        }),
+    ];
+    for (name, fixes) in &all {
+        let comparison = compare(fixes, &posterior);
+        std::println!("{name}: {comparison}");
+        assert!(comparison.apart < 0.6, "{name}: {comparison}");
+        assert!(
+            !(0.8..1.25).contains(&comparison.area),
+            "{name}: {comparison}"
+        );
+    }
+    // In lengths of a cloud that shrinks, a school does not get anywhere.
+    let stuck = school(Lengths::Relative, 0.3, GREEDY);
+    let stuck = fixes(|| Locator::<100, 64, _>::with_refinement(always, stuck));
+    let comparison = compare(&stuck, &posterior);
+    std::println!("fish, relative: {comparison}");
+    assert!(comparison.apart > 2.0 && comparison.coverage < 0.5);
+}
+
+#[test]
+fn a_refinement_is_not_left_with_copies() {
+    let evolution = evolution(Acceptance::Metropolis);
+    for seed in 0..50 {
+        let mut locator = Locator::<50, 64, _>::with_refinement(Settings::new(), evolution);
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+        // All intersections of two bearings are one point.
+        locator.push(observe([0.0, 0.0], 0.0), &mut rng);
+        let second = locator.push(observe([1500.0, 0.0], 0.0), &mut rng);
+        let Answer::Fix(wide) = second else {
+            panic!("{second:?}")
+        };
+        assert!(wide.covariance[0][0] > 100.0 && wide.covariance[1][1] > 100.0);
+
+        // One so good that it leaves a particle or two: a deviation is 1.1 m at the source, to the north-west.
+        let sharp = Bearing::from_radians(2.356_194_5);
+        let sharp = Observation::new([2000.0, 0.0], sharp, Observation::MIN_DEVIATION_RAD).unwrap();
+        let third = locator.push(sharp, &mut rng);
+        let Answer::Fix(narrow) = third else {
+            panic!("{third:?}")
+        };
+        let [[a, b], [_, c]] = narrow.covariance;
+        let [across, along] = [b, -b].map(|b| (0.5 * (a + 2.0 * b + c)).sqrt());
+        assert!(
+            (0.6..2.5).contains(&across) && along > 5.0,
+            "seed {seed}: {across} x {along}"
+        );
+    }
 }
