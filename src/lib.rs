@@ -18,6 +18,7 @@
 //! | [`kalman`] | normal distributions; the linear and the unscented Kalman filter |
 //! | [`proposal`] | filters that look at the measurement before they move: unscented, auxiliary, point mass |
 //! | [`aoa`] | bearings and their conventions, triangulation, Gauss-Newton, the locator |
+//! | [`fingerprint`] | radio maps in flash, and matching of signal strengths with them |
 //! | [`problems`] | the problems of the published experiments, ready to run |
 //! | `gateway` (feature) | bytes in, fixes out: the state machine that firmware, host tools and tests share |
 //!
@@ -48,6 +49,7 @@ pub mod aoa;
 mod checksum;
 pub mod estimate;
 pub mod filter;
+pub mod fingerprint;
 #[cfg(feature = "gateway")]
 pub mod gateway;
 pub mod kalman;

@@ -5,6 +5,7 @@
 //!
 //! - [`tracks`]: the problems of the published experiments, ready made;
 //! - [`tunnel`]: a tunnel with beacons, its survey and walks through it; [`survey`]: what a survey is;
+//! - [`radio_map`]: from the readings of a survey to a radio map in flash;
 //! - [`tetam`]: a survey and walks measured in an office floor;
 //! - [`simulate`]: noisy bearings along a track; [`drive`]: a whole drive of a vehicle, as the bytes
 //!   that its receiver and its direction finder put on the line;
@@ -18,6 +19,7 @@ pub mod drive;
 pub mod geodesy;
 pub mod measured;
 pub mod picture;
+pub mod radio_map;
 pub mod reference;
 pub mod replay;
 pub mod simulate;

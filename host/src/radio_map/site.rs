@@ -1,0 +1,270 @@
+//! The survey of a site.
+
+use std::{collections::BTreeMap, fs::File, io::Read, path::Path};
+
+use anyhow::{Context, Result, ensure};
+use foxhunt::fingerprint::Lattice;
+use serde::Deserialize;
+
+use crate::survey::Survey;
+
+/// One packet of a beacon, received at a known place.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct Reading {
+    /// Metres.
+    #[serde(alias = "x_m")]
+    pub x: f64,
+    /// Metres.
+    #[serde(alias = "y_m")]
+    pub y: f64,
+    /// Identifier of the beacon.
+    #[serde(alias = "sensor")]
+    pub beacon: u32,
+    /// dBm.
+    #[serde(alias = "rssi_dbm")]
+    pub rssi: f64,
+}
+
+/// A survey, and which beacons it is of.
+#[derive(Debug, Clone, Default)]
+pub struct SiteSurvey {
+    survey: Survey,
+    beacons: Vec<u32>,
+    gated: usize,
+}
+
+impl SiteSurvey {
+    /// What a reading may be, in dBm: receivers are known to report others, such as +42.
+    pub const RANGE_DBM: [f64; 2] = [-120.0, 0.0];
+
+    /// Sorts readings by place and beacon. Those out of [`SiteSurvey::RANGE_DBM`] are left out and counted.
+    pub fn new(readings: impl IntoIterator<Item = Reading>) -> Self {
+        let all: Vec<Reading> = readings.into_iter().collect();
+        let of_range = |r: &Reading| (Self::RANGE_DBM[0]..=Self::RANGE_DBM[1]).contains(&r.rssi);
+        let kept: Vec<Reading> = all.iter().copied().filter(of_range).collect();
+        let mut beacons: Vec<u32> = kept.iter().map(|reading| reading.beacon).collect();
+        beacons.sort_unstable();
+        beacons.dedup();
+        let mut numbers = BTreeMap::new();
+        let mut survey = Survey::default();
+        for reading in &kept {
+            // Of -0 and 0, which are the same place, adding 0 makes 0.
+            let place = [reading.x, reading.y].map(|c| c + 0.0);
+            let number = *numbers.entry(place.map(f64::to_bits)).or_insert_with(|| {
+                survey.places.push(place);
+                survey.samples.push(vec![Vec::new(); beacons.len()]);
+                survey.places.len() - 1
+            });
+            let beacon = beacons.partition_point(|known| *known < reading.beacon);
+            survey.samples[number][beacon].push(reading.rssi);
+        }
+        Self {
+            survey,
+            beacons,
+            gated: all.len() - kept.len(),
+        }
+    }
+
+    /// A survey whose beacon number `n` has the identifier `beacons[n]`. Readings out of [`SiteSurvey::RANGE_DBM`] are
+    /// left out and counted; a beacon without an identifier is left out.
+    pub fn of(survey: &Survey, beacons: &[u32]) -> Self {
+        let places = survey.places.iter().zip(&survey.samples);
+        let readings = places.flat_map(|(&[x, y], samples)| {
+            beacons
+                .iter()
+                .zip(samples)
+                .flat_map(move |(&beacon, levels)| {
+                    let reading = move |&rssi: &f64| Reading { x, y, beacon, rssi };
+                    levels.iter().map(reading)
+                })
+        });
+        Self::new(readings)
+    }
+
+    /// Reads CSV with the columns `x`, `y` (metres), `beacon` (a number) and `rssi` (dBm), in any order; `x_m`, `y_m`,
+    /// `sensor` and `rssi_dbm` are understood, too.
+    ///
+    /// # Errors
+    /// When a column is missing or a value is none; the error names the line.
+    pub fn read(csv: impl Read) -> Result<Self> {
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .from_reader(csv);
+        let headers = reader.headers().context("line 1")?.clone();
+        let mut readings = Vec::new();
+        let mut record = csv::StringRecord::new();
+        // The errors of the reader name their lines themselves.
+        while reader.read_record(&mut record)? {
+            // A record begins with the blank lines before it.
+            let begins = record.position().map_or(0, csv::Position::line);
+            let line = begins.max(reader.position().line() - 1);
+            let reading: Reading = record
+                .deserialize(Some(&headers))
+                .map_err(|error| anyhow::anyhow!("line {line}: {}", cause(&error, &headers)))?;
+            for (name, value) in [("x", reading.x), ("y", reading.y), ("rssi", reading.rssi)] {
+                ensure!(value.is_finite(), "line {line}: {name} is not finite");
+            }
+            for (name, value) in [("x", reading.x), ("y", reading.y)] {
+                ensure!(
+                    value.abs() <= f64::from(Lattice::MAX_COORDINATE_M),
+                    "line {line}: {name} is more than 1000 km from the origin"
+                );
+            }
+            readings.push(reading);
+        }
+        let site = Self::new(readings);
+        ensure!(
+            !site.survey.places.is_empty(),
+            "there is no reading within {} and {} dBm",
+            Self::RANGE_DBM[0],
+            Self::RANGE_DBM[1]
+        );
+        Ok(site)
+    }
+
+    /// Reads a CSV file, see [`SiteSurvey::read`].
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn open(file: &Path) -> Result<Self> {
+        File::open(file)
+            .map_err(anyhow::Error::new)
+            .and_then(Self::read)
+            .with_context(|| format!("cannot read the survey {}", file.display()))
+    }
+
+    /// The readings that were kept.
+    pub fn survey(&self) -> &Survey {
+        &self.survey
+    }
+
+    /// Identifiers of the beacons, in ascending order.
+    pub fn beacons(&self) -> &[u32] {
+        &self.beacons
+    }
+
+    /// How many readings were left out, because no receiver hears such strengths.
+    pub fn gated(&self) -> usize {
+        self.gated
+    }
+
+    /// The lattice of a spacing, in metres, that begins at the lowest coordinates of the places and reaches to the
+    /// highest.
+    ///
+    /// # Errors
+    /// When that is no lattice, or there is no place.
+    pub fn lattice(&self, spacing: f64) -> Result<Lattice> {
+        ensure!(!self.survey.places.is_empty(), "the survey is empty");
+        ensure!(spacing > 0.0, "spacing is not positive");
+        let along = |axis: usize| {
+            let coordinates = self.survey.places.iter().map(|place| place[axis]);
+            let lowest = coordinates.clone().fold(f64::INFINITY, f64::min);
+            let highest = coordinates.fold(f64::NEG_INFINITY, f64::max);
+            // Where rounding has made the last step a little longer, there is no point beyond it.
+            (
+                lowest,
+                ((highest - lowest) / spacing - 1e-6).ceil().max(0.0) + 1.0,
+            )
+        };
+        let ((x, columns), (y, rows)) = (along(0), along(1));
+        ensure!(
+            columns * rows <= Lattice::MAX_POINTS as f64 && columns.max(rows) < 65_536.0,
+            "{columns} x {rows} points are more than a map can hold"
+        );
+        let origin = [x as f32, y as f32];
+        Lattice::new(origin, spacing as f32, columns as u16, rows as u16)
+            .with_context(|| format!("{columns} x {rows} points"))
+    }
+}
+
+/// What is wrong with a record, without its line.
+fn cause(error: &csv::Error, headers: &csv::StringRecord) -> String {
+    let csv::ErrorKind::Deserialize { err, .. } = error.kind() else {
+        return error.to_string();
+    };
+    let column = err.field().and_then(|field| headers.get(field as usize));
+    match column {
+        Some(column) => format!("{column}: {}", err.kind()),
+        None => err.kind().to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(csv: &str) -> String {
+        format!("{:#}", SiteSurvey::read(csv.as_bytes()).unwrap_err())
+    }
+
+    #[test]
+    fn errors_name_the_line_and_the_column() {
+        for (csv, expected) in [
+            (
+                "x,y,beacon,rssi\n0,0,1,-50\n0,abc,1,-50\n",
+                ["line 3", "y: "],
+            ),
+            (
+                "x,y,beacon,rssi\n0,0,1,-50\n\n0,1,-7,-50\n",
+                ["line 4", "beacon: "],
+            ),
+            (
+                "x,y,beacon,rssi\n0,NaN,1,-50\n",
+                ["line 2", "y is not finite"],
+            ),
+            (
+                "x,y,beacon,rssi\n0,0,1,inf\n",
+                ["line 2", "rssi is not finite"],
+            ),
+            ("x,y,beacon,rssi\n3e7,0,1,-50\n", ["line 2", "x is more"]),
+            ("x,y,beacon,rssi\n0,0,1\n", ["line: 2", "3 fields"]),
+            ("x,y,rssi\n0,0,-50\n", ["line 2", "missing field `beacon`"]),
+            ("x,y,beacon,rssi\n", ["no reading", "-120"]),
+            ("x,y,beacon,rssi\n0,0,1,42\n", ["no reading", "0 dBm"]),
+        ] {
+            let error = refusal(csv);
+            assert!(
+                expected.iter().all(|part| error.contains(part)),
+                "{csv}: {error}"
+            );
+        }
+        let error = format!(
+            "{:#}",
+            SiteSurvey::open(Path::new("/nowhere.csv")).unwrap_err()
+        );
+        assert!(error.contains("/nowhere.csv"), "{error}");
+    }
+
+    #[test]
+    fn readings_are_sorted_by_place_and_beacon() {
+        let csv =
+            "sensor, rssi_dbm, x_m, y_m\n7,-50,0,1\n3,-60,0,1\n7,-54,-0,1\n3,42,0,1\n3,-70,2,1\n";
+        let site = SiteSurvey::read(csv.as_bytes()).unwrap();
+        assert_eq!(site.beacons(), [3, 7]);
+        assert_eq!(site.gated(), 1);
+        assert_eq!(site.survey().places, [[0.0, 1.0], [2.0, 1.0]]);
+        assert_eq!(
+            site.survey().samples,
+            [[vec![-60.0], vec![-50.0, -54.0]], [vec![-70.0], vec![]]]
+        );
+    }
+
+    #[test]
+    fn a_lattice_holds_the_places() {
+        let site = |places: &[[f64; 2]]| {
+            SiteSurvey::new(places.iter().map(|&[x, y]| Reading {
+                x,
+                y,
+                beacon: 1,
+                rssi: -50.0,
+            }))
+        };
+        let lattice = site(&[[0.1, 2.0], [0.7, 2.0]]).lattice(0.2).unwrap();
+        assert_eq!((lattice.columns(), lattice.rows()), (4, 1));
+        let lattice = site(&[[0.0, 2.0], [1.0, 4.1]]).lattice(1.0).unwrap();
+        assert_eq!((lattice.columns(), lattice.rows()), (2, 4));
+        assert!(site(&[[0.0, 2.0]]).lattice(1.0).is_err());
+        assert!(site(&[[0.0, 2.0], [1e5, 1e5]]).lattice(1.0).is_err());
+        assert!(site(&[[0.0, 2.0], [1.0, 1.0]]).lattice(0.0).is_err());
+    }
+}

@@ -1,0 +1,144 @@
+//! Where the points of a radio map lie.
+
+use super::MapError;
+
+/// A regular lattice of points in the plane; a tunnel is one row of it.
+///
+/// Points are counted row by row: along x first, then along y. Their coordinates follow from their numbers, so a map
+/// stores none, and the neighbours of a place are found without a search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Lattice {
+    origin: [f32; 2],
+    spacing: f32,
+    columns: u16,
+    rows: u16,
+}
+
+impl Lattice {
+    /// Largest coordinate of a point, in metres: beyond it an f32 no longer resolves a decimetre.
+    pub const MAX_COORDINATE_M: f32 = 1e6;
+    /// Most points.
+    pub const MAX_POINTS: usize = 1 << 16;
+
+    /// `columns` points along x in each of `rows` rows along y, `spacing` metres apart; the first one at `origin`.
+    ///
+    /// # Errors
+    /// [`MapError::Lattice`] when it has fewer than two or more than [`Lattice::MAX_POINTS`] points, when a coordinate is
+    /// not finite or larger than [`Lattice::MAX_COORDINATE_M`], or when the spacing is not positive.
+    pub const fn new(
+        origin: [f32; 2],
+        spacing: f32,
+        columns: u16,
+        rows: u16,
+    ) -> Result<Self, MapError> {
+        const fn near(x: f32) -> bool {
+            x.abs() <= Lattice::MAX_COORDINATE_M
+        }
+        let points = columns as u32 * rows as u32;
+        let counted = points >= 2 && points <= Self::MAX_POINTS as u32;
+        // A spacing below a millimetre is a mistake, and its inverse should be a sane number.
+        let spaced = spacing >= 1e-3 && near(spacing);
+        let last = [
+            origin[0] + spacing * columns as f32,
+            origin[1] + spacing * rows as f32,
+        ];
+        if !(counted
+            && spaced
+            && near(origin[0])
+            && near(origin[1])
+            && near(last[0])
+            && near(last[1]))
+        {
+            return Err(MapError::Lattice);
+        }
+        Ok(Self {
+            origin,
+            spacing,
+            columns,
+            rows,
+        })
+    }
+
+    /// The first point, in metres.
+    pub const fn origin(&self) -> [f32; 2] {
+        self.origin
+    }
+
+    /// Metres from one point to the next, along x and along y.
+    pub const fn spacing(&self) -> f32 {
+        self.spacing
+    }
+
+    /// Points along x.
+    pub const fn columns(&self) -> usize {
+        self.columns as usize
+    }
+
+    /// Points along y.
+    pub const fn rows(&self) -> usize {
+        self.rows as usize
+    }
+
+    /// All points.
+    pub const fn points(&self) -> usize {
+        self.columns as usize * self.rows as usize
+    }
+
+    /// The place of point number `point`, in metres.
+    pub fn position(&self, point: usize) -> [f32; 2] {
+        let [column, row] = self.cell(point);
+        self.place([column as f32, row as f32])
+    }
+
+    /// Column and row of a point.
+    pub(super) fn cell(&self, point: usize) -> [usize; 2] {
+        // There is at least one column, which the compiler does not know.
+        let row = point.checked_div(self.columns()).unwrap_or(0);
+        [point - row * self.columns(), row]
+    }
+
+    /// Metres from columns and rows.
+    pub(super) fn place(&self, [column, row]: [f32; 2]) -> [f32; 2] {
+        [
+            self.origin[0] + self.spacing * column,
+            self.origin[1] + self.spacing * row,
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_are_counted_row_by_row() {
+        let lattice = Lattice::new([1.0, -2.0], 0.5, 3, 2).unwrap();
+        assert_eq!(lattice.points(), 6);
+        assert_eq!(lattice.position(0), [1.0, -2.0]);
+        assert_eq!(lattice.position(2), [2.0, -2.0]);
+        assert_eq!(lattice.position(3), [1.0, -1.5]);
+        assert_eq!(lattice.position(5), [2.0, -1.5]);
+    }
+
+    #[test]
+    fn what_is_no_lattice_is_refused() {
+        for (origin, spacing, columns, rows) in [
+            ([f32::NAN, 0.0], 1.0, 2, 2),
+            ([0.0, f32::INFINITY], 1.0, 2, 2),
+            ([0.0, 2e6], 1.0, 2, 2),
+            ([0.0; 2], 0.0, 2, 2),
+            ([0.0; 2], -1.0, 2, 2),
+            ([0.0; 2], f32::NAN, 2, 2),
+            ([0.0; 2], 1e5, 20, 2),
+            ([0.0; 2], 1.0, 1, 1),
+            ([0.0; 2], 1.0, 0, 80),
+            ([0.0; 2], 1.0, 300, 300),
+        ] {
+            assert_eq!(
+                Lattice::new(origin, spacing, columns, rows),
+                Err(MapError::Lattice)
+            );
+        }
+    }
+}

@@ -1,0 +1,406 @@
+//! The radio map: what was measured where, read in place.
+
+use core::fmt;
+
+use super::Lattice;
+use crate::checksum::crc32;
+
+/// A radio map: how strongly each beacon is heard at each point of a [`Lattice`].
+///
+/// A view over bytes, which may lie in flash; nothing is copied. The bytes are made on a desk from a survey, by the
+/// project's host crate. All of them are checked when the map is opened, which the compiler can do already:
+///
+/// ```ignore
+/// static TUNNEL: RadioMap<'static> = match RadioMap::new(include_bytes!("tunnel.map")) {
+///     Ok(map) => map,
+///     Err(_) => panic!("the radio map is damaged"),
+/// };
+/// ```
+///
+/// From a survey to a map:
+///
+/// ```
+/// use foxhunt::fingerprint::{Encoding, MapError, RadioMap};
+/// use foxhunt_host::radio_map::{Options, SiteSurvey};
+///
+/// let csv = "\
+/// x,y,beacon,rssi
+/// 0,0,177,-50
+/// 0,0,177,-52
+/// 1,0,177,-54
+/// 1,0,177,-55
+/// 2,0,177,-59
+/// 2,0,177,-61
+/// ";
+/// let survey = SiteSurvey::read(csv.as_bytes())?;
+/// let lattice = survey.lattice(1.0)?;
+/// let bytes = survey.radio_map(&lattice, Encoding::Moments, &Options::default())?;
+///
+/// let map = RadioMap::new(&bytes)?;
+/// let beacon = map.beacon_index(177).unwrap();
+/// assert_eq!(map.moments(beacon, 1).unwrap().mean_dbm, -54.5);
+///
+/// assert_eq!(map.limited(2, 4).err(), Some(MapError::Points));
+/// assert_eq!(RadioMap::new(&bytes[1..]).err(), Some(MapError::Magic));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Format, version 1
+///
+/// Little-endian, without padding:
+///
+/// | offset | bytes | holds |
+/// |---|---|---|
+/// | 0 | 4 | `FXRM` |
+/// | 4 | 1 | version: 1 |
+/// | 5 | 1 | [`Encoding`]: 1 or 2 |
+/// | 6 | 1 | beacons: 1 to 255 |
+/// | 7 | 1 | levels: 2 to 255; 0 in encoding 1, as are the fields from offset 24 |
+/// | 8 | 2 + 2 | columns, rows of the lattice |
+/// | 12 | 4 + 4 | origin of the lattice in metres, f32 |
+/// | 20 | 4 | spacing of the lattice in metres, f32 |
+/// | 24 | 1 | the lowest level in dBm, signed |
+/// | 25 | 1 | dB from one level to the next |
+/// | 26 | 4 | natural logarithm of the density, per dB, that code 0 stands for, f32 |
+/// | 30 | 4 | what every step of a code takes off that, f32 |
+/// | 34 | 6 each | beacons: identifier, 4; detection probability in 255ths; sensitivity in dBm, signed |
+/// | | 1 for 8 | points: a bit each, the lowest first, set where the point was surveyed |
+/// | | | the data, see [`Encoding`] |
+/// | | 4 | CRC-32 (IEEE 802.3) of all bytes before it |
+#[derive(Debug, Clone, Copy)]
+pub struct RadioMap<'a> {
+    lattice: Lattice,
+    encoding: Encoding,
+    levels: Levels,
+    beacons: &'a [u8],
+    surveyed: &'a [u8],
+    data: &'a [u8],
+}
+
+/// What a map holds of each beacon at each point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Encoding {
+    /// Mean and deviation, in two bytes: by beacon, then by point; the deviation in quarters of a dB (1 to 63, or 0 where
+    /// the beacon was not heard), then the mean in halves of a dB above -128 dBm.
+    Moments,
+    /// The logarithm of a kernel density, in four bits for each level: rows by beacon and by level, and after the levels
+    /// of a beacon a row for its absence. A row holds eight points in four bytes: the low halves of the bytes are the
+    /// first four.
+    Levels,
+}
+
+/// Scale of the codes of [`Encoding::Levels`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Levels {
+    pub lowest_dbm: i8,
+    pub spacing_db: u8,
+    pub count: u8,
+    /// What code 0 stands for.
+    pub top: f32,
+    /// Nats of a step.
+    pub step: f32,
+}
+
+/// A beacon of a map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Beacon {
+    /// Its identifier.
+    pub identifier: u32,
+    /// The probability that it is heard in a scan where it is well above `sensitivity_dbm`; 0 when its absence says
+    /// nothing.
+    pub detection: f32,
+    /// The level in dBm below which it is not heard.
+    pub sensitivity_dbm: f32,
+}
+
+/// Strength of a beacon at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Moments {
+    /// Mean in dBm.
+    pub mean_dbm: f32,
+    /// Standard deviation in dB.
+    pub deviation_db: f32,
+}
+
+/// Why a map was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum MapError {
+    /// There are fewer or more bytes than its header says.
+    Length,
+    /// These bytes are no radio map.
+    Magic,
+    /// Its format is of another version.
+    Version,
+    /// A byte is not what it was.
+    Checksum,
+    /// Its encoding is unknown, or not the one that is asked for.
+    Encoding,
+    /// Its lattice has too few or too many points, or impossible coordinates.
+    Lattice,
+    /// It has no beacon, or more than there is room for.
+    Beacons,
+    /// The scale of its levels is impossible.
+    Levels,
+    /// It has more points than there is room for.
+    Points,
+}
+
+impl fmt::Display for MapError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Length => "fewer or more bytes than the header says",
+            Self::Magic => "not a radio map",
+            Self::Version => "a radio map of another version",
+            Self::Checksum => "the checksum does not match",
+            Self::Encoding => "another encoding",
+            Self::Lattice => "impossible lattice",
+            Self::Beacons => "no beacon, or more than there is room for",
+            Self::Levels => "impossible levels",
+            Self::Points => "more points than there is room for",
+        })
+    }
+}
+
+impl core::error::Error for MapError {}
+
+const HEADER: usize = 34;
+const BEACON: usize = 6;
+const CHECKSUM: usize = 4;
+/// Means count from here, in dBm.
+pub(super) const LOWEST_MEAN_DBM: f32 = -128.0;
+
+/// `N` bytes from `at`; zero where there are none.
+const fn take<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+    let mut taken = [0; N];
+    let mut i = 0;
+    while i < N {
+        if at + i < bytes.len() {
+            taken[i] = bytes[at + i];
+        }
+        i += 1;
+    }
+    taken
+}
+
+const fn f32_at(bytes: &[u8], at: usize) -> f32 {
+    f32::from_le_bytes(take(bytes, at))
+}
+
+/// The first `length` bytes and the rest.
+const fn split(bytes: &[u8], length: usize) -> (&[u8], &[u8]) {
+    match bytes.split_at_checked(length) {
+        Some(parts) => parts,
+        None => (&[], &[]),
+    }
+}
+
+/// Bytes of a row of [`Encoding::Levels`].
+const fn row_length(points: usize) -> usize {
+    points.div_ceil(8) * 4
+}
+
+impl<'a> RadioMap<'a> {
+    /// The version of the format that this library reads.
+    pub const VERSION: u8 = 1;
+
+    /// Opens a map.
+    ///
+    /// # Errors
+    /// When the bytes are not those of a map, or no longer.
+    pub const fn new(bytes: &'a [u8]) -> Result<Self, MapError> {
+        if bytes.len() < HEADER + CHECKSUM {
+            return Err(MapError::Length);
+        }
+        if u32::from_le_bytes(take(bytes, 0)) != u32::from_le_bytes(*b"FXRM") {
+            return Err(MapError::Magic);
+        }
+        let [version, encoding, beacons, levels] = take(bytes, 4);
+        if version != Self::VERSION {
+            return Err(MapError::Version);
+        }
+        let columns = u16::from_le_bytes(take(bytes, 8));
+        let rows = u16::from_le_bytes(take(bytes, 10));
+        let points = columns as u64 * rows as u64;
+        if points > Lattice::MAX_POINTS as u64 {
+            return Err(MapError::Lattice);
+        }
+        let points = points as usize;
+        let (encoding, of_beacon) = match encoding {
+            1 => (Encoding::Moments, 2 * points),
+            2 => (Encoding::Levels, (levels as usize + 1) * row_length(points)),
+            _ => return Err(MapError::Encoding),
+        };
+        let beacons_length = beacons as usize * BEACON;
+        let surveyed_length = points.div_ceil(8);
+        // At most 65,536 points by 255 beacons by 256 rows in 4 bits: below 2^31.
+        let end = HEADER + beacons_length + surveyed_length + beacons as usize * of_beacon;
+        if bytes.len() != end + CHECKSUM {
+            return Err(MapError::Length);
+        }
+        let (checked, checksum) = split(bytes, end);
+        if crc32(checked) != u32::from_le_bytes(take(checksum, 0)) {
+            return Err(MapError::Checksum);
+        }
+        let origin = [f32_at(bytes, 12), f32_at(bytes, 16)];
+        let lattice = match Lattice::new(origin, f32_at(bytes, 20), columns, rows) {
+            Ok(lattice) => lattice,
+            Err(error) => return Err(error),
+        };
+        if beacons == 0 {
+            return Err(MapError::Beacons);
+        }
+        let [lowest, spacing] = take(bytes, 24);
+        let scale = Levels {
+            lowest_dbm: lowest as i8,
+            spacing_db: spacing,
+            count: levels,
+            top: f32_at(bytes, 26),
+            step: f32_at(bytes, 30),
+        };
+        let scaled = levels >= 2
+            && spacing > 0
+            && scale.top.abs() < 100.0
+            && scale.step > 1e-3
+            && scale.step < 100.0;
+        if matches!(encoding, Encoding::Levels) != scaled {
+            return Err(MapError::Levels);
+        }
+        let (_, rest) = split(checked, HEADER);
+        let (beacons, rest) = split(rest, beacons_length);
+        let (surveyed, data) = split(rest, surveyed_length);
+        Ok(Self {
+            lattice,
+            encoding,
+            levels: scale,
+            beacons,
+            surveyed,
+            data,
+        })
+    }
+
+    /// The map, if it has at most so many points and beacons: to refuse one at the start for which there will be no room.
+    ///
+    /// # Errors
+    /// [`MapError::Points`] or [`MapError::Beacons`].
+    pub const fn limited(self, points: usize, beacons: usize) -> Result<Self, MapError> {
+        if self.lattice.points() > points {
+            return Err(MapError::Points);
+        }
+        if self.beacons() > beacons {
+            return Err(MapError::Beacons);
+        }
+        Ok(self)
+    }
+
+    /// Where its points lie.
+    pub const fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// What it holds.
+    pub const fn encoding(&self) -> Encoding {
+        self.encoding
+    }
+
+    /// How many beacons it knows.
+    pub const fn beacons(&self) -> usize {
+        self.beacons.len() / BEACON
+    }
+
+    /// A beacon by its number, which counts from 0.
+    pub fn beacon(&self, index: usize) -> Option<Beacon> {
+        let record = self.beacons.as_chunks::<BEACON>().0.get(index)?;
+        let [a, b, c, d, detection, sensitivity] = *record;
+        Some(Beacon {
+            identifier: u32::from_le_bytes([a, b, c, d]),
+            detection: f32::from(detection) * (1.0 / 255.0),
+            sensitivity_dbm: f32::from(sensitivity as i8),
+        })
+    }
+
+    /// The number of a beacon.
+    pub fn beacon_index(&self, identifier: u32) -> Option<usize> {
+        (0..self.beacons()).find(|index| {
+            self.beacon(*index)
+                .is_some_and(|beacon| beacon.identifier == identifier)
+        })
+    }
+
+    /// Whether there was a survey at or near a point. Matching leaves out the others.
+    #[inline(always)]
+    pub fn is_surveyed(&self, point: usize) -> bool {
+        self.surveyed
+            .get(point / 8)
+            .is_some_and(|bits| bits >> (point % 8) & 1 == 1)
+    }
+
+    /// A bit for each point, set where it was surveyed.
+    pub(super) const fn surveyed(&self) -> &'a [u8] {
+        self.surveyed
+    }
+
+    /// How strong a beacon is at a point. `None` where it was not heard, for numbers that the map has not, and in a map
+    /// of [`Encoding::Levels`].
+    pub fn moments(&self, beacon: usize, point: usize) -> Option<Moments> {
+        let [deviation, mean] = *self.moments_row(beacon)?.as_chunks::<2>().0.get(point)?;
+        (deviation > 0).then(|| Moments {
+            mean_dbm: 0.5 * f32::from(mean) + LOWEST_MEAN_DBM,
+            deviation_db: 0.25 * f32::from(deviation),
+        })
+    }
+
+    /// Natural logarithm of the density, per dB, of a level of a beacon at a point. `None` for numbers that the map has
+    /// not, and in a map of [`Encoding::Moments`].
+    pub fn log_density(&self, beacon: usize, rssi_dbm: f32, point: usize) -> Option<f32> {
+        let row = self.level_row(beacon, self.level(rssi_dbm))?;
+        let bytes = row.as_chunks::<4>().0.get(point / 8)?;
+        let byte = bytes.get(point % 4)?;
+        let code = if point & 4 == 0 { byte & 15 } else { byte >> 4 };
+        (point < self.lattice.points())
+            .then(|| self.levels.top - self.levels.step * f32::from(code))
+    }
+
+    /// Deviation and mean of a beacon at every point.
+    pub(super) fn moments_row(&self, beacon: usize) -> Option<&'a [u8]> {
+        if self.encoding != Encoding::Moments {
+            return None;
+        }
+        let length = 2 * self.lattice.points();
+        let start = beacon.checked_mul(length)?;
+        self.data.get(start..start.checked_add(length)?)
+    }
+
+    /// Codes of a level of a beacon at every point. The level after the last is the beacon's absence.
+    pub(super) fn level_row(&self, beacon: usize, level: usize) -> Option<&'a [u8]> {
+        if self.encoding != Encoding::Levels || level > usize::from(self.levels.count) {
+            return None;
+        }
+        let length = row_length(self.lattice.points());
+        let rows = beacon.checked_mul(usize::from(self.levels.count) + 1)?;
+        let start = rows.checked_add(level)?.checked_mul(length)?;
+        self.data.get(start..start.checked_add(length)?)
+    }
+
+    pub(super) const fn levels(&self) -> &Levels {
+        &self.levels
+    }
+
+    /// The level nearest to a reading.
+    pub(super) fn level(&self, rssi_dbm: f32) -> usize {
+        let Levels {
+            lowest_dbm,
+            spacing_db,
+            count,
+            ..
+        } = self.levels;
+        let above = (rssi_dbm - f32::from(lowest_dbm)) / f32::from(spacing_db);
+        // Saturates; NaN becomes 0.
+        ((above + 0.5) as usize).min(usize::from(count).saturating_sub(1))
+    }
+}

@@ -1,0 +1,139 @@
+//! Finding a receiver by how strongly it hears beacons (fingerprints).
+//!
+//! A survey says how strong each beacon is at each of many points; a scan somewhere is compared with all of them.
+//! The survey becomes a [`RadioMap`] on a desk, a few bytes for each point and beacon that are read from flash in
+//! place.
+//!
+//! | to match a whole scan | needs | compares with |
+//! |---|---|---|
+//! | [`GaussianMatcher`] | a map of [`Encoding::Moments`] | mean and deviation |
+//! | [`TableMatcher`] | a map of [`Encoding::Levels`] | a kernel density, folded into a table |
+//! | [`KernelDensity`] | the [`Samples`] themselves | a kernel density, exactly |
+//! | [`Neighbours`] | a map of [`Encoding::Moments`] | means, by their distance |
+//!
+//! To weigh particles by one packet at a time there is [`PacketLikelihood`], interpolated between the points.
+//!
+//! ```
+//! use foxhunt::fingerprint::{
+//!     Encoding, GaussianMatcher, Matcher, Posterior, RadioMap, Reading, Settings,
+//! };
+//! use foxhunt_host::radio_map::{self, Options, SiteSurvey};
+//!
+//! // On the desk: a beacon at either end of a tunnel, two readings every 5 m.
+//! let mut readings = vec![];
+//! for i in 0..=10 {
+//!     let x = 5.0 * f64::from(i);
+//!     for noise in [-2.0, 2.0] {
+//!         let level = |beacon, rssi| radio_map::Reading { x, y: 0.0, beacon, rssi };
+//!         readings.push(level(0xa, -50.0 - 0.5 * x + noise));
+//!         readings.push(level(0xb, -75.0 + 0.5 * x + noise));
+//!     }
+//! }
+//! let survey = SiteSurvey::new(readings);
+//! let lattice = survey.lattice(5.0).unwrap();
+//! let bytes = survey.radio_map(&lattice, Encoding::Moments, &Options::default()).unwrap();
+//!
+//! // On the microcontroller: the same bytes in flash.
+//! let map = RadioMap::new(&bytes)?;
+//! let matcher = GaussianMatcher::new(map, &Settings::new())?;
+//! let mut posterior = Posterior::<16>::new();
+//! let scan = [
+//!     Reading { beacon: 0, rssi_dbm: -60.0 },
+//!     Reading { beacon: 1, rssi_dbm: -65.0 },
+//! ];
+//! let found = matcher.locate(&scan, &mut posterior)?;
+//! assert_eq!(found.position, [20.0, 0.0]);
+//! assert!((found.mean[0] - 20.0).abs() < 1.0);
+//! assert!(posterior.weights()[4] > posterior.weights()[5]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod density;
+mod gaussian;
+mod lattice;
+mod map;
+mod neighbours;
+mod packet;
+mod posterior;
+mod settings;
+mod table;
+
+pub use density::{KernelDensity, Samples};
+pub use gaussian::GaussianMatcher;
+pub use lattice::Lattice;
+pub use map::{Beacon, Encoding, MapError, Moments, RadioMap};
+pub use neighbours::Neighbours;
+pub use packet::{Packet, PacketError, PacketLikelihood, PacketModel};
+pub use posterior::{Match, MatchError, Posterior};
+pub use settings::{Missing, Reading, Settings, SettingsError};
+pub use table::TableMatcher;
+
+/// A way to say where a scan was taken.
+pub trait Matcher {
+    /// Computes the posterior of a scan over the points of the map, all of which were equally probable before.
+    ///
+    /// Readings out of the range of the settings are left out, and so are those after the first [`MAX_READINGS`]; two of
+    /// one beacon count as independent.
+    ///
+    /// # Errors
+    /// When nothing can be said; the posterior is then as before.
+    fn locate<const P: usize>(
+        &self,
+        scan: &[Reading],
+        posterior: &mut Posterior<P>,
+    ) -> Result<Match, MatchError>;
+}
+
+/// The most readings of a scan that are used.
+pub const MAX_READINGS: usize = 64;
+/// The most missing beacons that are modelled.
+const MAX_MISSING: usize = 128;
+
+/// Counts the readings of a scan that can be used.
+fn check<const P: usize>(
+    map: &RadioMap<'_>,
+    scan: &[Reading],
+    settings: &Settings,
+) -> Result<usize, MatchError> {
+    if map.lattice().points() > P {
+        return Err(MatchError::Points);
+    }
+    let used = count(map.beacons(), scan, settings)?;
+    // Points are left out where nobody has been: there must be another.
+    if map.surveyed().iter().all(|bits| *bits == 0) {
+        return Err(MatchError::Survey);
+    }
+    Ok(used)
+}
+
+fn count(beacons: usize, scan: &[Reading], settings: &Settings) -> Result<usize, MatchError> {
+    if scan
+        .iter()
+        .any(|reading| usize::from(reading.beacon) >= beacons)
+    {
+        return Err(MatchError::Beacon);
+    }
+    let accepted = scan
+        .iter()
+        .filter(|reading| settings.accepts(reading.rssi_dbm));
+    match accepted.count().min(MAX_READINGS) {
+        0 => Err(MatchError::Scan),
+        used => Ok(used),
+    }
+}
+
+/// The beacons of which a scan has no reading.
+fn missing(
+    map: &RadioMap<'_>,
+    scan: &[Reading],
+    settings: &Settings,
+) -> impl Iterator<Item = usize> {
+    (0..map.beacons())
+        .filter(|beacon| {
+            let heard = |reading: &Reading| {
+                usize::from(reading.beacon) == *beacon && settings.accepts(reading.rssi_dbm)
+            };
+            !scan.iter().any(heard)
+        })
+        .take(MAX_MISSING)
+}

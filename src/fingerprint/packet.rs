@@ -1,0 +1,228 @@
+//! How well one packet fits the places of particles.
+
+use core::{f32::consts::TAU, fmt};
+
+use super::{Encoding, RadioMap, Settings, map::LOWEST_MEAN_DBM};
+use crate::math::ln;
+use crate::model::Likelihood;
+
+/// One packet of a beacon.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Packet {
+    /// The number of the beacon, see [`RadioMap::beacon_index`].
+    pub beacon: u8,
+    /// Strength in dBm, as received.
+    pub rssi_dbm: i8,
+}
+
+/// What the settings make of each deviation in a map: made once, for all packets. Takes 524 bytes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PacketModel {
+    settings: Settings,
+    /// By deviation in quarters of a dB: the log-likelihood at no distance, and what a square of 2^-16 dB^2 adds.
+    curves: [[f32; 2]; 64],
+    /// The log-likelihood of an outlier.
+    floor: f32,
+}
+
+impl PacketModel {
+    /// Of the settings: inflation, outliers, tempering and range.
+    pub fn new(settings: &Settings) -> Self {
+        let tempering = settings.tempering();
+        let floor = tempering * settings.log_floor();
+        // Where the map has nothing, only outliers come from.
+        let mut curves = [[floor, 0.0]; 64];
+        for (code, curve) in curves.iter_mut().enumerate().skip(1) {
+            let deviation = 0.25 * code as f32;
+            let variance = deviation * deviation + settings.inflation_variance();
+            let peak = ln(settings.inliers()) - 0.5 * ln(TAU * variance);
+            *curve = [tempering * peak, -0.5 * tempering * UNIT * UNIT / variance];
+        }
+        Self {
+            settings: *settings,
+            curves,
+            floor,
+        }
+    }
+}
+
+/// Steps in which a packet is compared with interpolated means, in dB.
+const UNIT: f32 = 1.0 / 512.0;
+/// Steps from one point of the lattice to the next.
+const STEPS: i32 = 256;
+
+/// Why a packet says nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum PacketError {
+    /// The map has no beacon of that number.
+    Beacon,
+    /// No receiver can report such a strength.
+    Strength,
+    /// `offset_db` is not finite.
+    Offset,
+    /// The map holds no means.
+    Encoding,
+}
+
+impl fmt::Display for PacketError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Beacon => "a beacon that the map has not",
+            Self::Strength => "a strength that no receiver can report",
+            Self::Offset => "the offset is not finite",
+            Self::Encoding => "the map holds no means",
+        })
+    }
+}
+
+impl core::error::Error for PacketError {}
+
+/// How well one packet fits the places of particles: a normal density, with the mean and the deviation of the map
+/// interpolated between its points, or the density of outliers where that is larger.
+///
+/// Works on any state whose first two dimensions are metres along x and y. Places beyond the lattice count as the
+/// nearest ones on it: walls are the business of the dynamics.
+#[derive(Debug, Clone, Copy)]
+pub struct PacketLikelihood<'a> {
+    model: &'a PacketModel,
+    row: &'a [[u8; 2]],
+    /// In steps of [`UNIT`] above the lowest mean.
+    strength: i32,
+    origin: [f32; 2],
+    /// Steps of the lattice in a metre.
+    steps: f32,
+    /// Points along x and along y.
+    points: [i32; 2],
+}
+
+impl<'a> RadioMap<'a> {
+    /// The likelihood of a packet from a receiver that reads `offset_db` too strong, see [`PacketLikelihood`].
+    ///
+    /// # Errors
+    /// When the packet says nothing: leave it out.
+    pub fn packet_likelihood(
+        &self,
+        packet: Packet,
+        offset_db: f32,
+        model: &'a PacketModel,
+    ) -> Result<PacketLikelihood<'a>, PacketError> {
+        if self.encoding() != Encoding::Moments {
+            return Err(PacketError::Encoding);
+        }
+        let row = self.moments_row(packet.beacon.into());
+        let row = row.ok_or(PacketError::Beacon)?.as_chunks().0;
+        let rssi_dbm = f32::from(packet.rssi_dbm);
+        if !model.settings.accepts(rssi_dbm) {
+            return Err(PacketError::Strength);
+        }
+        if !offset_db.is_finite() {
+            return Err(PacketError::Offset);
+        }
+        // No offset is that large; one that is makes the packet an outlier everywhere.
+        let strength = (rssi_dbm - offset_db - LOWEST_MEAN_DBM).clamp(-1000.0, 1000.0);
+        let lattice = self.lattice();
+        Ok(PacketLikelihood {
+            model,
+            row,
+            strength: (strength / UNIT) as i32,
+            origin: lattice.origin(),
+            steps: STEPS as f32 / lattice.spacing(),
+            points: [lattice.columns() as i32, lattice.rows() as i32],
+        })
+    }
+}
+
+impl PacketLikelihood<'_> {
+    /// The last point at or before a coordinate that has another behind it, and the steps beyond it.
+    #[inline(always)]
+    fn between(&self, coordinate: f32, origin: f32, points: i32) -> (usize, i32) {
+        // Saturates; NaN becomes 0.
+        let steps = ((coordinate - origin) * self.steps) as i32;
+        let last = points - 1;
+        let steps = steps.clamp(0, last * STEPS);
+        let before = (steps / STEPS).min(last - 1);
+        (before as usize, steps - before * STEPS)
+    }
+
+    /// Log-likelihood from the deviation and the mean, in steps.
+    #[inline(always)]
+    fn of_moments(&self, deviation: i32, mean: i32) -> f32 {
+        let [peak, curvature] = self.model.curves[((deviation + STEPS / 2) / STEPS & 63) as usize];
+        let distance = (self.strength - mean) as f32;
+        let log_likelihood = peak + curvature * (distance * distance);
+        if log_likelihood > self.model.floor {
+            log_likelihood
+        } else {
+            self.model.floor
+        }
+    }
+
+    /// On a lattice of one row or one column.
+    #[inline(always)]
+    fn on_line(&self, coordinate: f32, origin: f32, points: i32) -> f32 {
+        let (before, steps) = self.between(coordinate, origin, points);
+        let Some([a, b]) = self.row.get(before..).and_then(<[_]>::first_chunk) else {
+            return self.model.floor;
+        };
+        let [deviation, mean] =
+            [0, 1].map(|k| i32::from(a[k]) * (STEPS - steps) + i32::from(b[k]) * steps);
+        self.of_moments(deviation, mean)
+    }
+
+    /// On a lattice of several rows and columns.
+    #[inline(always)]
+    fn in_plane(&self, x: f32, y: f32) -> f32 {
+        let (column, right) = self.between(x, self.origin[0], self.points[0]);
+        let (row, up) = self.between(y, self.origin[1], self.points[1]);
+        let columns = self.points[0] as usize;
+        let first = row * columns + column;
+        let corners = |first: usize| self.row.get(first..).and_then(<[_]>::first_chunk::<2>);
+        let (Some([a, b]), Some([c, d])) = (corners(first), corners(first + columns)) else {
+            return self.model.floor;
+        };
+        // The weights of the corners, which sum to the square of the steps.
+        let both = right * up;
+        let (of_b, of_c) = (right * STEPS - both, up * STEPS - both);
+        let of_a = STEPS * STEPS - right * STEPS - of_c;
+        let [deviation, mean] = [0, 1].map(|k| {
+            let sum = i32::from(a[k]) * of_a
+                + i32::from(b[k]) * of_b
+                + i32::from(c[k]) * of_c
+                + i32::from(d[k]) * both;
+            sum / STEPS
+        });
+        self.of_moments(deviation, mean)
+    }
+}
+
+impl<const D: usize> Likelihood<D> for PacketLikelihood<'_> {
+    fn log_likelihood(&self, state: &[f32; D]) -> f32 {
+        const { assert!(D >= 2, "a position takes two dimensions") };
+        match self.points {
+            [columns, 1] => self.on_line(state[0], self.origin[0], columns),
+            [1, rows] => self.on_line(state[1], self.origin[1], rows),
+            _ => self.in_plane(state[0], state[1]),
+        }
+    }
+
+    fn log_likelihoods(&self, columns: &[&[f32]; D], out: &mut [f32]) {
+        const { assert!(D >= 2, "a position takes two dimensions") };
+        let line = |coordinates: &[f32], origin: f32, points: i32, out: &mut [f32]| {
+            for (coordinate, out) in coordinates.iter().zip(out) {
+                *out = self.on_line(*coordinate, origin, points);
+            }
+        };
+        match self.points {
+            [points, 1] => line(columns[0], self.origin[0], points, out),
+            [1, points] => line(columns[1], self.origin[1], points, out),
+            _ => {
+                for ((x, y), out) in columns[0].iter().zip(columns[1]).zip(out) {
+                    *out = self.in_plane(*x, *y);
+                }
+            }
+        }
+    }
+}
