@@ -11,8 +11,8 @@ use super::{
 /// How a survey becomes a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Points further than this from any place of the survey, in metres, count as not surveyed. By default the
-    /// spacing of the lattice or the distance between the places, whichever is larger.
+    /// Points further than this from any place of the survey, in metres, count as not surveyed. By default one
+    /// and a half times the spacing of the lattice or the distance between the places, whichever is larger.
     pub reach: Option<f64>,
     /// Width of the kernel of [`Encoding::Levels`], in dB: besides the noise it has to cover how a scan differs from
     /// a survey.
@@ -109,6 +109,10 @@ impl SiteSurvey {
             outliers > 0.0 && outliers < 0.5,
             "outliers is not within 0 and 0.5"
         );
+        ensure!(
+            options.reach.is_none_or(|reach| reach >= 0.0),
+            "reach is negative"
+        );
         ensure!(levels >= 2, "levels is below 2");
         let beacons = u8::try_from(self.beacons().len())
             .ok()
@@ -150,7 +154,7 @@ impl SiteSurvey {
         }
         let spacing = f64::from(lattice.spacing());
         let between = nearest_neighbour(&self.survey().places).unwrap_or(spacing);
-        let reach = options.reach.unwrap_or(spacing.max(between));
+        let reach = options.reach.unwrap_or(1.5 * spacing.max(between));
         let positions: Vec<[f64; 2]> = (0..lattice.points())
             .map(|point| lattice.position(point).map(f64::from))
             .collect();
@@ -166,7 +170,7 @@ impl SiteSurvey {
         for (beacon, detection) in detections.iter().enumerate() {
             let heard = self.heard(beacon, &positions, near, 1e-3 * spacing);
             match &levels {
-                None => bytes.extend(heard.iter().flat_map(two_bytes)),
+                None => bytes.extend(moments_rows(&heard, &positions)),
                 Some(levels) => levels.rows(&heard, *detection, sensitivity, options, &mut bytes),
             }
         }
@@ -269,16 +273,27 @@ fn log_mixture(density: f64, outliers: f64) -> f64 {
     ((1.0 - outliers) * density + outliers / RANGE_DB).ln()
 }
 
-/// Deviation and mean; the deviation is 0 where there is none.
-fn two_bytes(heard: &Heard<'_>) -> [u8; 2] {
-    match heard.moments() {
-        Some([mean, deviation]) => {
-            let mean = (2.0 * (mean + 128.0)).round().clamp(0.0, 255.0);
-            let deviation = (4.0 * deviation).round().clamp(1.0, 63.0);
-            [deviation as u8, mean as u8]
-        }
-        None => [0, 0],
-    }
+/// Deviation and mean of every point. Where there is none, the deviation is 0 and the mean that of the nearest point,
+/// so that one can interpolate up to there.
+fn moments_rows(heard: &[Heard<'_>], positions: &[[f64; 2]]) -> Vec<u8> {
+    let known = heard.iter().zip(positions);
+    let (known, places): (Vec<[f64; 2]>, Vec<[f64; 2]>) = known
+        .filter_map(|(heard, position)| Some((heard.moments()?, *position)))
+        .unzip();
+    let two_bytes = |(heard, position): (&Heard<'_>, &[f64; 2])| {
+        let (mean, deviation) = match heard.moments() {
+            Some([mean, deviation]) => (mean, (4.0 * deviation).round().clamp(1.0, 63.0)),
+            None => (
+                nearest(&places, *position).map_or(-128.0, |(n, _)| known[n][0]),
+                0.0,
+            ),
+        };
+        [
+            deviation as u8,
+            (2.0 * (mean + 128.0)).round().clamp(0.0, 255.0) as u8,
+        ]
+    };
+    heard.iter().zip(positions).flat_map(two_bytes).collect()
 }
 
 struct Levels {
