@@ -8,12 +8,16 @@ use foxhunt::{
     },
     math,
     random::{SeedableRng, Xoshiro128PlusPlus, normal},
+    refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Refinement},
 };
 
 use crate::{Case, digest::Digest};
 
 pub const CASES: &[Case] = &[
     ("aoa::locator_finds_the_source", locator_finds_the_source),
+    ("aoa::locator_with_fish", locator_with_fish),
+    ("aoa::locator_with_fireflies", locator_with_fireflies),
+    ("aoa::locator_with_evolution", locator_with_evolution),
     (
         "aoa::gauss_newton_finds_the_source",
         gauss_newton_finds_the_source,
@@ -56,6 +60,59 @@ fn locator_finds_the_source() -> Digest {
     assert!(is_near(fix.position, 40.0), "{:?}", fix.position);
     assert!(fix.ellipse(0.999).contains(SOURCE));
     digest
+}
+
+/// Both forms of a refinement; the greedy one after every bearing.
+fn refined<F: Refinement<2>>(metropolis: F, greedy: F) -> Digest {
+    let always = Settings::new().resample_share(1.0).expect("a share");
+    let mut digest = Digest::new();
+    for (settings, refinement) in [(Settings::new(), metropolis), (always, greedy)] {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
+        let mut locator = Locator::<100, 64, F>::with_refinement(settings, refinement);
+        for observation in drive() {
+            if let Answer::Fix(fix) = locator.push(observation, &mut rng) {
+                digest.add(&fix.position);
+                digest.add(fix.covariance.as_flattened());
+            }
+        }
+        let Answer::Fix(fix) = locator.answer() else {
+            panic!("no fix")
+        };
+        assert!(is_near(fix.position, 50.0), "{:?}", fix.position);
+    }
+    digest
+}
+
+fn locator_with_fish() -> Digest {
+    let school = |lengths, step, acceptance| {
+        let school = FishSchool::new(lengths, 2.0 * step, step).and_then(|school| school.tries(5));
+        let school = school.and_then(|school| school.iterations(2));
+        school.expect("in range").acceptance(acceptance)
+    };
+    refined(
+        school(Lengths::Relative, 3.0, Acceptance::Metropolis),
+        school(Lengths::Absolute, 10.0, Acceptance::Greedy),
+    )
+}
+
+fn locator_with_fireflies() -> Digest {
+    let swarm = |lengths, absorption, flutter, acceptance| {
+        let swarm = Firefly::improved(lengths, absorption, flutter);
+        let swarm = swarm.and_then(|swarm| swarm.iterations(3));
+        swarm.expect("in range").acceptance(acceptance)
+    };
+    refined(
+        swarm(Lengths::Relative, 0.1, 4.0, Acceptance::Metropolis),
+        swarm(Lengths::Absolute, 0.01, 10.0, Acceptance::Greedy),
+    )
+}
+
+fn locator_with_evolution() -> Digest {
+    let evolution = DifferentialEvolution::new().generations(4).expect("some");
+    refined(
+        evolution.acceptance(Acceptance::Metropolis),
+        evolution.acceptance(Acceptance::Greedy),
+    )
 }
 
 fn gauss_newton_finds_the_source() -> Digest {

@@ -1,0 +1,12 @@
+//! What the firmwares of a vehicle share: everything but the gateway, which the example names.
+
+#[cfg(not(target_os = "none"))]
+pub mod host;
+#[cfg(target_os = "none")]
+mod log;
+#[cfg(target_os = "none")]
+mod main_loop;
+#[cfg(target_os = "none")]
+mod uart;
+#[cfg(target_os = "none")]
+mod watchdog;

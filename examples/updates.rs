@@ -1,0 +1,154 @@
+//! What the gateways of the firmwares take for a bearing: the recorded drive goes through each, byte by byte.
+//!
+//! `cargo xtask cost` runs it in the emulator, with a clock that counts instructions.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
+fn main() {}
+
+#[cfg(target_os = "none")]
+mod board {
+    pub mod semihosting;
+    pub mod stopwatch;
+}
+
+#[cfg(target_os = "none")]
+mod gateways {
+    pub mod evolution;
+    pub mod firefly;
+    pub mod fish;
+}
+
+#[cfg(target_os = "none")]
+mod target {
+    use core::{fmt::Write, hint::black_box};
+
+    use cortex_m_semihosting::hprintln;
+    use foxhunt::{
+        aoa::locator::{self, Answer, Moves},
+        gateway::{Event, Settings, Vehicle},
+        refine::{DifferentialEvolution, Firefly, FishSchool, Lengths, Refinement},
+    };
+    use heapless::String;
+
+    use crate::board::{semihosting, stopwatch::Stopwatch};
+    use crate::gateways::{evolution, firefly, fish};
+
+    const DRIVE: &[u8] = include_bytes!("data/drive.nmea");
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        let stopwatch = Stopwatch::start();
+        let vehicle = || black_box(Vehicle::<200, 64>::new(Settings::new()));
+        let one = &stopwatch;
+        Updates::of_drive(vehicle(), one).print("vehicle");
+        Updates::of_drive(black_box(fish::gateway()), one).print("vehicle.fish");
+        Updates::of_drive(black_box(firefly::gateway()), one).print("vehicle.firefly");
+        Updates::of_drive(black_box(evolution::gateway()), one).print("vehicle.evolution");
+        Updates::of_drive(greedy(school()), one).print("vehicle.fish.greedy");
+        Updates::of_drive(greedy(swarm()), one).print("vehicle.firefly.greedy");
+        Updates::of_drive(greedy(evolved()), one).print("vehicle.evolution.greedy");
+        let worst = worst_byte(vehicle(), &stopwatch);
+        hprintln!(
+            "figure\tvehicle.byte.worst.instructions\t{}\tinstructions",
+            worst
+        );
+        semihosting::exit(true)
+    }
+
+    /// A gateway whose particles move as published, after every bearing.
+    fn greedy<F: Refinement<2>>(refinement: F) -> Vehicle<200, 64, F> {
+        let settings = locator::Settings::new().resample_share(1.0);
+        let settings = Settings::new().with_locator(settings.expect("one is a share"));
+        black_box(Vehicle::with_refinement(settings, refinement))
+    }
+
+    /// Steps of ten metres, five tries.
+    fn school() -> FishSchool {
+        let school = FishSchool::new(Lengths::Absolute, 20.0, 10.0).and_then(|s| s.tries(5));
+        school.expect("lengths are positive")
+    }
+
+    fn swarm() -> Firefly {
+        Firefly::improved(Lengths::Absolute, 0.01, 10.0).expect("in range")
+    }
+
+    fn evolved() -> DifferentialEvolution {
+        DifferentialEvolution::new().generations(4).expect("some")
+    }
+
+    /// Instructions of the bytes that end the lines of bearings.
+    #[derive(Default)]
+    struct Updates {
+        count: u64,
+        sum: u64,
+        worst: u64,
+    }
+
+    impl Updates {
+        fn of_drive<M: Moves<200>>(
+            mut gateway: Vehicle<200, 64, M>,
+            stopwatch: &Stopwatch,
+        ) -> Self {
+            let mut updates = Self::default();
+            for byte in DRIVE {
+                let (event, instructions) = stopwatch.instructions(|| gateway.push(*byte));
+                if let Some(Event::Fix(_) | Event::NotObservable(_)) = event {
+                    updates.count += 1;
+                    updates.sum += instructions;
+                    updates.worst = updates.worst.max(instructions);
+                }
+            }
+            assert!(matches!(gateway.locator().answer(), Answer::Fix(_)));
+            updates
+        }
+
+        fn print(&self, name: &str) {
+            let Self { count, sum, worst } = self;
+            hprintln!(
+                "figure\t{}.update.mean.instructions\t{}\tinstructions",
+                name,
+                sum / count
+            );
+            hprintln!(
+                "figure\t{}.update.worst.instructions\t{}\tinstructions",
+                name,
+                worst
+            );
+        }
+    }
+
+    /// The dearest byte of a drive whose first fix comes when the memory of bearings is full: for a minute the vehicle is
+    /// parked, then it is 400 m further north.
+    fn worst_byte(mut gateway: Vehicle<200, 64>, stopwatch: &Stopwatch) -> u64 {
+        let mut worst = 0;
+        let mut push = |text: &str| {
+            for byte in text.bytes() {
+                let (_, instructions) = stopwatch.instructions(|| gateway.push(byte));
+                worst = worst.max(instructions);
+            }
+        };
+        for minute in 0..2 {
+            for second in 0..60 {
+                let mut line = String::<100>::new();
+                let north = 7.0 + 0.216 * minute as f32;
+                let written = write!(
+                    line,
+                    "GPRMC,12{minute:02}{second:02},A,48{north:07.4},N,01131.0000,E,20.0,000.0,221126,,,A"
+                );
+                written.expect("there is room");
+                let checksum = line.bytes().fold(0, |sum, byte| sum ^ byte);
+                let mut sentence = String::<110>::new();
+                write!(sentence, "${line}*{checksum:02X}\r\n").expect("there is room");
+                push(&sentence);
+                let bearing = if minute == 0 { 45 } else { 90 };
+                let mut line = String::<20>::new();
+                write!(line, "%{bearing:03}/9\r%{bearing:03}/9\r").expect("there is room");
+                push(&line);
+            }
+        }
+        assert!(matches!(gateway.locator().answer(), Answer::Fix(_)));
+        worst
+    }
+}

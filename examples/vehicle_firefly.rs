@@ -1,0 +1,20 @@
+//! The firmware `vehicle` with a swarm of fireflies to move its particles.
+//!
+//! ```sh
+//! cargo firmware vehicle_firefly
+//! cargo run --example vehicle_firefly FILE   # the same gateway on the host
+//! ```
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+mod board;
+mod gateways {
+    pub mod firefly;
+}
+
+use gateways::firefly::{Gateway, gateway};
+
+#[cfg(not(target_os = "none"))]
+fn main() -> std::io::Result<()> {
+    board::host::run()
+}
