@@ -192,9 +192,10 @@ impl LineMap {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Matrix2, Vector2};
+    use nalgebra::{Matrix1x2, Matrix2, Vector2};
 
     use super::*;
+    use crate::reference::Kalman;
 
     /// With a normal likelihood far from the walls, the exact filter is the Kalman filter.
     #[test]
@@ -204,37 +205,27 @@ mod tests {
             ..Motion::default()
         };
         let measured = [100.0, 104.0, 111.0, 114.0, 122.0];
-        let deviation = 3.0f64;
+        let variance = 9.0;
         let filter = CorridorFilter::new(&motion, 0.5, measured.len());
-        let log_likelihoods: Vec<Vec<f64>> = measured
-            .iter()
-            .map(|z| {
-                filter
-                    .places()
-                    .map(|x| -0.5 * ((x - z) / deviation).powi(2))
-                    .collect()
-            })
-            .collect();
+        let bell = |z: &f64| {
+            let at = |x: f64| -0.5 * (x - z).powi(2) / variance;
+            filter.places().map(at).collect()
+        };
+        let log_likelihoods: Vec<Vec<f64>> = measured.iter().map(bell).collect();
 
         let t = motion.interval;
-        let transition = Matrix2::new(1.0, t, 0.0, 1.0);
         let push = Vector2::new(0.5 * t * t, t) * motion.acceleration;
-        let mut mean = Vector2::new(measured[0], 0.0);
-        let mut covariance = Matrix2::new(deviation.powi(2), 0.0, 0.0, motion.velocity.powi(2));
+        let mut kalman = Kalman {
+            mean: Vector2::new(measured[0], 0.0),
+            covariance: Matrix2::new(variance, 0.0, 0.0, motion.velocity.powi(2)),
+        };
         for (step, belief) in filter.run(&log_likelihoods).iter().enumerate() {
             if step > 0 {
-                mean = transition * mean;
-                covariance =
-                    transition * covariance * transition.transpose() + push * push.transpose();
-                let gain = covariance.column(0) / (covariance[(0, 0)] + deviation.powi(2));
-                mean += gain * (measured[step] - mean[0]);
-                covariance -= gain * covariance.row(0);
+                kalman.predict(&Matrix2::new(1.0, t, 0.0, 1.0), &(push * push.transpose()));
+                kalman.update(&Matrix1x2::new(1.0, 0.0), measured[step], variance);
             }
-            assert!(
-                (belief.mean - mean[0]).abs() < 0.01,
-                "{step}: {belief:?} {mean}"
-            );
-            assert!((belief.variance / covariance[(0, 0)] - 1.0).abs() < 0.01);
+            assert!((belief.mean - kalman.mean[0]).abs() < 0.01, "step {step}");
+            assert!((belief.variance / kalman.covariance[(0, 0)] - 1.0).abs() < 0.01);
         }
     }
 

@@ -5,6 +5,7 @@
 //! -40 - 20 log10 d, shadowing that stays in its place and hence is in the survey as well as in the walk,
 //! and noise that is new in every packet.
 
+pub mod experiment;
 mod shadow;
 
 use rand::{Rng, RngExt};
