@@ -22,6 +22,10 @@ mod proof {
         },
         estimate::{self, Ellipse},
         filter::ParticleFilter,
+        fingerprint::{
+            GaussianMatcher, KernelDensity, Lattice, Matcher, Missing, Neighbours, Packet,
+            PacketModel, Posterior, RadioMap, Reading, Samples, TableMatcher,
+        },
         gateway::{self, BearingReference, KrakenConfidence, KrakenSense, Vehicle},
         kalman::{Covariance, Gaussian, Unscented},
         math,
@@ -78,6 +82,7 @@ mod proof {
         propose(&mut rng);
         bearings(&mut rng);
         locate(&mut rng);
+        fingerprints();
         gateway();
         loop {
             cortex_m::asm::wfi();
@@ -361,5 +366,63 @@ mod proof {
             ));
         }
         vehicle.restart();
+    }
+
+    fn fingerprints() {
+        use foxhunt::fingerprint::Settings;
+        let settings = Settings::new()
+            .with_missing(any(Missing::Modelled))
+            .with_inflation_db(any(4.0))
+            .and_then(|settings| settings.with_outliers(any(0.001)))
+            .and_then(|settings| settings.with_tempering(any(0.5)))
+            .and_then(|settings| settings.with_range_dbm(any([-120.0, 0.0])));
+        let Ok(settings) = settings else { return };
+        let scan = any([Reading {
+            beacon: 0,
+            rssi_dbm: 0.0,
+        }; 8]);
+        let scan = some(&scan);
+        let mut posterior = any(Posterior::<50>::new());
+
+        let lattice = Lattice::new(any([0.0; 2]), any(1.0), any(3), any(4));
+        let values = any([0; 200]);
+        if let Ok(samples) =
+            lattice.and_then(|lattice| Samples::new(lattice, any(2), some(&values)))
+        {
+            black_box(samples.of(any(0), any(0)));
+            if let Ok(matcher) = KernelDensity::new(samples, any(4.0), &settings) {
+                _ = black_box(matcher.locate(scan, &mut posterior));
+            }
+        }
+
+        let bytes = any([0; 200]);
+        let Ok(map) = RadioMap::new(some(&bytes)).and_then(|map| map.limited(any(9), any(9)))
+        else {
+            return;
+        };
+        black_box((map.beacon(any(0)), map.beacon_index(any(0))));
+        black_box((map.moments(any(0), any(0)), map.is_surveyed(any(0))));
+        black_box(map.log_density(any(0), any(0.0), any(0)));
+        black_box(map.lattice().position(any(0)));
+        if let Ok(matcher) = GaussianMatcher::new(map, &settings) {
+            _ = black_box(matcher.locate(scan, &mut posterior));
+        }
+        if let Ok(matcher) = TableMatcher::new(map, &settings) {
+            _ = black_box(matcher.locate(scan, &mut posterior));
+        }
+        if let Ok(matcher) = Neighbours::new(map, any(3), &settings) {
+            _ = black_box(matcher.locate(scan, &mut posterior));
+        }
+        black_box(posterior.weights());
+        let model = any(PacketModel::new(&settings));
+        let packet = any(Packet {
+            beacon: 0,
+            rssi_dbm: 0,
+        });
+        if let Ok(likelihood) = map.packet_likelihood(packet, any(0.0), &model) {
+            let (x, y, mut out) = (any([0.0; 20]), any([0.0; 20]), any([0.0; 20]));
+            likelihood.log_likelihoods(&[some(&x), some(&y)], some_mut(&mut out));
+            black_box(likelihood.log_likelihood(&any([0.0; 4])));
+        }
     }
 }

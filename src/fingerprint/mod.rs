@@ -57,6 +57,8 @@ mod packet;
 mod posterior;
 mod settings;
 mod table;
+#[cfg(test)]
+mod tests;
 
 pub use density::{KernelDensity, Samples};
 pub use gaussian::GaussianMatcher;

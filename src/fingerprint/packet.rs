@@ -50,7 +50,7 @@ impl PacketModel {
 /// Steps in which a packet is compared with interpolated means, in dB.
 const UNIT: f32 = 1.0 / 512.0;
 /// Steps from one point of the lattice to the next.
-const STEPS: i32 = 256;
+const STEPS: u32 = 256;
 
 /// Why a packet says nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,7 +95,7 @@ pub struct PacketLikelihood<'a> {
     /// Steps of the lattice in a metre.
     steps: f32,
     /// Points along x and along y.
-    points: [i32; 2],
+    points: [u16; 2],
 }
 
 impl<'a> RadioMap<'a> {
@@ -130,28 +130,26 @@ impl<'a> RadioMap<'a> {
             strength: (strength / UNIT) as i32,
             origin: lattice.origin(),
             steps: STEPS as f32 / lattice.spacing(),
-            points: [lattice.columns() as i32, lattice.rows() as i32],
+            points: [lattice.columns() as u16, lattice.rows() as u16],
         })
     }
 }
 
 impl PacketLikelihood<'_> {
-    /// The last point at or before a coordinate that has another behind it, and the steps beyond it.
+    /// The last point at or before a coordinate, and the steps beyond it.
     #[inline(always)]
-    fn between(&self, coordinate: f32, origin: f32, points: i32) -> (usize, i32) {
+    fn before(&self, coordinate: f32, origin: f32, points: u16) -> (usize, u32) {
         // Saturates; NaN becomes 0.
-        let steps = ((coordinate - origin) * self.steps) as i32;
-        let last = points - 1;
-        let steps = steps.clamp(0, last * STEPS);
-        let before = (steps / STEPS).min(last - 1);
-        (before as usize, steps - before * STEPS)
+        let steps = (((coordinate - origin) * self.steps) as i32).max(0) as u32;
+        let steps = steps.min(u32::from(points.saturating_sub(1)) * STEPS);
+        ((steps / STEPS) as usize, steps % STEPS)
     }
 
     /// Log-likelihood from the deviation and the mean, in steps.
     #[inline(always)]
-    fn of_moments(&self, deviation: i32, mean: i32) -> f32 {
+    fn of_moments(&self, deviation: u32, mean: u32) -> f32 {
         let [peak, curvature] = self.model.curves[((deviation + STEPS / 2) / STEPS & 63) as usize];
-        let distance = (self.strength - mean) as f32;
+        let distance = (self.strength - mean as i32) as f32;
         let log_likelihood = peak + curvature * (distance * distance);
         if log_likelihood > self.model.floor {
             log_likelihood
@@ -162,39 +160,67 @@ impl PacketLikelihood<'_> {
 
     /// On a lattice of one row or one column.
     #[inline(always)]
-    fn on_line(&self, coordinate: f32, origin: f32, points: i32) -> f32 {
-        let (before, steps) = self.between(coordinate, origin, points);
-        let Some([a, b]) = self.row.get(before..).and_then(<[_]>::first_chunk) else {
-            return self.model.floor;
-        };
+    fn on_line(&self, coordinate: f32, origin: f32, points: u16) -> f32 {
+        let (before, steps) = self.before(coordinate, origin, points);
+        let row = self.row;
+        if before + 1 >= row.len() {
+            return self.at_point(before);
+        }
+        let (a, b) = (row[before], row[before + 1]);
         let [deviation, mean] =
-            [0, 1].map(|k| i32::from(a[k]) * (STEPS - steps) + i32::from(b[k]) * steps);
+            [0, 1].map(|k| u32::from(a[k]) * (STEPS - steps) + u32::from(b[k]) * steps);
         self.of_moments(deviation, mean)
     }
 
     /// On a lattice of several rows and columns.
     #[inline(always)]
     fn in_plane(&self, x: f32, y: f32) -> f32 {
-        let (column, right) = self.between(x, self.origin[0], self.points[0]);
-        let (row, up) = self.between(y, self.origin[1], self.points[1]);
-        let columns = self.points[0] as usize;
-        let first = row * columns + column;
-        let corners = |first: usize| self.row.get(first..).and_then(<[_]>::first_chunk::<2>);
-        let (Some([a, b]), Some([c, d])) = (corners(first), corners(first + columns)) else {
-            return self.model.floor;
-        };
+        let (column, right) = self.before(x, self.origin[0], self.points[0]);
+        let (line, up) = self.before(y, self.origin[1], self.points[1]);
+        let columns = usize::from(self.points[0]);
+        // What is right of the last column has no weight, so any value will do.
+        let below = line * columns + column;
+        match self.row.get(below..) {
+            Some(points) if columns + 1 < points.len() => {
+                let corners = [points[0], points[1], points[columns], points[columns + 1]];
+                self.of_corners(corners, right, up)
+            }
+            _ => self.at_border(below, right, up),
+        }
+    }
+
+    #[inline(always)]
+    fn of_corners(&self, [a, b, c, d]: [[u8; 2]; 4], right: u32, up: u32) -> f32 {
         // The weights of the corners, which sum to the square of the steps.
-        let both = right * up;
-        let (of_b, of_c) = (right * STEPS - both, up * STEPS - both);
+        let of_d = right * up;
+        let (of_b, of_c) = (right * STEPS - of_d, up * STEPS - of_d);
         let of_a = STEPS * STEPS - right * STEPS - of_c;
         let [deviation, mean] = [0, 1].map(|k| {
-            let sum = i32::from(a[k]) * of_a
-                + i32::from(b[k]) * of_b
-                + i32::from(c[k]) * of_c
-                + i32::from(d[k]) * both;
+            let sum = u32::from(a[k]) * of_a
+                + u32::from(b[k]) * of_b
+                + u32::from(c[k]) * of_c
+                + u32::from(d[k]) * of_d;
             sum / STEPS
         });
         self.of_moments(deviation, mean)
+    }
+
+    /// On the last row of the lattice, where there is nothing above.
+    #[cold]
+    #[inline(never)]
+    fn at_border(&self, below: usize, right: u32, up: u32) -> f32 {
+        let point = |number| self.row.get(number).copied().unwrap_or_default();
+        let columns = usize::from(self.points[0]);
+        let corners = [below, below + 1, below + columns, below + columns + 1];
+        self.of_corners(corners.map(point), right, up)
+    }
+
+    /// On the last point of a line.
+    #[cold]
+    #[inline(never)]
+    fn at_point(&self, point: usize) -> f32 {
+        let [deviation, mean] = self.row.get(point).copied().unwrap_or_default();
+        self.of_moments(u32::from(deviation) * STEPS, u32::from(mean) * STEPS)
     }
 }
 
@@ -210,7 +236,7 @@ impl<const D: usize> Likelihood<D> for PacketLikelihood<'_> {
 
     fn log_likelihoods(&self, columns: &[&[f32]; D], out: &mut [f32]) {
         const { assert!(D >= 2, "a position takes two dimensions") };
-        let line = |coordinates: &[f32], origin: f32, points: i32, out: &mut [f32]| {
+        let line = |coordinates: &[f32], origin: f32, points: u16, out: &mut [f32]| {
             for (coordinate, out) in coordinates.iter().zip(out) {
                 *out = self.on_line(*coordinate, origin, points);
             }

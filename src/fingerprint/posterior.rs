@@ -82,20 +82,15 @@ impl Exponentials {
             }
             table
         };
-        Self {
-            low: powers(step),
-            high: powers(64.0 * step),
-        }
+        let (low, mut high) = (powers(step), powers(64.0 * step));
+        high[63] = 0.0;
+        Self { low, high }
     }
 
-    /// e^(-step cost); zero from 4096 steps on.
+    /// e^(-step cost); zero from 4032 steps on.
     #[inline(always)]
-    fn at(&self, cost: u32) -> f32 {
-        let low = self.low[(cost & 63) as usize];
-        match self.high.get((cost >> 6) as usize) {
-            Some(high) => low * high,
-            None => 0.0,
-        }
+    fn at(&self, cost: i32) -> f32 {
+        self.low[(cost & 63) as usize] * self.high[(cost >> 6).clamp(0, 63) as usize]
     }
 }
 
@@ -128,24 +123,18 @@ impl<const P: usize> Posterior<P> {
     /// Leaves out the points that were not surveyed, and finds the one of least cost.
     fn least_cost(&mut self, map: &RadioMap<'_>) -> Option<(usize, u16)> {
         let costs = self.costs.get_mut(..map.lattice().points())?;
-        // Cost above, number below: one comparison for both.
-        let mut least = u32::MAX;
-        let mut number = 0;
-        for (eight, bits) in costs.chunks_mut(8).zip(map.surveyed()) {
-            if *bits == 0xff {
-                for cost in eight {
-                    least = least.min(u32::from(*cost) << 16 | number);
-                    number += 1;
-                }
-            } else {
-                for (bit, cost) in eight.iter_mut().enumerate() {
-                    if bits >> bit & 1 == 0 {
-                        *cost = NOWHERE;
-                    }
-                    least = least.min(u32::from(*cost) << 16 | number);
-                    number += 1;
+        let blocks = costs.chunks_mut(8).zip(map.surveyed());
+        for (eight, bits) in blocks.filter(|(_, bits)| **bits != 0xff) {
+            for (bit, cost) in eight.iter_mut().enumerate() {
+                if bits >> bit & 1 == 0 {
+                    *cost = NOWHERE;
                 }
             }
+        }
+        // Cost above, number below: one comparison for both.
+        let mut least = u32::MAX;
+        for (number, cost) in costs.iter().enumerate() {
+            least = least.min(u32::from(*cost) << 16 | number as u32);
         }
         let cost = (least >> 16) as u16;
         (cost != NOWHERE).then_some(((least & 0xffff) as usize, cost))
@@ -164,7 +153,7 @@ impl<const P: usize> Posterior<P> {
         let weights = self.weights.get_mut(..points)?;
         let mut sum = 0.0;
         for (weight, cost) in weights.iter_mut().zip(costs) {
-            *weight = exponentials.at(u32::from(*cost).wrapping_sub(u32::from(least)));
+            *weight = exponentials.at(i32::from(*cost) - i32::from(least));
             sum += *weight;
         }
         self.points = points;

@@ -51,7 +51,7 @@ pub struct Settings {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SettingsError {
-    /// `inflation_db` is not within 1 and 30.
+    /// `inflation_db` is not within 1.5 and 20.
     Inflation,
     /// `outliers` is not within 1e-6 and 0.1.
     Outliers,
@@ -64,7 +64,7 @@ pub enum SettingsError {
 impl fmt::Display for SettingsError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Inflation => "inflation is not within 1 and 30 dB",
+            Self::Inflation => "inflation is not within 1.5 and 20 dB",
             Self::Outliers => "outliers is not within 1e-6 and 0.1",
             Self::Tempering => "tempering is not within 0.05 and 1",
             Self::Range => "range is not an interval of 10 dB within -128 and 20 dBm",
@@ -97,9 +97,9 @@ impl Settings {
     /// differs from a survey. Of no use in a map of [`super::Encoding::Levels`], which has its own.
     ///
     /// # Errors
-    /// [`SettingsError::Inflation`] when it is not within 1 and 30.
+    /// [`SettingsError::Inflation`] when it is not within 1.5 and 20.
     pub const fn with_inflation_db(mut self, inflation: f32) -> Result<Self, SettingsError> {
-        if !(inflation >= 1.0 && inflation <= 30.0) {
+        if !(inflation >= 1.5 && inflation <= 20.0) {
             return Err(SettingsError::Inflation);
         }
         self.inflation_db = inflation;

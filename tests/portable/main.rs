@@ -8,6 +8,7 @@
 mod aoa;
 mod digest;
 mod filter;
+mod fingerprint;
 mod gateway;
 mod math;
 mod proposal;
@@ -26,6 +27,7 @@ const GROUPS: &[&[Case]] = &[
     aoa::CASES,
     refine::CASES,
     proposal::CASES,
+    fingerprint::CASES,
     gateway::CASES,
 ];
 

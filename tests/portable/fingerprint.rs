@@ -1,0 +1,109 @@
+use foxhunt::{
+    fingerprint::{
+        GaussianMatcher, KernelDensity, Lattice, Match, Matcher, Missing, Neighbours, Packet,
+        PacketModel, Posterior, RadioMap, Reading, Samples, Settings, TableMatcher,
+    },
+    model::Likelihood,
+    random::{SeedableRng, Xoshiro128PlusPlus, uniform},
+};
+
+use crate::{Case, digest::Digest};
+
+pub const CASES: &[Case] = &[
+    ("fingerprint::scans", scans),
+    ("fingerprint::kernel_density", kernel_density),
+    ("fingerprint::packets", packets),
+];
+
+static MOMENTS: &[u8] = include_bytes!("../data/tunnel.moments");
+static LEVELS: &[u8] = include_bytes!("../data/tunnel.levels");
+static HALL: &[u8] = include_bytes!("../data/hall.moments");
+
+fn open(bytes: &'static [u8]) -> RadioMap<'static> {
+    RadioMap::new(bytes).expect("the map is whole")
+}
+
+fn add(digest: &mut Digest, found: Match, weights: &[f32]) {
+    assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-5);
+    digest.add(&found.position);
+    digest.add(&found.mean);
+    digest.add(found.covariance.as_flattened());
+    digest.add(&[found.log_likelihood]);
+    digest.add(weights);
+}
+
+fn scans() -> Digest {
+    let (moments, levels) = (open(MOMENTS), open(LEVELS));
+    let mut digest = Digest::new();
+    let mut posterior = Posterior::<80>::new();
+    for missing in [Missing::Ignored, Missing::Modelled] {
+        let settings = Settings::new().with_missing(missing);
+        let gaussian = GaussianMatcher::new(moments, &settings).expect("moments");
+        let table = TableMatcher::new(levels, &settings).expect("levels");
+        let neighbours = Neighbours::new(moments, 4, &settings).expect("moments");
+        for point in (0..80).step_by(7) {
+            let scan = [0, 1, 2, 3].map(|beacon: u8| {
+                let there = moments.moments(beacon.into(), point).expect("surveyed");
+                Reading {
+                    beacon,
+                    rssi_dbm: there.mean_dbm + 2.0,
+                }
+            });
+            for scan in [&scan[..], &scan[1..3]] {
+                let found = gaussian.locate(scan, &mut posterior).expect("matches");
+                if scan.len() == 4 {
+                    let [x, _] = moments.lattice().position(point);
+                    assert!((found.position[0] - x).abs() < 5.0, "{found:?} {x}");
+                }
+                add(&mut digest, found, posterior.weights());
+                let found = table.locate(scan, &mut posterior).expect("matches");
+                add(&mut digest, found, posterior.weights());
+                let found = neighbours.locate(scan, &mut posterior).expect("matches");
+                add(&mut digest, found, posterior.weights());
+            }
+        }
+    }
+    digest
+}
+
+fn kernel_density() -> Digest {
+    let lattice = Lattice::new([0.0, 0.0], 1.0, 5, 2).expect("ten points");
+    let values: [i8; 80] = core::array::from_fn(|i| -90 + (i * 37 % 50) as i8);
+    let samples = Samples::new(lattice, 2, &values).expect("four each");
+    let matcher = KernelDensity::new(samples, 4.0, &Settings::new()).expect("a bandwidth");
+    let mut digest = Digest::new();
+    let mut posterior = Posterior::<10>::new();
+    for rssi in -95..-35 {
+        let scan = [0, 1].map(|beacon: u8| Reading {
+            beacon,
+            rssi_dbm: rssi as f32 + 7.3 * f32::from(beacon),
+        });
+        let found = matcher.locate(&scan, &mut posterior).expect("matches");
+        add(&mut digest, found, posterior.weights());
+    }
+    digest
+}
+
+fn packets() -> Digest {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+    let mut digest = Digest::new();
+    let model = PacketModel::new(&Settings::new());
+    let (mut x, mut y) = ([0.0; 200], [0.0; 200]);
+    x.fill_with(|| 90.0 * uniform(&mut rng) - 5.0);
+    y.fill_with(|| 18.0 * uniform(&mut rng) - 2.0);
+    for bytes in [MOMENTS, HALL] {
+        for rssi_dbm in [-80, -65, -50] {
+            let packet = Packet {
+                beacon: 2,
+                rssi_dbm,
+            };
+            let likelihood = open(bytes)
+                .packet_likelihood(packet, 3.7, &model)
+                .expect("known");
+            let mut out = [0.0; 200];
+            likelihood.log_likelihoods(&[&x, &y], &mut out);
+            digest.add(&out);
+        }
+    }
+    digest
+}
