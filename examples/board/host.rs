@@ -2,7 +2,7 @@
 
 use std::io::{Read, Write};
 
-use crate::gateway;
+use crate::{Gateway, gateway};
 
 /// Reads to the end.
 pub fn run() -> std::io::Result<()> {
@@ -10,7 +10,7 @@ pub fn run() -> std::io::Result<()> {
         Some(file) => Box::new(std::fs::File::open(file)?),
         None => Box::new(std::io::stdin()),
     };
-    let mut gateway = gateway();
+    let mut gateway: Gateway = gateway();
     let mut output = std::io::stdout().lock();
     for byte in std::io::BufReader::new(input).bytes() {
         if gateway.push(byte?).is_some() {

@@ -1,6 +1,6 @@
 //! The task `cost`: what the library and its firmware take, beside what others take.
 
-use std::{path::PathBuf, process::Command};
+use std::{path::PathBuf, process::Command, time::Duration};
 
 use anyhow::{Context, Result, ensure};
 
@@ -9,6 +9,7 @@ use crate::{
     figures::{self, Figure},
     measure::{regions, sections, stack},
     project::{self, BOARD},
+    qemu::Machine,
     setup,
 };
 
@@ -32,6 +33,14 @@ const LIMITS: [(&str, f64); 4] = [
     ("host.step.n1000.ns", 25.0),
     ("filter.d2.n200.bytes", 16.0 * 200.0 + 256.0),
     ("vehicle.flash.bytes", 65_536.0),
+];
+
+/// The firmwares of a vehicle: with the locator's own moves, and with each refinement.
+pub const VEHICLES: [&str; 4] = [
+    "vehicle",
+    "vehicle_fish",
+    "vehicle_firefly",
+    "vehicle_evolution",
 ];
 
 /// Instructions and modelled cycles that short polynomials with errors of about 1e-6 are known to take, per
@@ -79,25 +88,35 @@ pub fn run(options: &Options) -> Result<()> {
 /// The figures that the firmware alone decides: they do not depend on the machine that measures them.
 pub fn firmware() -> Result<Vec<Figure>> {
     let mut figures = phases(regions::measure(&project::firmware("cost")?)?)?;
-    let vehicle = project::firmware("vehicle")?;
-    let occupied = sections::occupied(&vehicle)?;
-    let stack = stack::deepest(&vehicle)?;
-    figures.push(Figure::new(
-        "vehicle.flash.bytes",
-        occupied.flash as f64,
-        "bytes",
-    ));
-    figures.push(Figure::new(
-        "vehicle.ram.bytes",
-        occupied.ram as f64,
-        "bytes",
-    ));
-    figures.push(Figure::new(
-        "vehicle.stack.bytes",
-        f64::from(stack.bytes),
-        "bytes",
-    ));
+    for firmware in VEHICLES {
+        let elf = project::firmware(firmware)?;
+        let occupied = sections::occupied(&elf)?;
+        let name = firmware.replace('_', ".");
+        for (what, bytes) in [
+            ("flash", occupied.flash as f64),
+            ("ram", occupied.ram as f64),
+            ("stack", stack::deepest(&elf)?.bytes.into()),
+        ] {
+            figures.push(Figure::new(format!("{name}.{what}.bytes"), bytes, "bytes"));
+        }
+    }
+    figures.extend(updates()?);
     Ok(with_limits(figures))
+}
+
+/// What the gateways of the firmwares take for the bearings of the recorded drive. They are too many instructions for a
+/// log; the firmware counts them itself, by a clock that ticks with them.
+fn updates() -> Result<Vec<Figure>> {
+    let elf = project::firmware("updates")?;
+    let clock = ["-icount", "shift=6"];
+    let mut machine = Machine::boot_with(&elf, Duration::from_secs(120), &clock)?;
+    // The emulator writes the firmware's text where it writes the bytes of the UART, which this one does not use.
+    let mut printed = Vec::new();
+    while let Some(bytes) = machine.receive() {
+        printed.extend(bytes);
+    }
+    machine.finish()?;
+    regions::figures(&[], &String::from_utf8(printed)?)
 }
 
 /// Splits the update into its phases: weighing, which was measured alone, and normalising, the rest of it.

@@ -1,20 +1,38 @@
-//! Whole drives through the firmware in the emulator and through the same gateway on the host.
+//! Drives through the firmwares in the emulator and through the same gateways on the host.
 
-use std::{env, fs, path::Path, time::Duration};
+use std::{
+    env, fs,
+    io::Write,
+    path::Path,
+    process::{Command, Stdio},
+    thread,
+    time::Duration,
+};
 
 use anyhow::{Context, Result, ensure};
 use foxhunt_host::{measured::Measured, replay::Replay};
 
 use crate::{
+    cost,
     demo::{DEVIATION_DEGREES, EXAMPLE, QUERY, has_status},
     project,
     qemu::Machine,
 };
 
 /// Fails unless the firmware answers the shipped drive, and the measured ones where they are at hand, byte for
-/// byte as the host does.
+/// byte as the host does, and the firmwares with refinements a part of the shipped drive.
 pub fn compare() -> Result<()> {
-    compare_drive(fs::read(project::root().join(EXAMPLE))?)?;
+    let drive = fs::read(project::root().join(EXAMPLE))?;
+    compare_drive(drive.clone())?;
+    let part = first_lines(&drive, PART);
+    for firmware in cost::VEHICLES {
+        let host = on_host(firmware, &part)?;
+        ensure!(
+            lines(&host).contains("\n$PFOXF"),
+            "{firmware} has found nothing"
+        );
+        ensure_same(&on_board(firmware, &part)?, &host).context(firmware)?;
+    }
     let Some(data) = env::var_os("FOXHUNT_DATA") else {
         println!("measured drives are skipped: FOXHUNT_DATA does not name their directory");
         return Ok(());
@@ -27,23 +45,56 @@ pub fn compare() -> Result<()> {
     Ok(())
 }
 
+/// Lines of the shipped drive that firmwares with refinements are given: the search, the first fix and many moves.
+const PART: usize = 400;
+
+/// The first lines of a drive, and the query that ends it.
+fn first_lines(drive: &[u8], lines: usize) -> Vec<u8> {
+    let lines = drive.split_inclusive(|byte| *byte == b'\n').take(lines);
+    lines.chain([QUERY]).flatten().copied().collect()
+}
+
 fn compare_drive(mut bytes: Vec<u8>) -> Result<()> {
     bytes.extend(QUERY);
-    let host = Replay::of(&bytes);
+    ensure_same(&on_board("vehicle", &bytes)?, Replay::of(&bytes).output())
+}
 
-    let mut machine = Machine::boot(&project::firmware("vehicle")?, Duration::from_secs(120))?;
-    machine.send(&bytes)?;
-    let mut board = Vec::new();
-    while !has_status(&board) {
-        board.extend(
+/// What the firmware sends, up to its status.
+fn on_board(firmware: &str, bytes: &[u8]) -> Result<Vec<u8>> {
+    let mut machine = Machine::boot(&project::firmware(firmware)?, Duration::from_secs(120))?;
+    machine.send(bytes)?;
+    let mut output = Vec::new();
+    while !has_status(&output) {
+        output.extend(
             machine
                 .receive()
                 .context("the firmware ended before the drive did")?,
         );
     }
+    Ok(output)
+}
 
-    let lines = |output: &[u8]| String::from_utf8_lossy(output).into_owned();
-    let (board, host) = (lines(&board), lines(host.output()));
+/// What the same example writes on the host.
+fn on_host(firmware: &str, bytes: &[u8]) -> Result<Vec<u8>> {
+    let mut child = Command::new(project::executable(&["--example", firmware])?)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()?;
+    let mut input = child.stdin.take().context("standard input is piped")?;
+    let bytes = bytes.to_vec();
+    let sender = thread::spawn(move || input.write_all(&bytes));
+    let output = child.wait_with_output()?;
+    sender.join().expect("writing does not panic")?;
+    ensure!(output.status.success(), "{firmware} failed on the host");
+    Ok(output.stdout)
+}
+
+fn lines(output: &[u8]) -> String {
+    String::from_utf8_lossy(output).into_owned()
+}
+
+fn ensure_same(board: &[u8], host: &[u8]) -> Result<()> {
+    let (board, host) = (lines(board), lines(host));
     for (number, (board, host)) in board.lines().zip(host.lines()).enumerate() {
         let line = number + 1;
         ensure!(
