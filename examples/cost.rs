@@ -93,6 +93,7 @@ mod board {
 fn main() -> ! {
     target::steps();
     target::kernels();
+    target::refinements();
     board::semihosting::exit(true)
 }
 
@@ -101,7 +102,12 @@ mod target {
     use core::sync::atomic::{Ordering, compiler_fence};
 
     use cortex_m_semihosting::hprintln;
-    use foxhunt::model::Likelihood;
+    use foxhunt::{
+        model::Likelihood,
+        refine::{
+            Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Memory, Refinement,
+        },
+    };
 
     use super::*;
 
@@ -175,6 +181,48 @@ mod target {
         kernel("m4f.math.atan2", &pairs, |[y, x]| math::atan2(y, x));
         kernel("m4f.math.sin_cos", &a, math::sin_cos);
         kernel("m4f.random.normal", &a, |_| normal(&mut rng));
+    }
+
+    /// One iteration of each refinement, by a density that costs next to nothing, and of the school by a bearing as well.
+    pub fn refinements() {
+        // So far a fish sees a dozen mates on average.
+        let school = FishSchool::new(Lengths::Relative, 0.22, 0.3).expect("lengths are positive");
+        refinement::<1000>("m4f.refine.fish.n1000", &school, &bowl);
+        let likelihood = Track::<1>::new().likelihood();
+        refinement::<1000>("m4f.refine.fish.n1000.bearing", &school, &likelihood);
+        let metropolis = school.acceptance(Acceptance::Metropolis);
+        refinement::<N>("m4f.refine.fish.metropolis", &metropolis, &bowl);
+
+        let standard = Firefly::standard(Lengths::Relative, 1.0, 0.3).expect("in range");
+        refinement::<80>("m4f.refine.firefly.standard", &standard, &bowl);
+        let improved = Firefly::improved(Lengths::Relative, 1.0, 0.3).expect("in range");
+        refinement::<80>("m4f.refine.firefly.improved", &improved, &bowl);
+
+        let evolution = DifferentialEvolution::new().generations(1);
+        let evolution = evolution.expect("not none");
+        refinement::<N>("m4f.refine.evolution.greedy", &evolution, &bowl);
+        let metropolis = evolution.acceptance(Acceptance::Metropolis);
+        refinement::<N>("m4f.refine.evolution.metropolis", &metropolis, &bowl);
+    }
+
+    /// As wide as the clouds of tracks are when they begin.
+    fn bowl([x, y]: &[f32; 2]) -> f32 {
+        let (dx, dy) = (x - SOURCE[0], y - SOURCE[1]);
+        -0.5 / (50.0 * 50.0) * (dx * dx + dy * dy)
+    }
+
+    #[inline(never)]
+    fn refinement<const M: usize>(
+        name: &str,
+        refinement: &impl Refinement<2>,
+        target: &impl Likelihood<2>,
+    ) {
+        let mut track = black_box(Track::<M>::new());
+        let mut memory = black_box(Memory::new());
+        region(name, M, || {
+            let Track { filter, rng, .. } = &mut track;
+            filter.refine(refinement, target, &mut memory, rng)
+        });
     }
 
     fn kernel<A: Copy, B: Copy + Default>(

@@ -263,7 +263,7 @@ impl Firefly {
                     }
                 });
                 if flown != [0.0; D] {
-                    let i = firefly.index as usize;
+                    let i = usize::from(firefly.index);
                     let trial = population.trial(scale.away(population.state(i), 1.0, flown));
                     population.go(i, &trial);
                 }

@@ -15,16 +15,13 @@
 //! * The crowding test compares likelihoods, which underflow. Here it is `ln Y_c - ln n > ln delta + ln Y_i`.
 //! * A perception of 1 m and a step of 0.3 m do nothing to a cloud of 20 m: see [`Lengths::Relative`].
 
-use core::fmt;
-use core::ops::Range;
+mod swim;
 
-use super::lengths::{Lengths, Scale, any_direction, difference, direction};
-use super::neighbours::{Around, Grid, Mate, Neighbours};
-use super::population::{Population, halves, others};
-use super::{Acceptance, Refinement, Report, Workspace};
+use core::fmt;
+
+use super::Acceptance;
+use super::lengths::Lengths;
 use crate::math::ln;
-use crate::model::Likelihood;
-use crate::random::{Rng, uniform};
 
 /// A school of fish: each particle is one.
 ///
@@ -34,8 +31,8 @@ use crate::random::{Rng, uniform};
 /// the snooker update of ter Braak and Vrugt (2008). Perception, crowding, tries and threshold have no meaning.
 ///
 /// Neighbours are found by a grid, in time proportional to the number of fish times the number of mates that one
-/// sees: 1,300 modelled cycles of a Cortex-M4F for each of 1,000 fish that see a dozen mates. The rest of an
-/// iteration takes 600, and a step of the Metropolis form 400 to 600, with a density that costs next to nothing.
+/// sees: 700 modelled cycles of a Cortex-M4F for each of 1,000 fish that see a dozen mates. The rest of an iteration
+/// takes 600, and a step of the Metropolis form 500, with a density that costs next to nothing.
 ///
 /// ```
 /// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
@@ -141,9 +138,6 @@ impl fmt::Display for ConfigurationError {
 }
 
 impl core::error::Error for ConfigurationError {}
-
-/// With [`Acceptance::Metropolis`], this many mates have a centre and a best.
-const COMPANIONS: usize = 4;
 
 impl FishSchool {
     /// A school that sees as far as `perception` and swims up to `step` at a time, both in the unit of `lengths`.
@@ -254,224 +248,6 @@ impl FishSchool {
         };
         particles.saturating_mul(1 + self.iterations as usize * each)
     }
-
-    /// Where a fish that sees mates swims: the offset of a place that is good and not crowded.
-    #[inline(always)]
-    fn company<const D: usize, T: Likelihood<D>>(
-        &self,
-        population: &mut Population<'_, '_, D, T>,
-        fish: &Mate<D>,
-        sight: &Sight<D>,
-        scale: &Scale<D>,
-    ) -> Option<[f32; D]> {
-        if sight.mates == 0 {
-            return None;
-        }
-        let required = self.log_crowding + fish.log_density + ln(sight.mates as f32);
-        let swarm = if self.behaviour.swarms() {
-            let here = population.state(fish.index as usize);
-            population
-                .trial(scale.away(here, 1.0, sight.centre))
-                .log_density
-        } else {
-            f32::NEG_INFINITY
-        };
-        let best = sight.best_log_density;
-        if self.behaviour.follows()
-            && best > required
-            && best > swarm
-            && let Some(offset) = sight.best
-        {
-            return Some(offset);
-        }
-        (swarm > required).then_some(sight.centre)
-    }
-
-    /// Searches for prey, and says in which direction to swim.
-    #[inline(always)]
-    fn prey<const D: usize, T: Likelihood<D>, R: Rng + ?Sized>(
-        &self,
-        population: &mut Population<'_, '_, D, T>,
-        i: usize,
-        scale: &Scale<D>,
-        rng: &mut R,
-    ) -> [f32; D] {
-        let here = population.state(i);
-        for _ in 0..self.tries {
-            let direction = any_direction(rng);
-            let far = self.perception * uniform(rng);
-            let trial = population.trial(scale.away(here, far, direction));
-            if trial.log_density > population.log_density(i) {
-                return direction;
-            }
-        }
-        match self.heading {
-            Heading::Random => any_direction(rng),
-            Heading::Diagonal => [1.0; D],
-        }
-    }
-
-    /// One iteration as published: every fish swims by what it saw at the beginning.
-    fn swim<const D: usize, T: Likelihood<D>, R: Rng + ?Sized>(
-        &self,
-        population: &mut Population<'_, '_, D, T>,
-        scale: &Scale<D>,
-        grid: &mut Grid<'_, D>,
-        rng: &mut R,
-    ) {
-        let go = |population: &mut Population<'_, '_, D, T>, i, company: Option<_>, rng: &mut R| {
-            let heading = match company.and_then(direction) {
-                Some(heading) => heading,
-                None => self.prey(population, i, scale, rng),
-            };
-            let far = self.step * uniform(rng);
-            let trial = population.trial(scale.away(population.state(i), far, heading));
-            population.go(i, &trial);
-        };
-        if self.behaviour == Behaviour::Prey {
-            for i in 0..population.len() {
-                go(population, i, None, rng);
-            }
-            return;
-        }
-        let neighbours = Neighbours::new(population, scale, self.perception, grid);
-        for (cell, around) in neighbours.cells() {
-            for fish in cell {
-                let sight = Sight::of(&neighbours, fish, &around);
-                let company = self.company(population, fish, &sight, scale);
-                go(population, fish.index as usize, company, rng);
-            }
-        }
-    }
-
-    /// One iteration that leaves the target invariant.
-    fn wander<const D: usize, T: Likelihood<D>, R: Rng + ?Sized>(
-        &self,
-        population: &mut Population<'_, '_, D, T>,
-        (members, rest): (Range<usize>, Range<usize>),
-        rng: &mut R,
-    ) {
-        let scale = population.scale(self.lengths, rest);
-        let particles = population.len();
-        for i in members {
-            let heading = any_direction(rng);
-            let far = self.step * uniform(rng);
-            let trial = population.trial(scale.away(population.state(i), far, heading));
-            population.metropolis(i, &trial, 0.0, rng);
-
-            let mut companions = [i; COMPANIONS];
-            let mut choose = |rng: &mut R| {
-                for companion in &mut companions {
-                    // One may be chosen twice. A single fish has itself for company, and stays where it is.
-                    [*companion] = others(particles, i, rng).unwrap_or([i]);
-                }
-                companions
-            };
-            if self.behaviour.swarms() {
-                let centre = centre(choose(rng).map(|j| population.state(j)));
-                population.snooker(i, centre, &scale, rng);
-            }
-            if self.behaviour.follows() {
-                let [mut best, rest @ ..] = choose(rng);
-                for j in rest {
-                    if population.log_density(j) > population.log_density(best) {
-                        best = j;
-                    }
-                }
-                population.snooker(i, population.state(best), &scale, rng);
-            }
-        }
-    }
-
-    fn has_settled(&self, before: f32, after: f32) -> bool {
-        // False for a threshold of zero, and if no fish was or is anywhere.
-        (after - before).abs() < self.threshold
-    }
-}
-
-impl<const D: usize> Refinement<D> for FishSchool {
-    fn refine<R: Rng + ?Sized>(
-        &self,
-        columns: &mut [&mut [f32]; D],
-        target: &impl Likelihood<D>,
-        workspace: &mut Workspace<'_, D>,
-        rng: &mut R,
-    ) -> Report {
-        let mut population = Population::new(columns, target, workspace.log_densities);
-        let scale = population.scale(self.lengths, 0..population.len());
-        let mut highest = population.highest();
-        for _ in 0..self.iterations {
-            population.report.iterations += 1;
-            match self.acceptance {
-                Acceptance::Greedy => {
-                    self.swim(&mut population, &scale, &mut workspace.grid, rng);
-                    let before = highest;
-                    highest = population.highest();
-                    if self.has_settled(before, highest) {
-                        break;
-                    }
-                }
-                // To stop by what was found would not leave the target invariant.
-                Acceptance::Metropolis => {
-                    for half in halves(population.len()) {
-                        self.wander(&mut population, half, rng);
-                    }
-                }
-            }
-        }
-        population.report
-    }
-
-    fn evaluations(&self, particles: usize) -> usize {
-        Self::evaluations(self, particles)
-    }
-}
-
-/// What a fish sees of its mates, itself left out.
-struct Sight<const D: usize> {
-    mates: u32,
-    /// Offset of their centre.
-    centre: [f32; D],
-    /// Offset of the best of them, if it is better off than the fish.
-    best: Option<[f32; D]>,
-    best_log_density: f32,
-}
-
-impl<const D: usize> Sight<D> {
-    #[inline(always)]
-    fn of(neighbours: &Neighbours<'_, D>, fish: &Mate<D>, around: &Around<'_, D>) -> Self {
-        let mut seen = 0u32;
-        let mut sum = [0.0; D];
-        let mut best = fish;
-        neighbours.within_reach(fish, around, |mate, offset, _| {
-            // The fish sees itself, too, without an effect on the sum.
-            seen += 1;
-            for (sum, offset) in sum.iter_mut().zip(offset) {
-                *sum += offset;
-            }
-            if mate.log_density > best.log_density {
-                best = mate;
-            }
-        });
-        let mates = seen.saturating_sub(1);
-        let share = 1.0 / mates as f32;
-        Self {
-            mates,
-            centre: sum.map(|x| x * share),
-            best: (best.index != fish.index).then(|| difference(best.position, fish.position)),
-            best_log_density: best.log_density,
-        }
-    }
-}
-
-fn centre<const D: usize>(states: [[f32; D]; COMPANIONS]) -> [f32; D] {
-    let mut centre = [0.0; D];
-    for state in states {
-        for (centre, x) in centre.iter_mut().zip(state) {
-            *centre += x * (1.0 / COMPANIONS as f32);
-        }
-    }
-    centre
 }
 
 /// Positive, finite, and not so small that its inverse is infinite.

@@ -1,7 +1,9 @@
 //! What a distance between states is measured in.
 
-use crate::math::sqrt;
-use crate::random::{Rng, normal};
+use core::f32::consts::TAU;
+
+use crate::math::{sin_cos, sqrt};
+use crate::random::{Rng, normal, uniform};
 
 /// The unit of the distances in the configuration of a refinement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -93,19 +95,38 @@ pub(super) fn dot<const D: usize>(a: [f32; D], b: [f32; D]) -> f32 {
     sum
 }
 
+/// The square of the length of `offset`.
+#[inline(always)]
+pub(super) fn square<const D: usize>(offset: [f32; D]) -> f32 {
+    dot(offset, offset)
+}
+
 /// The direction of `offset`, of length one; `None` when it has none.
 #[inline(always)]
 pub(super) fn direction<const D: usize>(offset: [f32; D]) -> Option<[f32; D]> {
-    let length = sqrt(dot(offset, offset));
+    let length = sqrt(square(offset));
     let inverse = 1.0 / length;
     (length > 0.0 && inverse > 0.0).then(|| offset.map(|x| x * inverse))
 }
 
-/// A direction of length one, each as likely.
+/// A direction of length one, each as likely, and a share of the way, uniform between 0 and 1.
 #[inline(always)]
-pub(super) fn any_direction<const D: usize, R: Rng + ?Sized>(rng: &mut R) -> [f32; D] {
-    let mut sample = [0.0; D];
-    sample.fill_with(|| normal(rng));
+pub(super) fn anywhere<const D: usize, R: Rng + ?Sized>(rng: &mut R) -> ([f32; D], f32) {
+    let mut direction_taken = [0.0; D];
+    if D == 2 {
+        // One draw for both: 65,536 directions and as many lengths.
+        const STEP: f32 = 1.0 / 65_536.0;
+        let word = rng.next_u32();
+        let (sin, cos) = sin_cos((word >> 16) as f32 * (TAU * STEP));
+        for (x, component) in direction_taken.iter_mut().zip([cos, sin]) {
+            *x = component;
+        }
+        return (direction_taken, (f32::from(word as u16) + 0.5) * STEP);
+    }
+    direction_taken.fill_with(|| normal(rng));
     // A normal sample is never zero.
-    direction(sample).unwrap_or(sample)
+    (
+        direction(direction_taken).unwrap_or(direction_taken),
+        uniform(rng),
+    )
 }

@@ -92,8 +92,8 @@ pub struct Report {
     pub moves: usize,
 }
 
-/// What a refinement of `N` particles of `D` dimensions works in: 4 N (D + 3) + 1028 bytes, which hold nothing of
-/// use between calls. One serves any number of filters and refinements.
+/// What a refinement of `N` particles of `D` dimensions works in: 4 N (2 D + 3) + 1028 bytes, which hold nothing of
+/// use between calls. One serves any number of filters and refinements. `N` is at most 65,536, as in a filter.
 #[derive(Debug, Clone)]
 pub struct Memory<const D: usize, const N: usize> {
     log_densities: [f32; N],
@@ -104,6 +104,7 @@ pub struct Memory<const D: usize, const N: usize> {
 impl<const D: usize, const N: usize> Memory<D, N> {
     /// Memory, for a `static` as well.
     pub const fn new() -> Self {
+        const { assert!(N <= 1 << 16, "up to 65,536 particles") };
         Self {
             log_densities: [0.0; N],
             mates: [Mate::NONE; N],

@@ -1,16 +1,22 @@
 //! Which particles are within reach of which, in time about proportional to their number.
 //!
 //! Space is tiled, in the first two dimensions, by squares a little wider than the reach, and every square is
-//! given one of 16 x 16 cells, over and over like the pattern of a wallpaper. What is within reach is then in
-//! the same cell or one of the eight around it, and one distance settles whether it is. There is no edge and
-//! so no outlier that could spoil the grid: particles 16 squares apart share a cell, and know each other only
-//! as a comparison in vain. A state of one dimension has 256 cells in a row.
+//! given one of 256 cells, over and over like the pattern of a wallpaper: the next cell to its neighbour on the right,
+//! the sixteenth from it to the one above. What is within reach is then in the same cell or one of the eight around
+//! it, and one distance settles whether it is. There is no edge and so no outlier that could spoil the grid:
+//! particles 16 squares apart share cells, and know each other only as a comparison in vain.
 
-use super::lengths::{Scale, difference, dot};
+use core::ops::Range;
+
+use super::lengths::{Scale, difference, square};
 use super::population::Population;
 use crate::model::Likelihood;
+use crate::particles::read;
 
 pub(super) const CELLS: usize = 256;
+
+/// Cells from one row to the next.
+const ROW: u8 = 16;
 
 /// A particle as it was when the grid was made.
 #[derive(Debug, Clone, Copy)]
@@ -18,7 +24,11 @@ pub(super) struct Mate<const D: usize> {
     /// In the units of the scale.
     pub(super) position: [f32; D],
     pub(super) log_density: f32,
-    pub(super) index: u32,
+    pub(super) index: u16,
+    /// How many it has met.
+    pub(super) met: u16,
+    /// Sum of their offsets.
+    pub(super) offsets: [f32; D],
 }
 
 impl<const D: usize> Mate<D> {
@@ -26,6 +36,8 @@ impl<const D: usize> Mate<D> {
         position: [0.0; D],
         log_density: f32::NEG_INFINITY,
         index: 0,
+        met: 0,
+        offsets: [0.0; D],
     };
 }
 
@@ -38,13 +50,14 @@ pub(super) struct Grid<'a, const D: usize> {
 
 /// A cloud, sorted by cells.
 pub(super) struct Neighbours<'a, const D: usize> {
-    mates: &'a [Mate<D>],
+    mates: &'a mut [Mate<D>],
     /// Where each cell begins among the mates, and the last one ends.
     cells: &'a [u32; CELLS + 1],
+    tiles: Tiles<D>,
     reach_squared: f32,
 }
 
-/// The mates of up to nine cells in one piece or two for each row.
+/// The mates of up to nine cells, in one piece or two for each row.
 pub(super) type Around<'a, const D: usize> = [&'a [Mate<D>]; 6];
 
 impl<'a, const D: usize> Neighbours<'a, D> {
@@ -59,9 +72,10 @@ impl<'a, const D: usize> Neighbours<'a, D> {
         let particles = population.len().min(grid.mates.len());
         let mates = grid.mates.get_mut(..particles).unwrap_or_default();
         let tiles = Tiles::new(scale.measure(population.state(0)), reach);
+        let columns = population.columns();
         cells.fill(0);
         for i in 0..particles {
-            let cell = tiles.cell(&scale.measure(population.state(i)));
+            let cell = tiles.cell(&scale.measure(read(&columns, i)));
             cells[usize::from(cell)] += 1;
         }
         let mut end = 0;
@@ -70,74 +84,168 @@ impl<'a, const D: usize> Neighbours<'a, D> {
             *cell = end;
         }
         for i in (0..particles).rev() {
-            let position = scale.measure(population.state(i));
+            let position = scale.measure(read(&columns, i));
             let place = &mut cells[usize::from(tiles.cell(&position))];
             *place -= 1;
             if let Some(mate) = mates.get_mut(*place as usize) {
                 *mate = Mate {
                     position,
                     log_density: population.log_density(i),
-                    index: i as u32,
+                    index: i as u16,
+                    ..Mate::NONE
                 };
             }
         }
         Self {
             mates,
             cells,
+            tiles,
             reach_squared: reach * reach,
         }
     }
 
+    /// The particles, cell by cell.
+    pub(super) fn mates(&self) -> &[Mate<D>] {
+        self.mates
+    }
+
+    /// The best of all that `eye` sees, itself included.
+    pub(super) fn best<'b>(&'b self, eye: &'b Mate<D>) -> &'b Mate<D> {
+        let mut best = eye;
+        let around = self.around(self.tiles.cell(&eye.position));
+        self.within_reach(eye, &around, |mate, _, _| {
+            if mate.log_density > best.log_density {
+                best = mate;
+            }
+        });
+        best
+    }
+
     /// The particles of each cell, with those around them.
-    pub(super) fn cells(&self) -> impl Iterator<Item = (&'a [Mate<D>], Around<'a, D>)> {
-        (0..=u8::MAX).map(|cell| (self.span(cell, cell), self.around(cell)))
+    pub(super) fn cells(&self) -> impl Iterator<Item = (&[Mate<D>], Around<'_, D>)> {
+        (0..=u8::MAX).map(|cell| {
+            let own = self.cell(cell);
+            (self.mates.get(own).unwrap_or_default(), self.around(cell))
+        })
     }
 
     /// Calls `visit` with every mate within reach of `eye`, itself included, its offset and the square of its distance.
     #[inline(always)]
-    pub(super) fn within_reach(
-        &self,
+    pub(super) fn within_reach<'b>(
+        &'b self,
         eye: &Mate<D>,
-        around: &Around<'a, D>,
-        mut visit: impl FnMut(&'a Mate<D>, [f32; D], f32),
+        around: &Around<'b, D>,
+        mut visit: impl FnMut(&'b Mate<D>, [f32; D], f32),
     ) {
         for block in around {
             for mate in *block {
                 let offset = difference(mate.position, eye.position);
-                let square = dot(offset, offset);
-                if square <= self.reach_squared {
-                    visit(mate, offset, square);
+                let distance_squared = square(offset);
+                if distance_squared <= self.reach_squared {
+                    visit(mate, offset, distance_squared);
                 }
             }
         }
     }
 
-    fn around(&self, cell: u8) -> Around<'a, D> {
-        let last = Tiles::<D>::LAST_COLUMN;
-        let (row, column) = (cell & !last, cell & last);
-        // Above and below the outermost rows are the opposite ones: the sum wraps.
-        let rows: &[u8] = if D == 1 { &[0] } else { &[0xf0, 0, 0x10] };
-        let mut around = [[].as_slice(); 6];
-        for (pieces, offset) in around.as_chunks_mut::<2>().0.iter_mut().zip(rows) {
-            let row = row.wrapping_add(*offset);
-            let span = |from: u8, to: u8| self.span(row | from, row | to);
-            *pieces = if column == 0 {
-                [span(0, 1), span(last, last)]
-            } else if column == last {
-                [span(last - 1, last), span(0, 0)]
-            } else {
-                [span(column - 1, column + 1), &[]]
-            };
+    /// Lets every two particles that are within reach meet: each counts the other, and adds its offset.
+    #[inline(never)]
+    pub(super) fn meet(&mut self) {
+        for cell in 0..=u8::MAX {
+            // Half of what is around a cell: each of the others has it in its own half.
+            let own = self.cell(cell);
+            let [right, wrapped] = self.span(cell, cell.wrapping_add(1));
+            let mut group = self.mates.get_mut(right).unwrap_or_default();
+            for _ in own.clone() {
+                let Some((eye, others)) = group.split_first_mut() else {
+                    break;
+                };
+                eye.meet(others, self.reach_squared);
+                group = others;
+            }
+            let [above, above_wrapped] = self.row_above(cell);
+            for block in [above, wrapped, above_wrapped] {
+                if block.is_empty() {
+                    continue;
+                }
+                if let Ok([eyes, others]) = self.mates.get_disjoint_mut([own.clone(), block]) {
+                    for eye in eyes {
+                        eye.meet(others, self.reach_squared);
+                    }
+                }
+            }
         }
-        around
     }
 
-    /// The mates of the cells from `first` to `last`.
+    fn around(&self, cell: u8) -> Around<'_, D> {
+        let row = |offset: u8| {
+            let middle = cell.wrapping_add(offset);
+            self.span(middle.wrapping_sub(1), middle.wrapping_add(1))
+        };
+        let rows = if D == 1 {
+            [const { [0..0, 0..0] }, row(0), const { [0..0, 0..0] }]
+        } else {
+            [row(ROW.wrapping_neg()), row(0), row(ROW)]
+        };
+        let [[a, b], [c, d], [e, f]] = rows;
+        [a, b, c, d, e, f].map(|range| self.mates.get(range).unwrap_or_default())
+    }
+
+    fn row_above(&self, cell: u8) -> [Range<usize>; 2] {
+        if D == 1 {
+            return [0..0, 0..0];
+        }
+        self.span(cell.wrapping_add(ROW - 1), cell.wrapping_add(ROW + 1))
+    }
+
+    /// Where the mates of a cell are.
     #[inline(always)]
-    fn span(&self, first: u8, last: u8) -> &'a [Mate<D>] {
-        let from = self.cells[usize::from(first)] as usize;
-        let to = self.cells[usize::from(last) + 1] as usize;
-        self.mates.get(from..to).unwrap_or_default()
+    fn cell(&self, cell: u8) -> Range<usize> {
+        let cell = usize::from(cell);
+        self.cells[cell] as usize..self.cells[cell + 1] as usize
+    }
+
+    /// Where the mates of the cells from `first` to `last` are, which may begin anew after the last cell of all.
+    #[inline(always)]
+    fn span(&self, first: u8, last: u8) -> [Range<usize>; 2] {
+        let (from, to) = (self.cell(first).start, self.cell(last).end);
+        if first <= last {
+            [from..to, 0..0]
+        } else {
+            [from..self.mates.len(), 0..to]
+        }
+    }
+}
+
+impl<const D: usize> Mate<D> {
+    /// Meets those of a group that are within reach.
+    #[inline(always)]
+    fn meet(&mut self, group: &mut [Self], reach_squared: f32) {
+        // In registers, as long as the group lasts.
+        let (mut met, mut offsets) = (self.met, self.offsets);
+        let position = self.position;
+        let mut meet = |mate: &mut Self| {
+            let offset = difference(mate.position, position);
+            if square(offset) <= reach_squared {
+                met = met.wrapping_add(1);
+                mate.met = mate.met.wrapping_add(1);
+                for ((a, b), x) in offsets.iter_mut().zip(&mut mate.offsets).zip(offset) {
+                    *a += x;
+                    *b -= x;
+                }
+            }
+        };
+        let (blocks, rest) = group.as_chunks_mut::<4>();
+        for [a, b, c, d] in blocks {
+            meet(a);
+            meet(b);
+            meet(c);
+            meet(d);
+        }
+        for mate in rest {
+            meet(mate);
+        }
+        (self.met, self.offsets) = (met, offsets);
     }
 }
 
@@ -149,9 +257,6 @@ struct Tiles<const D: usize> {
 }
 
 impl<const D: usize> Tiles<D> {
-    /// Columns are counted in the low bits of a cell's number, rows in the high ones.
-    const LAST_COLUMN: u8 = if D == 1 { 255 } else { 15 };
-
     fn new(origin: [f32; D], reach: f32) -> Self {
         // A fiftieth wider than the reach, which is more than what rounding moves a tile's border by.
         Self {
@@ -162,14 +267,25 @@ impl<const D: usize> Tiles<D> {
 
     #[inline(always)]
     fn cell(&self, position: &[f32; D]) -> u8 {
-        // The conversion saturates: from 32,768 tiles away from the origin on, all share a cell. NaN has one as well.
-        let tile = |x: f32, origin: f32| ((x - origin) * self.inverse + 32_768.0) as u16 as u8;
+        let tile = |x: f32, origin: f32| nearest((x - origin) * self.inverse);
         match (position.as_slice(), self.origin.as_slice()) {
-            ([x, y, ..], [x0, y0, ..]) => (tile(*y, *y0) << 4) | (tile(*x, *x0) & 15),
+            ([x, y, ..], [x0, y0, ..]) => {
+                tile(*y, *y0).wrapping_mul(ROW).wrapping_add(tile(*x, *x0))
+            }
             ([x], [x0]) => tile(*x, *x0),
             _ => 0,
         }
     }
+}
+
+/// The nearest integer, modulo 256. From 32,768 away from zero on, where rounding moves borders by more than tiles
+/// have to spare, all are zero; so is NaN.
+#[inline(always)]
+fn nearest(x: f32) -> u8 {
+    // The last bits of the sum are the integer.
+    const ROUND: f32 = 12_582_912.0;
+    let shifted = (x + ROUND).to_bits().wrapping_sub(ROUND.to_bits() - 32_768);
+    if shifted < 65_536 { shifted as u8 } else { 0 }
 }
 
 #[cfg(test)]
@@ -198,30 +314,34 @@ mod tests {
             let scale = population.scale(lengths, 0..cloud.len());
             let neighbours = Neighbours::new(&population, &scale, reach, &mut grid);
             let mut visited = 0;
+            let mut counts = vec![0; cloud.len()];
             for (cell, around) in neighbours.cells() {
                 for eye in cell {
                     visited += 1;
                     let mut seen = Vec::new();
-                    neighbours.within_reach(eye, &around, |mate, offset, square| {
-                        assert_eq!(dot(offset, offset), square);
+                    neighbours.within_reach(eye, &around, |mate, offset, distance_squared| {
+                        assert_eq!(square(offset), distance_squared);
                         assert_eq!(
                             mate.log_density,
-                            population.log_density(mate.index as usize)
+                            population.log_density(usize::from(mate.index))
                         );
-                        seen.push(mate.index as usize);
+                        seen.push(usize::from(mate.index));
                     });
                     seen.sort_unstable();
-                    let here = scale.measure(cloud[eye.index as usize]);
+                    let here = scale.measure(cloud[usize::from(eye.index)]);
                     let by_definition: Vec<usize> = (0..cloud.len())
                         .filter(|j| {
                             let offset = difference(scale.measure(cloud[*j]), here);
-                            dot(offset, offset) <= reach * reach
+                            square(offset) <= reach * reach
                         })
                         .collect();
                     assert_eq!(seen, by_definition, "{name}, {lengths:?}, reach {reach}");
+                    let others = seen.iter().filter(|j| **j != usize::from(eye.index));
+                    counts[usize::from(eye.index)] = others.count();
                 }
             }
             assert_eq!(visited, cloud.len());
+            assert_all_meet(name, neighbours, &counts);
         }
         let scale = population.scale(Lengths::Relative, 0..cloud.len());
         let neighbours = Neighbours::new(&population, &scale, reach, &mut grid);
@@ -229,6 +349,44 @@ mod tests {
             cell.len() * around.iter().map(|block| block.len()).sum::<usize>()
         });
         compared.sum::<usize>() as f64 / cloud.len() as f64
+    }
+
+    /// Asserts that every particle meets as many others as it sees, and knows the sum of their offsets, and that the best
+    /// that it sees is as good as any.
+    fn assert_all_meet<const D: usize>(
+        name: &str,
+        mut neighbours: Neighbours<'_, D>,
+        counts: &[usize],
+    ) {
+        neighbours.meet();
+        for (cell, around) in neighbours.cells() {
+            for eye in cell {
+                let (mut sum, mut size) = ([0.0; D], 0.0);
+                let mut best = eye.log_density;
+                neighbours.within_reach(eye, &around, |mate, offset, _| {
+                    for (sum, x) in sum.iter_mut().zip(offset) {
+                        *sum += f64::from(x);
+                        size += f64::from(x.abs());
+                    }
+                    best = best.max(mate.log_density);
+                });
+                assert_eq!(
+                    usize::from(eye.met),
+                    counts[usize::from(eye.index)],
+                    "{name}"
+                );
+                assert_eq!(neighbours.best(eye).log_density, best, "{name}");
+                // Of numbers that a sum of this many may lose the last digits of.
+                let lost = size * 1e-7 * counts.len() as f64;
+                let finite = size < f64::from(f32::MAX);
+                for (sum, x) in sum.into_iter().zip(eye.offsets) {
+                    assert!(
+                        !finite || (sum - f64::from(x)).abs() <= lost,
+                        "{name}: {sum} {x}"
+                    );
+                }
+            }
+        }
     }
 
     fn assert_exact_in<const D: usize>() {
