@@ -17,6 +17,8 @@ mod counted;
 mod evolution;
 mod firefly;
 mod fish;
+mod instructions;
+mod methods;
 mod scalar;
 mod statistics;
 

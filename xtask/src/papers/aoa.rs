@@ -4,12 +4,12 @@
 //! and the exact posterior.
 
 use anyhow::Result;
-use foxhunt_host::{simulate, tracks::Track};
-use rayon::prelude::*;
+use foxhunt_host::tracks::Track;
 
 use super::{
     Study,
-    bearings::{Experiment, Method, Outcomes, methods},
+    bearings::{Experiment, Outcomes, methods_of},
+    methods::bearings::{self as methods, LOCATOR_100, PUBLISHED_100, PUBLISHED_1000},
     picture,
     statistics::{Estimate, Experiments},
 };
@@ -26,15 +26,6 @@ struct Reference {
 }
 
 const REFERENCE_RUNS: usize = 1000;
-
-/// With 100 particles a few runs in a thousand are lost, and they make the RMSE: what 1,000 runs can show
-/// of it is only seen from many more.
-const MORE_RUNS: u32 = 20_000;
-
-const PUBLISHED_100: &str = "published.n100";
-const PUBLISHED_1000: &str = "published.n1000";
-const LOCATOR: &str = "locator.n100";
-const GAUSS_NEWTON: &str = "gauss_newton";
 
 /// Runs the experiment on both tracks.
 pub fn run(study: &Study) -> Result<()> {
@@ -58,40 +49,16 @@ pub fn run(study: &Study) -> Result<()> {
     ];
     let mut all = Vec::new();
     for (track, reference) in tracks {
-        let experiment = Experiment::run(
-            track,
-            vec![
-                published(),
-                Method::new(
-                    "particle filter as published, N = 1000",
-                    PUBLISHED_1000,
-                    methods::published::<1000>,
-                ),
-                Method::new("locator, N = 100", LOCATOR, |problem, rng| {
-                    methods::locator::<100>(problem, 2, rng)
-                }),
-                Method::new(
-                    "Gauss-Newton on all bearings",
-                    GAUSS_NEWTON,
-                    |problem, _| methods::gauss_newton(problem),
-                ),
-            ],
-            study.runs.unwrap_or(1000),
-            study.seed,
-        )?;
-        experiment.print();
-        let more = more_runs(&experiment, study.seed)?;
-        println!(
-            "as published, N = 100, in {MORE_RUNS} more runs: RMSE / bound of 1,000 runs {:.2}, 99 % of the time {:.2} to {:.2}",
-            more.quantile(0.5),
-            more.quantile(0.005),
-            more.quantile(0.995),
-        );
+        let key = format!("aoa:{}", track.name.to_lowercase());
+        let methods = methods_of(&key, methods::aoa)?;
+        let experiment = Experiment::run(track, &methods, study.runs.unwrap_or(1000), study.seed)?;
+        experiment.print(&[(PUBLISHED_100, "0.266 %, 0.206 %")]);
+        let more = experiment.more_runs(&methods[0], REFERENCE_RUNS, study.seed)?;
         for method in &experiment.methods {
             all.extend(figures(&experiment, method, &reference, &more));
         }
         let stem = picture(&format!("aoa-{}", experiment.name()));
-        experiment.draw_errors(&[PUBLISHED_100, PUBLISHED_1000, LOCATOR], &stem)?;
+        experiment.draw_errors(&[PUBLISHED_100, PUBLISHED_1000, LOCATOR_100], &stem)?;
         println!("picture: {}\n", stem.with_extension("svg").display());
     }
     println!(
@@ -101,29 +68,6 @@ pub fn run(study: &Study) -> Result<()> {
          the source before it can be known.\n"
     );
     study.conclude(&all)
-}
-
-fn published() -> Method {
-    Method::new(
-        "particle filter as published, N = 100",
-        PUBLISHED_100,
-        methods::published::<100>,
-    )
-}
-
-/// The RMSE that experiments of 1,000 runs find for the published filter with 100 particles, as a multiple of
-/// the bound.
-fn more_runs(experiment: &Experiment, seed: u64) -> Result<Experiments> {
-    let method = published();
-    let pool: Vec<f64> = (0..MORE_RUNS)
-        .into_par_iter()
-        .map(|run| {
-            let mut rng = simulate::generator(!seed, run.into());
-            let [x, y] = method.error(&experiment.track, &mut rng)?;
-            Ok(x.hypot(y) / experiment.bound())
-        })
-        .collect::<Result<_>>()?;
-    Ok(Experiments::draw(&pool, REFERENCE_RUNS, !seed))
 }
 
 fn figures(
@@ -145,7 +89,7 @@ fn figures(
         estimate.distance(expected, REFERENCE_RUNS as f64, experiment.runs() as f64)
     };
     match method.key {
-        LOCATOR => {
+        LOCATOR_100 => {
             for figure in &mut figures {
                 figure.limit = match figure.name.rsplit('.').next() {
                     Some("rmse_over_floor") => Some(1.2),

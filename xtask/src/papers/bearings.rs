@@ -1,19 +1,21 @@
 //! Bearings along a track: methods on the same bearings, beside the exact posterior.
 
-pub mod methods;
-
 use std::path::Path;
 
 use anyhow::{Context, Result};
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use foxhunt::{
-    aoa::Observation,
+    aoa::{
+        BearingLikelihood, Observation,
+        locator::{Answer, Locator},
+    },
+    estimate::Ellipse,
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
 use foxhunt_host::{
     Sight,
     picture::{self, Axis, Curve, Curves, Style},
-    reference::{cramer_rao, mahalanobis},
+    reference::{Posterior, cramer_rao, mahalanobis},
     simulate,
     tracks::Track,
 };
@@ -22,8 +24,16 @@ use nalgebra::Matrix2;
 use rand::Rng;
 use rayon::prelude::*;
 
-use super::statistics::{Estimate, bootstrap, median, root_mean_square};
+use super::{
+    counted::{Counted, Counter},
+    instructions::{Instructions, short},
+    methods::bearings::{self as methods, Bearings, Visit, Watch},
+    statistics::{Estimate, Experiments, bootstrap, median, root_mean_square},
+};
 use crate::figures::Figure;
+
+/// 95 % of a normal distribution in the plane lie within this Mahalanobis distance.
+const NINETY_FIVE: f64 = 2.447_746_830_680_816;
 
 /// The bearings of one run.
 pub struct Problem {
@@ -67,33 +77,129 @@ pub struct Outcome {
 
 /// A method to run.
 pub struct Method {
-    pub label: String,
+    pub label: &'static str,
     /// In the names of figures.
     pub key: &'static str,
+    /// Instructions of a run.
+    pub instructions: f64,
     run: Box<Run>,
 }
 
 type Run = dyn Fn(&Problem, &mut Xoshiro128PlusPlus) -> Result<Outcome> + Sync;
 
 impl Method {
-    pub fn new(
-        label: impl Into<String>,
-        key: &'static str,
-        run: impl Fn(&Problem, &mut Xoshiro128PlusPlus) -> Result<Outcome> + Sync + 'static,
-    ) -> Self {
-        Self {
-            label: label.into(),
-            key,
-            run: Box::new(run),
-        }
-    }
-
     /// The last error in one run.
-    pub fn error(&self, track: &Track, rng: &mut impl Rng) -> Result<[f64; 2]> {
+    fn error(&self, track: &Track, rng: &mut impl Rng) -> Result<[f64; 2]> {
         let problem = Problem::new(track, rng)?;
         let mut own = Xoshiro128PlusPlus::from_rng(rng);
         Ok((self.run)(&problem, &mut own)?.error)
     }
+}
+
+/// The methods that a study hands to a visitor, with what the board took for each.
+pub fn methods_of(study: &str, visit: impl FnOnce(&mut Collected)) -> Result<Vec<Method>> {
+    let mut collected = Collected(Vec::new());
+    visit(&mut collected);
+    let instructions = Instructions::of(study)?;
+    let mut methods = collected.0;
+    for method in &mut methods {
+        method.instructions = instructions.per_run(method.label)?.value;
+    }
+    Ok(methods)
+}
+
+/// Methods as a study hands them over.
+pub struct Collected(Vec<Method>);
+
+impl Visit for Collected {
+    fn method(
+        &mut self,
+        label: &'static str,
+        key: &'static str,
+        method: impl methods::Method + Send + Sync + 'static,
+    ) {
+        self.0.push(Method {
+            label,
+            key,
+            instructions: 0.0,
+            run: Box::new(move |problem, rng| locate(problem, &method, rng)),
+        });
+    }
+}
+
+fn locate(
+    problem: &Problem,
+    method: &impl methods::Method,
+    rng: &mut Xoshiro128PlusPlus,
+) -> Result<Outcome> {
+    let counter = Counter::default();
+    let likelihoods: Vec<Counted<'_, BearingLikelihood>> = problem
+        .observations
+        .iter()
+        .map(|observation| counter.of(BearingLikelihood::new(observation)))
+        .collect();
+    let bearings = Bearings {
+        observations: &problem.observations,
+        likelihoods: &likelihoods,
+        process: problem.track.process as f32,
+    };
+    let mut watcher = Watcher {
+        problem,
+        path: Vec::new(),
+        counter: &counter,
+        locator: None,
+    };
+    let estimate = method
+        .locate(bearings, rng, &mut watcher)
+        .context("the method found no source")?;
+    let source = problem.track.source.map(|v| v as f32);
+    Ok(Outcome {
+        error: problem.error(estimate.position),
+        covered: Ellipse::of_normal(estimate.position, estimate.covariance, 0.95).contains(source),
+        path: watcher.path,
+        evaluations: counter.calls(),
+    })
+}
+
+struct Watcher<'a> {
+    problem: &'a Problem,
+    path: Vec<Option<[f64; 2]>>,
+    counter: &'a Counter,
+    /// The particles of a locator that had a fix before the last bearing.
+    locator: Option<[Vec<f32>; 2]>,
+}
+
+impl Watch for Watcher<'_> {
+    fn estimate(&mut self, position: Option<[f32; 2]>) {
+        let error = position.map(|position| self.problem.error(position));
+        self.path.push(error);
+    }
+
+    /// What a locator evaluates for each particle can be told from whether they moved.
+    fn pushed<const N: usize>(&mut self, locator: &Locator<N>, moves: u8) {
+        let Answer::Fix(_) = locator.answer() else {
+            return;
+        };
+        let (kept, moves) = (locator.observations().len(), usize::from(moves));
+        let columns = locator.columns().map(<[f32]>::to_vec);
+        self.counter.add(match &self.locator {
+            None => N * kept * (moves + 2),
+            Some(before) if *before == columns => N,
+            Some(_) => N * (1 + kept * (moves + 1)),
+        });
+        self.locator = Some(columns);
+    }
+}
+
+fn floor(problem: &Problem) -> Result<Outcome> {
+    let posterior = Posterior::new(&problem.sights).context("the posterior has no bounds")?;
+    let error = [0, 1].map(|d| posterior.mean[d] - problem.track.source[d]);
+    Ok(Outcome {
+        error,
+        covered: mahalanobis(error, &posterior.covariance) <= NINETY_FIVE,
+        path: Vec::new(),
+        evaluations: 0,
+    })
 }
 
 /// All runs on one track.
@@ -109,8 +215,10 @@ pub struct Experiment {
 
 /// All runs of one method.
 pub struct Outcomes {
-    pub label: String,
+    pub label: &'static str,
     pub key: &'static str,
+    /// Of a run; zero of the exact posterior, which is not for boards.
+    pub instructions: f64,
     runs: Vec<Outcome>,
 }
 
@@ -118,7 +226,7 @@ pub const FLOOR: &str = "floor";
 
 impl Experiment {
     /// Runs every method, and the exact posterior, on the same bearings.
-    pub fn run(track: Track, mut methods: Vec<Method>, runs: u32, seed: u64) -> Result<Self> {
+    pub fn run(track: Track, methods: &[Method], runs: u32, seed: u64) -> Result<Self> {
         let clean: Vec<Sight> = simulate::bearings(
             &Track {
                 deviation: 0.0,
@@ -138,18 +246,20 @@ impl Experiment {
             .map(|n| cramer_rao(&clean[..n], track.source).map(|bound| bound.trace().sqrt()))
             .collect();
 
-        methods.push(Method::new(
-            "exact posterior (floor)",
-            FLOOR,
-            |problem, _| methods::floor(problem),
-        ));
+        let exact = Method {
+            label: "exact posterior (floor)",
+            key: FLOOR,
+            instructions: 0.0,
+            run: Box::new(|problem, _| floor(problem)),
+        };
+        let methods: Vec<&Method> = methods.iter().chain([&exact]).collect();
         let runs: Vec<Vec<Outcome>> = (0..runs)
             .into_par_iter()
             .progress_with(super::progress(runs.into(), track.name)?)
             .map(|run| {
                 let mut rng = simulate::generator(seed, run.into());
                 let problem = Problem::new(&track, &mut rng)?;
-                let one = |method: &Method| {
+                let one = |method: &&Method| {
                     let mut own = Xoshiro128PlusPlus::from_rng(&mut rng);
                     (method.run)(&problem, &mut own)
                 };
@@ -162,6 +272,7 @@ impl Experiment {
             .map(|(index, method)| Outcomes {
                 label: method.label,
                 key: method.key,
+                instructions: method.instructions,
                 runs: runs.iter().map(|run| run[index].clone()).collect(),
             })
             .collect();
@@ -186,7 +297,8 @@ impl Experiment {
         self.bound.trace().sqrt()
     }
 
-    pub fn print(&self) {
+    /// Prints the table, with what the paper prints of some methods, by their keys.
+    pub fn print(&self, printed: &[(&str, &str)]) {
         println!(
             "Track {}, {} bearings, {} runs; Cramer-Rao bound {:.2} m",
             self.track.name,
@@ -203,27 +315,27 @@ impl Experiment {
             "off > 5 sigma",
             "95 % ellipse holds",
             "mean |dx| / x, |dy| / y",
+            "the paper's",
             "likelihoods",
+            "M4F instructions",
         ]);
         for column in table.column_iter_mut().skip(1) {
             column.set_cell_alignment(CellAlignment::Right);
         }
         for method in &self.methods {
             let [x, y] = method.relative_errors(self.track.source);
-            let evaluations = method.evaluations();
+            let printed = printed.iter().find(|(key, _)| *key == method.key);
             table.add_row([
-                method.label.clone(),
+                method.label.to_owned(),
                 self.over_bound(method).to_string(),
                 self.over_floor(method).to_string(),
                 format!("{:.2}", method.median().value),
                 format!("{:.1} %", 100.0 * self.beyond_five_sigma(method)),
                 format!("{:.1} %", 100.0 * method.coverage()),
                 format!("{:.3} %, {:.3} %", 100.0 * x, 100.0 * y),
-                if evaluations > 0.0 {
-                    format!("{evaluations:.0}")
-                } else {
-                    String::new()
-                },
+                printed.map_or("", |(_, printed)| *printed).to_owned(),
+                short(method.evaluations()),
+                short(method.instructions),
             ]);
         }
         println!("{table}");
@@ -245,7 +357,36 @@ impl Experiment {
         if method.evaluations() > 0.0 {
             figures.push(figure("evaluations", method.evaluations(), "per run"));
         }
+        if method.instructions > 0.0 {
+            figures.push(figure("instructions", method.instructions, "per run"));
+        }
         figures
+    }
+
+    /// The RMSE that experiments of `runs` runs find for a method, as a multiple of the bound.
+    ///
+    /// A few runs in a thousand of the published filters are lost, and they make the RMSE: what 1,000 runs can show of
+    /// it is only seen from many more.
+    pub fn more_runs(&self, method: &Method, runs: usize, seed: u64) -> Result<Experiments> {
+        const MORE_RUNS: u32 = 20_000;
+        let pool: Vec<f64> = (0..MORE_RUNS)
+            .into_par_iter()
+            .progress_with(super::progress(MORE_RUNS.into(), "lost runs")?)
+            .map(|run| {
+                let mut rng = simulate::generator(!seed, run.into());
+                let [x, y] = method.error(&self.track, &mut rng)?;
+                Ok(x.hypot(y) / self.bound())
+            })
+            .collect::<Result<_>>()?;
+        let experiments = Experiments::draw(&pool, runs, !seed);
+        println!(
+            "{}, in {MORE_RUNS} more runs: RMSE / bound of {runs} runs {:.2}, 99 % of the time {:.2} to {:.2}",
+            method.label,
+            experiments.quantile(0.5),
+            experiments.quantile(0.005),
+            experiments.quantile(0.995),
+        );
+        Ok(experiments)
     }
 
     pub fn floor(&self) -> &Outcomes {
@@ -310,7 +451,7 @@ impl Experiment {
         let [x, y] = self.track.source;
         let near = 12.0 * self.bound();
         let paths = self.named(keys).map(|method| Curve {
-            name: method.label.clone(),
+            name: method.label.into(),
             points: method.runs[0]
                 .path
                 .iter()
@@ -400,7 +541,7 @@ impl Outcomes {
             })
             .unzip();
         (!points.is_empty()).then(|| Curve {
-            name: self.label.clone(),
+            name: self.label.into(),
             points,
             errors,
             style: Style::Line,

@@ -1,28 +1,28 @@
 //! Accuracy against what it costs: every method of the other studies beside the bootstrap filter with as many more
-//! particles as the same number of calls of the model buys.
+//! particles as the same instructions of a Cortex-M4F buy. The emulated board has memory for 20,000 of them.
 
 use anyhow::Result;
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
-use foxhunt::random::Xoshiro128PlusPlus;
 use foxhunt_host::{
     picture::{Axis, Curve, Curves, Style, save},
     tracks::Track,
 };
 
 use super::{
-    Study,
-    bearings::{self, methods as on_bearings},
-    evolution, firefly, fish, picture,
-    scalar::{self, methods},
+    Study, bearings, evolution, firefly, fish,
+    instructions::short,
+    methods::{self, bearings::PUBLISHED, scalar as keys},
+    picture, scalar,
     statistics::Estimate,
 };
 use crate::figures::Figure;
 
 /// What a method takes and gives.
 struct Point {
-    label: String,
+    label: &'static str,
     key: &'static str,
-    /// Calls of the model per run.
+    /// Instructions, and calls of the model, of a run.
+    instructions: f64,
     calls: f64,
     over_floor: Estimate,
 }
@@ -31,13 +31,10 @@ struct Point {
 struct Panel {
     title: &'static str,
     key: &'static str,
-    calls: &'static str,
     /// By rising number of particles.
     bootstrap: Vec<Point>,
     methods: Vec<Point>,
 }
-
-const BOOTSTRAP: &str = "bootstrap";
 
 /// Runs all problems.
 pub fn run(study: &Study) -> Result<()> {
@@ -61,119 +58,84 @@ pub fn run(study: &Study) -> Result<()> {
 }
 
 fn on_track(study: &Study, track: Track) -> Result<Panel> {
-    use bearings::{Method, Outcome, Problem};
-    let published = |run: fn(&Problem, &mut Xoshiro128PlusPlus) -> Result<Outcome>| {
-        Method::new("", BOOTSTRAP, run)
-    };
-    let mut all = vec![
-        published(on_bearings::published::<100>),
-        published(on_bearings::published::<300>),
-        published(on_bearings::published::<1000>),
-        published(on_bearings::published::<3000>),
-        published(on_bearings::published::<10_000>),
-    ];
+    let mut all = bearings::methods_of("ladder:a2", methods::bearings::ladder)?;
+    let rungs = all.len();
     all.extend(fish::methods(&track)?);
-    let experiment = bearings::Experiment::run(track, all, study.runs.unwrap_or(300), study.seed)?;
+    let experiment = bearings::Experiment::run(track, &all, study.runs.unwrap_or(300), study.seed)?;
     let points = experiment.methods.iter().map(|method| Point {
-        label: method.label.clone(),
+        label: method.label,
         key: method.key,
+        instructions: method.instructions,
         calls: method.evaluations(),
         over_floor: experiment.over_floor(method),
     });
-    Ok(Panel::new(
-        "Bearings, track A2",
-        "a2",
-        "likelihoods of a bearing, per run",
-        points,
-    ))
+    Ok(Panel::new("Bearings, track A2", "a2", rungs, points))
 }
 
 fn growth(study: &Study) -> Result<Panel> {
-    let mut all: Vec<firefly::Method> = vec![
-        bootstrap(methods::bootstrap::<50, _, _>),
-        bootstrap(methods::bootstrap::<150, _, _>),
-        bootstrap(methods::bootstrap::<500, _, _>),
-        bootstrap(methods::bootstrap::<1500, _, _>),
-        bootstrap(methods::bootstrap::<5000, _, _>),
-        bootstrap(methods::bootstrap::<15_000, _, _>),
-    ];
+    let mut all: Vec<firefly::Method> = scalar::methods_of("ladder:growth", keys::ladder)?;
+    let rungs = all.len();
     all.extend(firefly::growth_methods()?);
     let experiment = firefly::growth_experiment(study, all, 300)?;
-    let points = points(&experiment);
     Ok(Panel::new(
         "Growth model",
         "growth",
-        "calls of the model per run",
-        points,
+        rungs,
+        points(&experiment),
     ))
 }
 
 fn gamma(study: &Study, variance: f64, title: &'static str, key: &'static str) -> Result<Panel> {
-    let mut all: Vec<evolution::Method> = vec![
-        bootstrap(methods::bootstrap::<10, _, _>),
-        bootstrap(methods::bootstrap::<50, _, _>),
-        bootstrap(methods::bootstrap::<250, _, _>),
-        bootstrap(methods::bootstrap::<1250, _, _>),
-        bootstrap(methods::bootstrap::<6250, _, _>),
-        bootstrap(methods::bootstrap::<20_000, _, _>),
-    ];
-    all.extend(evolution::methods()?);
-    let experiment = evolution::experiment(study, 0.04, variance, all, 300)?;
-    let points = points(&experiment);
-    Ok(Panel::new(title, key, "calls of the model per run", points))
-}
-
-fn bootstrap<P: 'static>(
-    run: fn(&P, &mut Xoshiro128PlusPlus) -> scalar::Estimates,
-) -> scalar::Method<P> {
-    scalar::Method::new("", BOOTSTRAP, run)
+    const OMEGA: f64 = 0.04;
+    let ladder = format!("ladder:gamma:{OMEGA}:{variance:e}");
+    let mut all: Vec<evolution::Method> = scalar::methods_of(&ladder, keys::ladder)?;
+    let rungs = all.len();
+    all.extend(evolution::methods(OMEGA, variance)?);
+    let experiment = evolution::experiment(study, OMEGA, variance, all, 300)?;
+    Ok(Panel::new(title, key, rungs, points(&experiment)))
 }
 
 fn points(experiment: &scalar::Experiment) -> impl Iterator<Item = Point> {
     experiment.methods.iter().map(|method| Point {
-        label: method.label.clone(),
+        label: method.label,
         key: method.key,
+        instructions: method.instructions,
         calls: method.calls(),
         over_floor: experiment.pooled_over_floor(method),
     })
 }
 
 impl Panel {
-    /// Sorts the points; what costs nothing that can be counted is left out, and the same filter a second time.
+    /// Takes the bootstrap filters first, `rungs` of them; leaves them out where they come a second time, and the
+    /// floor.
     fn new(
         title: &'static str,
         key: &'static str,
-        calls: &'static str,
-        points: impl Iterator<Item = Point>,
+        rungs: usize,
+        mut points: impl Iterator<Item = Point>,
     ) -> Self {
-        let (bootstrap, others): (Vec<Point>, Vec<Point>) = points
-            .filter(|point| point.calls > 0.0)
-            .partition(|point| point.label.is_empty());
-        let methods = others
-            .into_iter()
-            .filter(|point| !PLAIN.contains(&point.key))
-            .collect();
         Self {
             title,
             key,
-            calls,
-            bootstrap,
-            methods,
+            bootstrap: points.by_ref().take(rungs).collect(),
+            methods: points
+                .filter(|point| point.instructions > 0.0 && !PLAIN.contains(&point.key))
+                .collect(),
         }
     }
 
-    /// What the bootstrap filter reaches for as many calls: on a straight line between its measured points, in
-    /// logarithms. Beyond the last of them it is said to be there.
-    fn bootstrap_at(&self, calls: f64) -> Estimate {
-        let before = |pair: &&[Point]| pair[1].calls >= calls;
+    /// What the bootstrap filter reaches for as many instructions: on a straight line between its measured points, in
+    /// logarithms. Beyond them it is said to be where the next of them is.
+    fn bootstrap_at(&self, instructions: f64) -> Estimate {
+        let before = |pair: &&[Point]| pair[1].instructions >= instructions;
         let last = &self.bootstrap[self.bootstrap.len() - 1];
         let Some([a, b]) = self.bootstrap.windows(2).find(before) else {
             return last.over_floor;
         };
-        let share = ((calls / a.calls).ln() / (b.calls / a.calls).ln()).max(0.0);
+        let share = (instructions / a.instructions).ln() / (b.instructions / a.instructions).ln();
         let (a, b) = (a.over_floor, b.over_floor);
         Estimate {
-            value: a.value * (b.value / a.value).powf(share),
+            value: a.value * (b.value / a.value).powf(share.max(0.0)),
             error: a.error.max(b.error),
         }
     }
@@ -183,17 +145,26 @@ impl Panel {
         let mut table = Table::new();
         table.load_style(ASCII_MARKDOWN).set_header([
             "method",
-            self.calls,
+            "M4F instructions",
+            "calls of the model",
             "RMSE / floor",
-            "bootstrap filter for as many",
+            "bootstrap filter for as many instructions",
             "verdict",
         ]);
         for column in table.column_iter_mut().skip(1) {
             column.set_cell_alignment(CellAlignment::Right);
         }
+        for rung in &self.bootstrap {
+            table.add_row([
+                format!("bootstrap filter, {}", rung.label),
+                short(rung.instructions),
+                short(rung.calls),
+                rung.over_floor.to_string(),
+            ]);
+        }
         let mut figures = Vec::new();
         for point in &self.methods {
-            let plain = self.bootstrap_at(point.calls);
+            let plain = self.bootstrap_at(point.instructions);
             let Estimate { value, error } = point.over_floor;
             let off = (value - plain.value) / error.hypot(plain.error);
             let verdict = if off > 3.0 {
@@ -204,8 +175,9 @@ impl Panel {
                 "even"
             };
             table.add_row([
-                point.label.clone(),
-                format!("{:.0}", point.calls),
+                point.label.into(),
+                short(point.instructions),
+                short(point.calls),
                 point.over_floor.to_string(),
                 plain.to_string(),
                 verdict.into(),
@@ -215,6 +187,7 @@ impl Panel {
                 Figure::new(name, value, unit)
             };
             figures.extend([
+                figure("instructions", point.instructions, "per run"),
                 figure("calls", point.calls, "per run"),
                 figure("rmse_over_floor", value, ""),
                 figure("rmse_over_floor_error", error, ""),
@@ -230,7 +203,7 @@ impl Panel {
             name: name.into(),
             points: points
                 .iter()
-                .map(|p| (p.calls, p.over_floor.value))
+                .map(|p| (p.instructions, p.over_floor.value))
                 .collect(),
             errors: points.iter().map(|p| p.over_floor.error).collect(),
             style,
@@ -239,7 +212,7 @@ impl Panel {
             .methods
             .iter()
             .filter(|point| point.over_floor.value < 10.0 * self.bootstrap[0].over_floor.value)
-            .map(|point| curve(&point.label, std::slice::from_ref(point), Style::Dots));
+            .map(|point| curve(point.label, std::slice::from_ref(point), Style::Dots));
         let bootstrap = curve(
             "bootstrap filter, more and more particles",
             &self.bootstrap,
@@ -252,7 +225,7 @@ impl Panel {
             .fold(1.0, |highest, (_, ratio)| ratio.max(highest));
         Curves {
             title: self.title.into(),
-            horizontal: Axis::logarithmic(self.calls),
+            horizontal: Axis::logarithmic("instructions of a Cortex-M4F, per run"),
             vertical: Axis {
                 name: "RMSE / floor".into(),
                 logarithmic: highest > 5.0,
@@ -262,12 +235,12 @@ impl Panel {
     }
 }
 
-/// The bootstrap filter in the other studies.
+/// The bootstrap filter in the other studies, and what is there for show.
 const PLAIN: [&str; 6] = [
-    BOOTSTRAP,
-    "bootstrap.n1000",
-    "published",
-    "pf",
-    "pf.n200",
-    "fish.literal",
+    keys::BOOTSTRAP,
+    keys::BOOTSTRAP_1000,
+    keys::PF,
+    keys::PF_200,
+    PUBLISHED,
+    methods::bearings::FISH_LITERAL,
 ];

@@ -15,7 +15,7 @@ pub struct Counter(Cell<u64>);
 
 impl Counter {
     /// The same model, counted.
-    pub fn of<'a, M>(&'a self, model: &'a M) -> Counted<'a, M> {
+    pub fn of<M>(&self, model: M) -> Counted<'_, M> {
         Counted {
             model,
             counter: self,
@@ -34,7 +34,7 @@ impl Counter {
 /// A model whose calls are counted: each density, likelihood, mean or draw of one state is one.
 #[derive(Clone, Copy)]
 pub struct Counted<'a, M> {
-    model: &'a M,
+    model: M,
     counter: &'a Counter,
 }
 

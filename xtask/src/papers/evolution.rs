@@ -7,10 +7,7 @@ mod legacy;
 
 use anyhow::Result;
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
-use foxhunt::{
-    problems::gamma::{self, GammaNoise, Measurement},
-    refine::{Acceptance, DifferentialEvolution},
-};
+use foxhunt::problems::gamma::{self, GammaNoise, Measurement};
 use foxhunt_host::{
     picture::{Axis, Curve, Curves, Style, save},
     reference, simulate,
@@ -20,11 +17,11 @@ use rayon::prelude::*;
 
 use self::legacy::Legacy;
 use super::{
-    Study, picture,
-    scalar::{
-        self, Experiment, STEPS,
-        methods::{self, Target},
-    },
+    Study,
+    instructions::short,
+    methods::scalar::{self as methods, *},
+    picture,
+    scalar::{self, Experiment, STEPS},
     statistics::Estimate,
 };
 use crate::figures::Figure;
@@ -38,19 +35,8 @@ const VARIANCES: [f64; 4] = [1e-5, 0.01, 0.1, 1.0];
 /// That of the original study, which gives the paper's table, and the one that the paper prints.
 const OMEGAS: [f64; 2] = [0.04, 0.4];
 
-const PF: &str = "pf";
-const PFDE: &str = "pfde";
-const PFDE_LIKELIHOOD: &str = "pfde.likelihood";
-const UPF: &str = "upf";
-const UPFDE: &str = "upfde";
-const AUXILIARY: &str = "auxiliary";
-const PF_200: &str = "pf.n200";
-const UPFDE_LIKELIHOOD: &str = "upfde.likelihood";
-const POINT_MASS: &str = "point_mass";
-const METROPOLIS: &str = "evolution.metropolis";
-
 /// Ours that keep the posterior.
-const OURS: [&str; 3] = [AUXILIARY, POINT_MASS, METROPOLIS];
+const OURS: [&str; 3] = [AUXILIARY, POINT_MASS, EVOLUTION];
 
 /// Runs the experiments.
 pub fn run(study: &Study) -> Result<()> {
@@ -60,13 +46,19 @@ pub fn run(study: &Study) -> Result<()> {
     }
     let mut curves: Vec<Curve> = Vec::new();
     for variance in VARIANCES {
-        let experiment = experiment(study, OMEGAS[0], variance, methods()?, RUNS)?;
+        let experiment = experiment(
+            study,
+            OMEGAS[0],
+            variance,
+            methods(OMEGAS[0], variance)?,
+            RUNS,
+        )?;
         figures.extend(report(&experiment, OMEGAS[0], variance));
         let others = experiment.methods.iter().filter(|m| m.key != scalar::FLOOR);
         for (index, method) in others.enumerate() {
             if curves.len() <= index {
                 curves.push(Curve {
-                    name: method.label.clone(),
+                    name: method.label.into(),
                     style: Style::DotsAndLine,
                     ..Curve::default()
                 });
@@ -77,12 +69,13 @@ pub fn run(study: &Study) -> Result<()> {
         }
         let stem = picture(&format!("evolution-{variance:e}"));
         let title = format!("Gamma noise, R = {variance:e}, N = {N}");
-        experiment.draw(&title, &[PF, PFDE, UPFDE, METROPOLIS, scalar::FLOOR], &stem)?;
+        experiment.draw(&title, &[PF, PFDE, UPFDE, EVOLUTION, scalar::FLOOR], &stem)?;
         println!("picture: {}\n", stem.with_extension("svg").display());
     }
     // The printed omega too, where the paper measures.
-    let printed = experiment(study, OMEGAS[1], VARIANCES[0], methods()?, RUNS)?;
-    figures.extend(report(&printed, OMEGAS[1], VARIANCES[0]));
+    let (omega, variance) = (OMEGAS[1], VARIANCES[0]);
+    let printed = experiment(study, omega, variance, methods(omega, variance)?, RUNS)?;
+    figures.extend(report(&printed, omega, variance));
 
     let stem = picture("evolution");
     let picture = Curves {
@@ -274,7 +267,9 @@ fn report(experiment: &Experiment, omega: f64, variance: f64) -> Vec<Figure> {
         "variance",
         "median",
         "RMSE / floor",
+        "95 % of the cloud hold",
         "calls of the model",
+        "M4F instructions",
     ]);
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
@@ -291,12 +286,14 @@ fn report(experiment: &Experiment, omega: f64, variance: f64) -> Vec<Figure> {
         let (mean, spread) = (method.mean(), method.variance());
         let digits = (3.0 - mean.value.log10().floor()) as usize;
         table.add_row([
-            method.label.clone(),
+            method.label.into(),
             format!("{:.digits$} ± {:.digits$}", mean.value, mean.error),
             format!("{spread:.1e}"),
             format!("{:.digits$}", method.median()),
             over_floor.to_string(),
-            format!("{:.0}", method.calls()),
+            scalar::percent(method.coverage()),
+            short(method.calls()),
+            short(method.instructions),
         ]);
         let figure = |what: &str, value, unit| {
             Figure::new(format!("{prefix}.{}.{what}", method.key), value, unit)
@@ -308,59 +305,33 @@ fn report(experiment: &Experiment, omega: f64, variance: f64) -> Vec<Figure> {
             if precise { rmse.at_most(0.006) } else { rmse },
             figure("rmse_error", mean.error, ""),
             figure("rmse_variance", spread, ""),
-            if method.key == METROPOLIS {
+            if method.key == EVOLUTION {
                 over.at_most(1.03)
             } else {
                 over
             },
-            figure("calls", method.calls(), "per run"),
         ]);
+        if method.key != scalar::FLOOR {
+            figures.push(figure("calls", method.calls(), "per run"));
+            figures.push(figure("instructions", method.instructions, "per run"));
+        }
+        figures.extend(
+            method
+                .coverage()
+                .map(|share| figure("coverage", share, "of steps")),
+        );
     }
-    println!("{table}\n");
+    println!("{table}");
+    println!(
+        "Of {N} particles of equal weight, drawn from the exact posterior, the outermost hold the state in {:.1} % of \
+         the steps.\n",
+        100.0 * (N - 1) as f64 / (N + 1) as f64
+    );
     figures.push(Figure::new(format!("{prefix}.best.rmse_over_floor"), best, "").at_most(1.03));
     figures
 }
 
-/// All methods that are compared.
-pub fn methods() -> Result<Vec<Method>> {
-    let published = DifferentialEvolution::new();
-    let chain = DifferentialEvolution::new()
-        .generations(2)?
-        .acceptance(Acceptance::Metropolis);
-    Ok(vec![
-        Method::new("PF", PF, methods::bootstrap::<N, _, _>),
-        Method::new("PF, N = 200", PF_200, methods::bootstrap::<200, _, _>),
-        Method::new("PFDE", PFDE, move |problem, rng| {
-            methods::evolved::<N, _, _>(problem, &published, Target::Posterior, rng)
-        }),
-        Method::new(
-            "PFDE, fitness likelihood",
-            PFDE_LIKELIHOOD,
-            move |problem, rng| {
-                methods::evolved::<N, _, _>(problem, &published, Target::Likelihood, rng)
-            },
-        ),
-        Method::new("UPF", UPF, methods::unscented::<N, _, _>),
-        Method::new("UPFDE", UPFDE, move |problem, rng| {
-            methods::unscented_evolved::<N, _, _>(problem, &published, Target::Posterior, rng)
-        }),
-        Method::new(
-            "UPFDE, fitness likelihood",
-            UPFDE_LIKELIHOOD,
-            move |problem, rng| {
-                methods::unscented_evolved::<N, _, _>(problem, &published, Target::Likelihood, rng)
-            },
-        ),
-        Method::new(
-            "adapted auxiliary filter",
-            AUXILIARY,
-            methods::auxiliary::<N, 32, _, _>,
-        ),
-        Method::new("tempered point mass", POINT_MASS, |problem, _| {
-            methods::point_mass::<N, 64, _, _>(problem)
-        }),
-        Method::new("evolution, Metropolis", METROPOLIS, move |problem, rng| {
-            methods::chain::<N, _, _>(problem, &published, &chain, 40, rng)
-        }),
-    ])
+/// All methods that are compared, on this drift and this variance.
+pub fn methods(omega: f64, variance: f64) -> Result<Vec<Method>> {
+    scalar::methods_of(&format!("gamma:{omega}:{variance:e}"), methods::gamma)
 }

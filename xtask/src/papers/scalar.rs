@@ -1,11 +1,12 @@
 //! A state of one dimension over some steps: methods on the same measurements, beside the exact filter.
 
-pub mod methods;
-
 use std::{ops::Range, path::Path};
 
 use anyhow::Result;
-use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
+use foxhunt::{
+    proposal::{Sensor, Transition},
+    random::{SeedableRng, Xoshiro128PlusPlus},
+};
 use foxhunt_host::{
     picture::{self, Axis, Curve, Curves, Style},
     simulate,
@@ -13,7 +14,12 @@ use foxhunt_host::{
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 
-use super::statistics::{Estimate, bootstrap, median};
+use super::{
+    counted::Counter,
+    instructions::Instructions,
+    methods::scalar::{self as methods, Visit},
+    statistics::{Estimate, bootstrap, median},
+};
 
 /// Steps of a run, in both papers.
 pub const STEPS: usize = 50;
@@ -31,35 +37,93 @@ pub struct Problem<T, M> {
 }
 
 /// What a method made of one run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Estimates {
     pub means: Vec<f64>,
+    /// Steps in which the middle 95 % of the cloud hold the state.
+    covered: usize,
     /// Calls of the model.
     pub calls: u64,
 }
 
 /// A method to run.
 pub struct Method<P> {
-    pub label: String,
+    pub label: &'static str,
     /// In the names of figures.
     pub key: &'static str,
+    /// Instructions of a run.
+    pub instructions: f64,
     run: Box<Run<P>>,
 }
 
 type Run<P> = dyn Fn(&P, &mut Xoshiro128PlusPlus) -> Estimates + Sync;
 
-impl<P> Method<P> {
-    pub fn new(
-        label: impl Into<String>,
-        key: &'static str,
-        run: impl Fn(&P, &mut Xoshiro128PlusPlus) -> Estimates + Sync + 'static,
-    ) -> Self {
-        Self {
-            label: label.into(),
-            key,
-            run: Box::new(run),
-        }
+/// The methods that a study hands to a visitor, with what the board took for each.
+pub fn methods_of<P>(study: &str, visit: impl FnOnce(&mut Collected<P>)) -> Result<Vec<Method<P>>> {
+    let mut collected = Collected(Vec::new());
+    visit(&mut collected);
+    let instructions = Instructions::of(study)?;
+    let mut methods = collected.0;
+    for method in &mut methods {
+        method.instructions = instructions.per_run(method.label)?.value;
     }
+    Ok(methods)
+}
+
+/// Methods as a study hands them over.
+pub struct Collected<P>(Vec<Method<P>>);
+
+impl<T: Transition<1> + Copy, M: Sensor<1, 1> + Copy> Visit for Collected<Problem<T, M>> {
+    fn method(
+        &mut self,
+        label: &'static str,
+        key: &'static str,
+        method: impl methods::Method + Send + Sync + 'static,
+    ) {
+        self.0.push(Method {
+            label,
+            key,
+            instructions: 0.0,
+            run: Box::new(move |problem, rng| track(problem, &method, rng)),
+        });
+    }
+}
+
+fn track<T: Transition<1> + Copy, M: Sensor<1, 1> + Copy>(
+    problem: &Problem<T, M>,
+    method: &impl methods::Method,
+    rng: &mut Xoshiro128PlusPlus,
+) -> Estimates {
+    let counter = Counter::default();
+    let counted =
+        |&(dynamics, measurement): &(T, M)| (counter.of(dynamics), counter.of(measurement));
+    let mut estimates = Estimates::default();
+    let steps = problem.steps.iter().map(counted);
+    method.track(problem.start, steps, rng, |mean, column, log_weights| {
+        let state = problem.truth[estimates.means.len()];
+        estimates.means.push(mean.into());
+        estimates.covered += usize::from(covers(column, log_weights, state));
+    });
+    estimates.calls = counter.calls();
+    estimates
+}
+
+/// Whether the middle 95 % of a cloud hold a state.
+fn covers(column: &[f32], log_weights: &[f32], state: f64) -> bool {
+    let highest = log_weights.iter().copied().fold(f32::MIN, f32::max);
+    let [mut below, mut above, mut all] = [0.0; 3];
+    for (x, log_weight) in column.iter().zip(log_weights) {
+        let (x, weight) = (f64::from(*x), f64::from(log_weight - highest).exp());
+        all += weight;
+        below += if x <= state { weight } else { 0.0 };
+        above += if x >= state { weight } else { 0.0 };
+    }
+    below >= 0.025 * all && above >= 0.025 * all
+}
+
+/// A share, if there is one.
+pub fn percent(share: Option<f64>) -> String {
+    share.map_or_else(String::new, |share| format!("{:.1} %", 100.0 * share))
 }
 
 /// All runs of all methods.
@@ -72,12 +136,15 @@ pub struct Experiment {
 
 /// All runs of one method.
 pub struct Outcomes {
-    pub label: String,
+    pub label: &'static str,
     pub key: &'static str,
+    /// Of a run; zero of the exact filter, which is not for boards.
+    pub instructions: f64,
     /// Estimates in the first run.
     first: Vec<f64>,
     /// Squared errors, of each run and step.
     squares: Vec<Vec<f64>>,
+    covered: usize,
     calls: u64,
 }
 
@@ -92,14 +159,15 @@ impl Experiment {
         runs: u32,
         seed: u64,
     ) -> Result<Self> {
-        methods.push(Method::new(
-            "exact filter (floor)",
-            FLOOR,
-            |problem: &Problem<T, M>, _| Estimates {
+        methods.push(Method {
+            label: "exact filter (floor)",
+            key: FLOOR,
+            instructions: 0.0,
+            run: Box::new(|problem: &Problem<T, M>, _| Estimates {
                 means: problem.exact.clone(),
-                calls: 0,
-            },
-        ));
+                ..Estimates::default()
+            }),
+        });
         let run = |run: u32| {
             let problem = problem(run.into());
             let mut rng = simulate::generator(!seed, run.into());
@@ -118,6 +186,7 @@ impl Experiment {
         let outcomes = |(index, method): (usize, Method<_>)| Outcomes {
             label: method.label,
             key: method.key,
+            instructions: method.instructions,
             first: all[0].1[index].means.clone(),
             squares: all
                 .iter()
@@ -130,6 +199,10 @@ impl Experiment {
                         .collect()
                 })
                 .collect(),
+            covered: all
+                .iter()
+                .map(|(_, estimates)| estimates[index].covered)
+                .sum(),
             calls: all
                 .iter()
                 .map(|(_, estimates)| estimates[index].calls)
@@ -194,7 +267,7 @@ impl Experiment {
             vertical: Axis::linear("state"),
             curves: std::iter::once(truth)
                 .chain(named().map(|method| Curve {
-                    name: method.label.clone(),
+                    name: method.label.into(),
                     points: steps(&method.first),
                     style: Style::DotsAndLine,
                     ..Curve::default()
@@ -246,6 +319,13 @@ impl Outcomes {
         self.calls as f64 / self.squares.len() as f64
     }
 
+    /// Share of the steps in which the middle 95 % of the cloud hold the state; nothing of the exact filter, which
+    /// has no cloud here.
+    pub fn coverage(&self) -> Option<f64> {
+        let steps = self.squares.len() * self.squares[0].len();
+        (self.calls > 0).then(|| self.covered as f64 / steps as f64)
+    }
+
     /// Mean squared error of each run.
     fn mean_squares(&self) -> Vec<f64> {
         let mean = |run: &Vec<f64>| run.iter().sum::<f64>() / run.len() as f64;
@@ -262,7 +342,7 @@ impl Outcomes {
             })
             .unzip();
         Curve {
-            name: self.label.clone(),
+            name: self.label.into(),
             points,
             errors,
             style: Style::Line,

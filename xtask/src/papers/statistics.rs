@@ -105,10 +105,15 @@ impl Experiments {
         self.0[((self.0.len() - 1) as f64 * probability) as usize]
     }
 
+    /// Share of the experiments below `value`.
+    pub fn share_below(&self, value: f64) -> f64 {
+        let below = self.0.partition_point(|experiment| *experiment < value);
+        below as f64 / self.0.len() as f64
+    }
+
     /// Share of the experiments that are nearer to the middle one than `value`.
     pub fn surprise(&self, value: f64) -> f64 {
-        let below = self.0.partition_point(|experiment| *experiment < value) as f64;
-        (2.0 * below / self.0.len() as f64 - 1.0).abs()
+        (2.0 * self.share_below(value) - 1.0).abs()
     }
 }
 
