@@ -413,7 +413,7 @@ mod proof {
         if let Ok(matcher) = Neighbours::new(map, any(3), &settings) {
             _ = black_box(matcher.locate(scan, &mut posterior));
         }
-        black_box(posterior.weights());
+        black_box((posterior.weights(), posterior.covariance(map.lattice())));
         let model = any(PacketModel::new(&settings));
         let packet = any(Packet {
             beacon: 0,

@@ -3,8 +3,8 @@
 use core::f32::consts::TAU;
 
 use super::{
-    Lattice, MAX_READINGS, MapError, Match, MatchError, Matcher, Posterior, Reading, Settings,
-    count,
+    Lattice, MapError, Match, MatchError, Matcher, Posterior, Reading, Settings, check_beacons,
+    for_each_accepted,
 };
 use crate::math::{exp, ln, sqrt};
 
@@ -128,18 +128,16 @@ impl Matcher for KernelDensity<'_> {
         posterior: &mut Posterior<P>,
     ) -> Result<Match, MatchError> {
         let lattice = self.samples.lattice;
-        let used = count(self.samples.beacons.into(), scan, &self.settings)?;
+        check_beacons(self.samples.beacons.into(), scan)?;
+        let used = for_each_accepted(scan, &self.settings, |_| ())?;
         let room = posterior
             .log_likelihoods_mut(lattice.points())
             .ok_or(MatchError::Points)?;
         for (point, sum) in room.iter_mut().enumerate() {
             *sum = 0.0;
-            let accepted = scan
-                .iter()
-                .filter(|reading| self.settings.accepts(reading.rssi_dbm));
-            for reading in accepted.take(MAX_READINGS) {
+            for_each_accepted(scan, &self.settings, |reading| {
                 *sum += self.log_density(reading, point);
-            }
+            })?;
         }
         let (located, log_likelihood) = posterior
             .of_log_likelihoods(&lattice, self.settings.tempering())

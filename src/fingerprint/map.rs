@@ -74,6 +74,8 @@ pub struct RadioMap<'a> {
     levels: Levels,
     beacons: &'a [u8],
     surveyed: &'a [u8],
+    /// Whether all points were surveyed.
+    complete: bool,
     data: &'a [u8],
 }
 
@@ -200,6 +202,20 @@ const fn split(bytes: &[u8], length: usize) -> (&[u8], &[u8]) {
     }
 }
 
+/// Whether the bits of all points are set.
+const fn is_complete(surveyed: &[u8], points: usize) -> bool {
+    let mut i = 0;
+    while i < surveyed.len() {
+        let last = points < 8 * (i + 1);
+        let mask = if last { !(0xff << (points % 8)) } else { 0xff };
+        if surveyed[i] & mask != mask {
+            return false;
+        }
+        i += 1;
+    }
+    true
+}
+
 /// Bytes of a row of [`Encoding::Levels`].
 const fn row_length(points: usize) -> usize {
     points.div_ceil(8) * 4
@@ -280,6 +296,7 @@ impl<'a> RadioMap<'a> {
             levels: scale,
             beacons,
             surveyed,
+            complete: is_complete(surveyed, points),
             data,
         })
     }
@@ -338,6 +355,11 @@ impl<'a> RadioMap<'a> {
         self.surveyed
             .get(point / 8)
             .is_some_and(|bits| bits >> (point % 8) & 1 == 1)
+    }
+
+    /// Whether all points were surveyed.
+    pub(super) const fn is_complete(&self) -> bool {
+        self.complete
     }
 
     /// A bit for each point, set where it was surveyed.

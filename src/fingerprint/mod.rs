@@ -91,37 +91,40 @@ pub const MAX_READINGS: usize = 64;
 /// The most missing beacons that are modelled.
 const MAX_MISSING: usize = 128;
 
-/// Counts the readings of a scan that can be used.
-fn check<const P: usize>(
-    map: &RadioMap<'_>,
-    scan: &[Reading],
-    settings: &Settings,
-) -> Result<usize, MatchError> {
+/// Refuses a scan that cannot be matched, but for one without readings.
+fn check<const P: usize>(map: &RadioMap<'_>, scan: &[Reading]) -> Result<(), MatchError> {
     if map.lattice().points() > P {
         return Err(MatchError::Points);
     }
-    let used = count(map.beacons(), scan, settings)?;
     // Points are left out where nobody has been: there must be another.
-    if map.surveyed().iter().all(|bits| *bits == 0) {
+    if !map.is_complete() && map.surveyed().iter().all(|bits| *bits == 0) {
         return Err(MatchError::Survey);
     }
-    Ok(used)
+    check_beacons(map.beacons(), scan)
 }
 
-fn count(beacons: usize, scan: &[Reading], settings: &Settings) -> Result<usize, MatchError> {
-    if scan
-        .iter()
-        .any(|reading| usize::from(reading.beacon) >= beacons)
-    {
-        return Err(MatchError::Beacon);
+fn check_beacons(beacons: usize, scan: &[Reading]) -> Result<(), MatchError> {
+    let known = |reading: &Reading| usize::from(reading.beacon) < beacons;
+    scan.iter().all(known).then_some(()).ok_or(MatchError::Beacon)
+}
+
+/// Calls `add` with each reading that can be used, and counts them.
+fn for_each_accepted(
+    scan: &[Reading],
+    settings: &Settings,
+    mut add: impl FnMut(&Reading),
+) -> Result<usize, MatchError> {
+    let mut used = 0;
+    for reading in scan {
+        if settings.accepts(reading.rssi_dbm) && used < MAX_READINGS {
+            add(reading);
+            used += 1;
+        }
     }
-    let accepted = scan
-        .iter()
-        .filter(|reading| settings.accepts(reading.rssi_dbm));
-    match accepted.count().min(MAX_READINGS) {
-        0 => Err(MatchError::Scan),
-        used => Ok(used),
+    if used == 0 {
+        return Err(MatchError::Scan);
     }
+    Ok(used)
 }
 
 /// The beacons of which a scan has no reading.

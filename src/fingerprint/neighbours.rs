@@ -2,7 +2,7 @@
 
 use super::{
     Encoding, MAX_READINGS, MapError, Match, MatchError, Matcher, Posterior, RadioMap, Reading,
-    Settings, check,
+    Settings, check, for_each_accepted,
 };
 
 /// The points whose means are nearest to a scan: the oldest method, as a baseline.
@@ -66,7 +66,8 @@ impl Matcher for Neighbours<'_> {
         scan: &[Reading],
         posterior: &mut Posterior<P>,
     ) -> Result<Match, MatchError> {
-        let used = check::<P>(&self.map, scan, &self.settings)?;
+        check::<P>(&self.map, scan)?;
+        let used = for_each_accepted(scan, &self.settings, |_| ())?;
         let lattice = self.map.lattice();
         // In ascending order of their distances.
         let mut nearest = [(f32::INFINITY, 0); Self::MOST as usize];
@@ -89,9 +90,7 @@ impl Matcher for Neighbours<'_> {
             }
         }
         let (squares, point) = nearest[0];
-        let located = posterior
-            .of_weights(lattice, point)
-            .ok_or(MatchError::Points)?;
+        let located = posterior.of_weights(lattice, point);
         Ok(located.with(-squares, used))
     }
 }

@@ -172,6 +172,24 @@ impl PacketLikelihood<'_> {
         self.of_moments(deviation, mean)
     }
 
+    /// All of them. Apart, so that the loop has all registers.
+    #[inline(never)]
+    fn line(&self, coordinates: &[f32], origin: f32, points: u16, out: &mut [f32]) {
+        let this = *self;
+        for (coordinate, out) in coordinates.iter().zip(out) {
+            *out = this.on_line(*coordinate, origin, points);
+        }
+    }
+
+    /// All of them. Apart, so that the loop has all registers.
+    #[inline(never)]
+    fn plane(&self, x: &[f32], y: &[f32], out: &mut [f32]) {
+        let this = *self;
+        for ((x, y), out) in x.iter().zip(y).zip(out) {
+            *out = this.in_plane(*x, *y);
+        }
+    }
+
     /// On a lattice of several rows and columns.
     #[inline(always)]
     fn in_plane(&self, x: f32, y: f32) -> f32 {
@@ -236,19 +254,10 @@ impl<const D: usize> Likelihood<D> for PacketLikelihood<'_> {
 
     fn log_likelihoods(&self, columns: &[&[f32]; D], out: &mut [f32]) {
         const { assert!(D >= 2, "a position takes two dimensions") };
-        let line = |coordinates: &[f32], origin: f32, points: u16, out: &mut [f32]| {
-            for (coordinate, out) in coordinates.iter().zip(out) {
-                *out = self.on_line(*coordinate, origin, points);
-            }
-        };
         match self.points {
-            [points, 1] => line(columns[0], self.origin[0], points, out),
-            [1, points] => line(columns[1], self.origin[1], points, out),
-            _ => {
-                for ((x, y), out) in columns[0].iter().zip(columns[1]).zip(out) {
-                    *out = self.in_plane(*x, *y);
-                }
-            }
+            [points, 1] => self.line(columns[0], self.origin[0], points, out),
+            [1, points] => self.line(columns[1], self.origin[1], points, out),
+            _ => self.plane(columns[0], columns[1], out),
         }
     }
 }

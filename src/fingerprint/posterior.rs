@@ -25,8 +25,6 @@ pub struct Match {
     pub position: [f32; 2],
     /// The mean over the posterior, in metres.
     pub mean: [f32; 2],
-    /// The covariance of the posterior, in square metres.
-    pub covariance: [[f32; 2]; 2],
     /// Natural logarithm of the likelihood of the scan at the most probable point, before tempering: how well the
     /// scan fits where it fits best. For [`super::Neighbours`], minus the squared distance in dB^2.
     pub log_likelihood: f32,
@@ -110,6 +108,25 @@ impl<const P: usize> Posterior<P> {
         self.weights.get(..self.points).unwrap_or_default()
     }
 
+    /// The covariance of the posterior about its mean, in square metres: of the last scan, so `lattice` must be that of
+    /// its map.
+    pub fn covariance(&self, lattice: &Lattice) -> [[f32; 2]; 2] {
+        let weighted = |of: &dyn Fn([f32; 2]) -> f32| {
+            let mut sum = 0.0;
+            for (point, weight) in self.weights().iter().enumerate() {
+                sum += weight * of(lattice.cell(point).map(|number| number as f32));
+            }
+            sum
+        };
+        let mean = [weighted(&|[x, _]| x), weighted(&|[_, y]| y)];
+        let moment = |a: usize, b: usize| {
+            let product = |cell: [f32; 2]| (cell[a] - mean[a]) * (cell[b] - mean[b]);
+            weighted(&product) * (lattice.spacing() * lattice.spacing())
+        };
+        let xy = moment(0, 1);
+        [[moment(0, 0), xy], [xy, moment(1, 1)]]
+    }
+
     /// Room for the costs of so many points.
     pub(super) fn costs_mut(&mut self, points: usize) -> Option<&mut [u16]> {
         self.costs.get_mut(..points)
@@ -123,11 +140,12 @@ impl<const P: usize> Posterior<P> {
     /// Leaves out the points that were not surveyed, and finds the one of least cost.
     fn least_cost(&mut self, map: &RadioMap<'_>) -> Option<(usize, u16)> {
         let costs = self.costs.get_mut(..map.lattice().points())?;
-        let blocks = costs.chunks_mut(8).zip(map.surveyed());
-        for (eight, bits) in blocks.filter(|(_, bits)| **bits != 0xff) {
-            for (bit, cost) in eight.iter_mut().enumerate() {
-                if bits >> bit & 1 == 0 {
-                    *cost = NOWHERE;
+        if !map.is_complete() {
+            for (eight, bits) in costs.chunks_mut(8).zip(map.surveyed()) {
+                for (bit, cost) in eight.iter_mut().enumerate() {
+                    if bits >> bit & 1 == 0 {
+                        *cost = NOWHERE;
+                    }
                 }
             }
         }
@@ -140,35 +158,25 @@ impl<const P: usize> Posterior<P> {
         (cost != NOWHERE).then_some(((least & 0xffff) as usize, cost))
     }
 
-    /// The probabilities from the costs, each step of which takes off as much as `exponentials` say.
+    /// The probabilities from the costs, each step of which takes off as much as `exponentials` say; and the least cost.
     pub(super) fn of_costs(
         &mut self,
         map: &RadioMap<'_>,
         exponentials: &Exponentials,
     ) -> Option<(Located, u16)> {
-        let lattice = map.lattice();
         let (point, least) = self.least_cost(map)?;
-        let points = lattice.points();
-        let costs = self.costs.get(..points)?;
-        let weights = self.weights.get_mut(..points)?;
-        let mut sum = 0.0;
-        for (weight, cost) in weights.iter_mut().zip(costs) {
-            *weight = exponentials.at(i32::from(*cost) - i32::from(least));
-            sum += *weight;
-        }
-        self.points = points;
-        Some((self.located(lattice, point, sum), least))
+        let weigh = |_, cost: u16| exponentials.at(i32::from(cost) - i32::from(least));
+        Some((self.locate(map.lattice(), point, weigh), least))
     }
 
-    /// The probabilities from log-likelihoods, which stand in the weights; those that are minus infinity or NaN are
-    /// none.
+    /// The probabilities from log-likelihoods, which stand in the weights; and the largest of those. Those that are
+    /// minus infinity or NaN are none.
     pub(super) fn of_log_likelihoods(
         &mut self,
         lattice: &Lattice,
         tempering: f32,
     ) -> Option<(Located, f32)> {
-        let points = lattice.points();
-        let weights = self.weights.get_mut(..points)?;
+        let weights = self.weights.get(..lattice.points())?;
         let mut best = (0, f32::NEG_INFINITY);
         for (point, log_likelihood) in weights.iter().enumerate() {
             if *log_likelihood > best.1 {
@@ -176,68 +184,57 @@ impl<const P: usize> Posterior<P> {
             }
         }
         let (point, largest) = best;
-        let mut sum = 0.0;
-        for weight in weights {
-            *weight = exp_of_weight(tempering * (*weight - largest));
-            sum += *weight;
-        }
-        self.points = points;
-        Some((self.located(lattice, point, sum), largest))
+        let weigh = |log_likelihood, _| exp_of_weight(tempering * (log_likelihood - largest));
+        Some((self.locate(lattice, point, weigh), largest))
     }
 
     /// The probabilities from weights on any scale, which stand in their place.
-    pub(super) fn of_weights(&mut self, lattice: &Lattice, point: usize) -> Option<Located> {
-        let weights = self.weights.get(..lattice.points())?;
-        let sum = weights.iter().sum();
-        self.points = lattice.points();
-        Some(self.located(lattice, point, sum))
+    pub(super) fn of_weights(&mut self, lattice: &Lattice, point: usize) -> Located {
+        self.locate(lattice, point, |weight, _| weight)
     }
 
-    /// Divides by the sum, and takes the moments about the best point, in steps of the lattice.
-    fn located(&mut self, lattice: &Lattice, point: usize, sum: f32) -> Located {
-        let scale = 1.0 / sum;
-        let [column, row] = lattice.cell(point);
-        let mut rest = self.weights.get_mut(..lattice.points()).unwrap_or_default();
-        let (first_x, mut y) = (-(column as f32), -(row as f32));
-        let mut sums = [0.0f32; 5];
-        let [sx, sy, sxx, sxy, syy] = &mut sums;
-        while let Some((this, others)) = rest.split_at_mut_checked(lattice.columns()) {
-            if this.is_empty() {
+    /// Makes weights of what stands in their place and of the costs, takes their mean about the best point, in steps
+    /// of the lattice, and divides by their sum.
+    #[inline(always)]
+    fn locate(
+        &mut self,
+        lattice: &Lattice,
+        point: usize,
+        weigh: impl Fn(f32, u16) -> f32,
+    ) -> Located {
+        self.points = lattice.points();
+        let [column, row] = lattice.cell(point).map(|number| number as f32);
+        let mut weights = self.weights.get_mut(..self.points).unwrap_or_default();
+        let mut costs = self.costs.get(..self.points).unwrap_or_default();
+        let (mut sum, mut sum_x, mut sum_y) = (0.0, 0.0, 0.0);
+        let mut y = -row;
+        while let (Some((these_weights, weights_left)), Some((these_costs, costs_left))) = (
+            weights.split_at_mut_checked(lattice.columns()),
+            costs.split_at_checked(lattice.columns()),
+        ) {
+            if these_weights.is_empty() {
                 break;
             }
-            rest = others;
-            let mut x = first_x;
-            let (mut w0, mut w1, mut w2) = (0.0, 0.0, 0.0);
-            for weight in this {
-                *weight *= scale;
-                let wx = *weight * x;
-                w0 += *weight;
-                w1 += wx;
-                w2 += wx * x;
+            (weights, costs) = (weights_left, costs_left);
+            let (mut of_row, mut x) = (0.0, -column);
+            for (weight, cost) in these_weights.iter_mut().zip(these_costs) {
+                *weight = weigh(*weight, *cost);
+                of_row += *weight;
+                sum_x += *weight * x;
                 x += 1.0;
             }
-            *sx += w1;
-            *sy += w0 * y;
-            *sxx += w2;
-            *sxy += w1 * y;
-            *syy += w0 * y * y;
+            sum += of_row;
+            sum_y += of_row * y;
             y += 1.0;
         }
-        let square = lattice.spacing() * lattice.spacing();
-        let variance = |second: f32, first: f32| {
-            let variance = second - first * first;
-            if variance > 0.0 {
-                variance * square
-            } else {
-                0.0
-            }
-        };
-        let xy = (*sxy - *sx * *sy) * square;
+        let scale = 1.0 / sum;
+        for weight in self.weights.get_mut(..self.points).unwrap_or_default() {
+            *weight *= scale;
+        }
         Located {
             point,
-            position: lattice.place([column as f32, row as f32]),
-            mean: lattice.place([column as f32 + *sx, row as f32 + *sy]),
-            covariance: [[variance(*sxx, *sx), xy], [xy, variance(*syy, *sy)]],
+            position: lattice.place([column, row]),
+            mean: lattice.place([column + sum_x * scale, row + sum_y * scale]),
         }
     }
 }
@@ -253,7 +250,6 @@ pub(super) struct Located {
     point: usize,
     position: [f32; 2],
     mean: [f32; 2],
-    covariance: [[f32; 2]; 2],
 }
 
 impl Located {
@@ -262,7 +258,6 @@ impl Located {
             point: self.point,
             position: self.position,
             mean: self.mean,
-            covariance: self.covariance,
             log_likelihood,
             used,
         }

@@ -1,8 +1,8 @@
 //! Matching by a table of log-densities.
 
 use super::{
-    Encoding, MAX_READINGS, MapError, Match, MatchError, Matcher, Missing, Posterior, RadioMap,
-    Reading, Settings, check, missing, posterior::Exponentials,
+    Encoding, MapError, Match, MatchError, Matcher, Missing, Posterior, RadioMap, Reading,
+    Settings, check, for_each_accepted, missing, posterior::Exponentials,
 };
 
 /// Compares scans with a table of kernel densities by level: the samples are no part of the work any more
@@ -10,7 +10,7 @@ use super::{
 ///
 /// The inflation and the outliers of the settings have no effect: the table has its own.
 ///
-/// Takes 620 bytes.
+/// Takes some 620 bytes.
 #[derive(Debug, Clone)]
 pub struct TableMatcher<'a> {
     map: RadioMap<'a>,
@@ -65,22 +65,17 @@ impl Matcher for TableMatcher<'_> {
         scan: &[Reading],
         posterior: &mut Posterior<P>,
     ) -> Result<Match, MatchError> {
-        let used = check::<P>(&self.map, scan, &self.settings)?;
+        check::<P>(&self.map, scan)?;
         let costs = posterior
             .costs_mut(self.map.lattice().points())
             .ok_or(MatchError::Points)?;
         costs.fill(0);
-        let rows = scan
-            .iter()
-            .filter(|reading| self.settings.accepts(reading.rssi_dbm))
-            .take(MAX_READINGS)
-            .filter_map(|reading| {
-                let level = self.map.level(reading.rssi_dbm);
-                self.map.level_row(reading.beacon.into(), level)
-            });
-        for row in rows {
-            add(row, costs);
-        }
+        let used = for_each_accepted(scan, &self.settings, |reading| {
+            let level = self.map.level(reading.rssi_dbm);
+            if let Some(row) = self.map.level_row(reading.beacon.into(), level) {
+                add(row, costs);
+            }
+        })?;
         let levels = self.map.levels();
         if self.settings.missing() == Missing::Modelled {
             // The level after the last is the absence.

@@ -27,7 +27,6 @@ fn add(digest: &mut Digest, found: Match, weights: &[f32]) {
     assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-5);
     digest.add(&found.position);
     digest.add(&found.mean);
-    digest.add(found.covariance.as_flattened());
     digest.add(&[found.log_likelihood]);
     digest.add(weights);
 }
@@ -60,6 +59,7 @@ fn scans() -> Digest {
                 add(&mut digest, found, posterior.weights());
                 let found = neighbours.locate(scan, &mut posterior).expect("matches");
                 add(&mut digest, found, posterior.weights());
+                digest.add(posterior.covariance(moments.lattice()).as_flattened());
             }
         }
     }
