@@ -218,7 +218,7 @@ impl<const N: usize, const B: usize> Locator<N, B> {
 }
 
 impl<const N: usize, const B: usize, F: Refinement<2>> Locator<N, B, F> {
-    /// No bearings yet; `refinement` is to move the particles, by the posterior of all bearings. Takes `20 N + 1028`
+    /// No bearings yet; `refinement` is to move the particles, by the posterior of all bearings. It takes `28 N + 1028`
     /// bytes more, its [`Memory`].
     ///
     /// ```
