@@ -91,6 +91,24 @@ impl Lattice {
         self.place([column as f32, row as f32])
     }
 
+    /// One over the spacing.
+    pub(super) const fn per_metre(&self) -> f32 {
+        1.0 / self.spacing
+    }
+
+    /// A place in the cell of a point, by shares from 0 to 1 of its sides; a cell at the edge is cut off there.
+    pub(super) fn in_cell(&self, point: usize, shares: [f32; 2]) -> [f32; 2] {
+        let along = |number: usize, share: f32, points: usize| {
+            let last = points.saturating_sub(1) as f32;
+            (number as f32 - 0.5 + share).clamp(0.0, last)
+        };
+        let [column, row] = self.cell(point);
+        self.place([
+            along(column, shares[0], self.columns()),
+            along(row, shares[1], self.rows()),
+        ])
+    }
+
     /// Column and row of a point.
     pub(super) fn cell(&self, point: usize) -> [usize; 2] {
         // There is at least one column, which the compiler does not know.

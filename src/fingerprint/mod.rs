@@ -57,6 +57,7 @@ mod packet;
 mod posterior;
 mod settings;
 mod table;
+pub mod tracker;
 #[cfg(test)]
 mod tests;
 
@@ -105,7 +106,10 @@ fn check<const P: usize>(map: &RadioMap<'_>, scan: &[Reading]) -> Result<(), Mat
 
 fn check_beacons(beacons: usize, scan: &[Reading]) -> Result<(), MatchError> {
     let known = |reading: &Reading| usize::from(reading.beacon) < beacons;
-    scan.iter().all(known).then_some(()).ok_or(MatchError::Beacon)
+    scan.iter()
+        .all(known)
+        .then_some(())
+        .ok_or(MatchError::Beacon)
 }
 
 /// Calls `add` with each reading that can be used, and counts them.

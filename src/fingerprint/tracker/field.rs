@@ -1,0 +1,294 @@
+//! What a scan says of every point of the map, and of places between them.
+
+use super::offset::OffsetBelief;
+use super::settings::Channel;
+use crate::fingerprint::{Lattice, RadioMap, map::LOWEST_MEAN_DBM};
+use crate::math::{exp_of_weight, ln};
+
+/// One beacon of a scan: the mean of so many packets, less nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Level {
+    pub mean_dbm: f32,
+    pub packets: u16,
+}
+
+/// The log-likelihood of every point, up to a common summand.
+///
+/// It is found point by point, not particle by particle: the points are about as many as the particles, and what is left
+/// for a particle is an interpolation.
+#[derive(Debug, Clone)]
+pub(super) struct Field<const P: usize> {
+    log_likelihoods: [f32; P],
+    /// What each point makes of the offset: what is to be added to its mean, if there is one at all.
+    shifts: [f32; P],
+    /// By how much each point prefers that there is one: a log-likelihood ratio.
+    odds: [f32; P],
+    /// Mean over the points of what the scan adds to the precision of the offset, per dB^2.
+    pub precision: f32,
+    /// The mean over the points of the likelihood, where the best point has one.
+    pub mean: f32,
+}
+
+/// A beacon of a scan, ready to be compared.
+struct Comparison<'a> {
+    row: &'a [[u8; 2]],
+    mean_dbm: f32,
+    /// What the square of a deviation is multiplied with, for the mean of several packets.
+    share: f32,
+}
+
+impl<const P: usize> Field<P> {
+    pub const fn new() -> Self {
+        Self {
+            log_likelihoods: [0.0; P],
+            shifts: [0.0; P],
+            odds: [0.0; P],
+            precision: 0.0,
+            mean: 0.0,
+        }
+    }
+
+    /// Compares a scan with every point: under the better of two hypotheses, that the tag has no offset and that it has
+    /// one.
+    pub fn look_up<const B: usize>(
+        &mut self,
+        map: &RadioMap<'_>,
+        channel: &Channel,
+        belief: &OffsetBelief,
+        scan: &[Level; B],
+    ) {
+        let mut comparisons: heapless::Vec<Comparison<'_>, B> = heapless::Vec::new();
+        for (beacon, level) in scan.iter().enumerate() {
+            if let (Some(row), 1..) = (map.moments_row(beacon), level.packets) {
+                // There are no more than levels.
+                let _ = comparisons.push(Comparison {
+                    row: row.as_chunks().0,
+                    mean_dbm: level.mean_dbm - LOWEST_MEAN_DBM,
+                    share: 1.0 / f32::from(level.packets) + 1.0 / f32::from(channel.survey_samples),
+                });
+            }
+        }
+        let points = map.lattice().points();
+        let mut top = f32::NEG_INFINITY;
+        let mut precision = 0.0;
+        let each = self
+            .log_likelihoods
+            .iter_mut()
+            .zip(&mut self.shifts)
+            .zip(&mut self.odds);
+        for (point, ((log_likelihood, shift), odds)) in each.enumerate().take(points) {
+            let mut sums = Sums::new(channel, belief);
+            for Comparison {
+                row,
+                mean_dbm,
+                share,
+            } in &comparisons
+            {
+                if let Some([deviation, mean]) = row.get(point) {
+                    let deviation = 0.25 * f32::from(*deviation);
+                    sums.add(
+                        mean_dbm - 0.5 * f32::from(*mean),
+                        deviation * deviation * share,
+                    );
+                }
+            }
+            let found = sums.conclude();
+            precision += found.precision;
+            *shift = found.shift;
+            *odds = found.odds;
+            *log_likelihood = if map.is_surveyed(point) {
+                found.log_likelihood
+            } else {
+                f32::NEG_INFINITY
+            };
+            if *log_likelihood > top {
+                top = *log_likelihood;
+            }
+        }
+        let mut sum = 0.0;
+        for log_likelihood in self.log_likelihoods.iter_mut().take(points) {
+            *log_likelihood -= top;
+            sum += exp_of_weight(*log_likelihood);
+        }
+        let each = 1.0 / points as f32;
+        self.precision = precision * each;
+        self.mean = sum * each;
+    }
+
+    /// The log-likelihood of a place, between those of the points about it; none beyond the lattice.
+    #[inline(always)]
+    pub fn at(&self, lattice: &Lattice, [x, y]: [f32; 2]) -> f32 {
+        let along = |x: f32, origin: f32, points: usize| {
+            let steps = (x - origin) * lattice.per_metre();
+            let last = points.saturating_sub(1);
+            // False for NaN.
+            let inside = steps >= 0.0 && steps <= last as f32;
+            let first = (steps as usize).min(last.saturating_sub(1));
+            (inside, first, steps - first as f32)
+        };
+        let [x0, y0] = lattice.origin();
+        let (inside, column, s) = along(x, x0, lattice.columns());
+        if !inside {
+            return f32::NEG_INFINITY;
+        }
+        let between = |first: usize| {
+            let Some([a, b]) = self
+                .log_likelihoods
+                .get(first..)
+                .and_then(|rest| rest.first_chunk())
+            else {
+                return f32::NEG_INFINITY;
+            };
+            mix(*a, *b, s)
+        };
+        if lattice.rows() == 1 {
+            return between(column);
+        }
+        let (inside, row, t) = along(y, y0, lattice.rows());
+        if !inside {
+            return f32::NEG_INFINITY;
+        }
+        let first = row * lattice.columns() + column;
+        mix(between(first), between(first + lattice.columns()), t)
+    }
+
+    /// What the point nearest to a place makes of the offset: the log-likelihood ratio for there being one, and what to add
+    /// to its mean.
+    #[inline(always)]
+    pub fn offset_at(&self, lattice: &Lattice, place: [f32; 2]) -> [f32; 2] {
+        let nearest = |x: f32, origin: f32, points: usize| {
+            // Saturates.
+            let steps = ((x - origin) * lattice.per_metre() + 0.5) as usize;
+            steps.min(points.saturating_sub(1))
+        };
+        let [x0, y0] = lattice.origin();
+        let column = nearest(place[0], x0, lattice.columns());
+        let row = nearest(place[1], y0, lattice.rows());
+        let point = row * lattice.columns() + column;
+        match (self.odds.get(point), self.shifts.get(point)) {
+            (Some(odds), Some(shift)) => [*odds, *shift],
+            _ => [0.0; 2],
+        }
+    }
+
+    /// The likelihood of every point, where the best has one.
+    pub fn likelihoods(&self, lattice: &Lattice) -> impl Iterator<Item = f32> {
+        let points = self.log_likelihoods.iter().take(lattice.points());
+        points.map(|log_likelihood| exp_of_weight(*log_likelihood))
+    }
+}
+
+/// Between `a` and `b`; minus infinity if one of them is.
+#[inline(always)]
+fn mix(a: f32, b: f32, share: f32) -> f32 {
+    let lowest = if a < b { a } else { b };
+    if lowest == f32::NEG_INFINITY {
+        lowest
+    } else {
+        a + share * (b - a)
+    }
+}
+
+/// What the beacons of a scan add up to at one point.
+struct Sums<'a> {
+    channel: &'a Channel,
+    belief: &'a OffsetBelief,
+    /// The largest cost of a reading.
+    gate: f32,
+    mismatch: f32,
+    /// Without an offset.
+    cost: f32,
+    /// With the mean of the offset.
+    cost_with: f32,
+    /// Of the readings that are no outliers even with the offset: precisions, and differences weighted by them.
+    precision: f32,
+    weighted: f32,
+    /// Of all precisions; its logarithm is taken when it gets small.
+    product: f32,
+}
+
+/// What one point makes of a scan.
+struct Found {
+    log_likelihood: f32,
+    precision: f32,
+    shift: f32,
+    odds: f32,
+}
+
+impl<'a> Sums<'a> {
+    #[inline(always)]
+    fn new(channel: &'a Channel, belief: &'a OffsetBelief) -> Self {
+        Self {
+            channel,
+            belief,
+            gate: 0.5 * channel.gate_deviations * channel.gate_deviations,
+            mismatch: channel.mismatch_db * channel.mismatch_db,
+            cost: 0.0,
+            cost_with: 0.0,
+            precision: 0.0,
+            weighted: 0.0,
+            product: 1.0,
+        }
+    }
+
+    /// Adds a reading that differs by so many dB from the mean of the map, which has this variance.
+    #[inline(always)]
+    fn add(&mut self, difference: f32, variance: f32) {
+        let precision = 1.0 / (variance + self.mismatch);
+        let least = |a: f32, b: f32| if a < b { a } else { b };
+        self.cost += least(0.5 * difference * difference * precision, self.gate);
+        if self.belief.is_estimated() {
+            let difference = difference - self.belief.mean_db;
+            let cost = 0.5 * difference * difference * precision;
+            // An offset that is not known well leaves room for larger differences.
+            if cost < self.gate * (1.0 + self.belief.variance * precision) {
+                self.cost_with += cost;
+                self.precision += precision;
+                self.weighted += difference * precision;
+            } else {
+                self.cost_with += self.gate;
+            }
+        }
+        self.product *= precision;
+        if self.product < 1e-25 {
+            let half = 0.5 * ln(self.product);
+            self.cost -= half;
+            self.cost_with -= half;
+            self.product = 1.0;
+        }
+    }
+
+    #[inline(always)]
+    fn conclude(self) -> Found {
+        let tempering = self.channel.tempering;
+        let half = 0.5 * ln(self.product);
+        let without = tempering * (half - self.cost);
+        if !self.belief.is_estimated() {
+            return Found {
+                log_likelihood: without,
+                precision: 0.0,
+                shift: 0.0,
+                odds: 0.0,
+            };
+        }
+        let precision = tempering * self.precision;
+        let weighted = tempering * self.weighted;
+        let known = 1.0 + self.belief.variance * precision;
+        let gain = self.belief.variance / known;
+        let with = tempering * (half - self.cost_with) + 0.5 * gain * weighted * weighted
+            - 0.5 * ln(known);
+        // The sum of both is at most ln 2 above the larger.
+        let (without_prior, with_prior) =
+            (without + self.belief.log_none, with + self.belief.log_some);
+        Found {
+            log_likelihood: if with_prior > without_prior {
+                with_prior
+            } else {
+                without_prior
+            },
+            precision,
+            shift: gain * weighted,
+            odds: with - without,
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Many tags on one gateway.
+
+use super::Tracker;
+
+/// The identity of a tag: what its packets carry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Tag(pub u32);
+
+/// Trackers for up to `T` tags at once: T times a [`Tracker`] and 12 bytes.
+///
+/// A tag that comes when all are taken gets the tracker of the tag that was not heard for longest.
+///
+/// ```
+/// use foxhunt::fingerprint::tracker::{Tag, Trackers};
+///
+/// let mut trackers = Trackers::<2, 100>::new();
+/// assert_eq!(trackers.of(Tag(1), 10).1, None);
+/// assert_eq!(trackers.of(Tag(2), 20).1, None);
+/// trackers.of(Tag(1), 30);
+/// assert_eq!(trackers.of(Tag(3), 40).1, Some(Tag(2)));
+/// assert!(trackers.get(Tag(2)).is_none());
+/// ```
+#[derive(Debug, Clone)]
+pub struct Trackers<const T: usize, const N: usize, const B: usize = 16> {
+    slots: [Slot<N, B>; T],
+}
+
+#[derive(Debug, Clone)]
+struct Slot<const N: usize, const B: usize> {
+    /// Whose it is, and when that was heard last.
+    owner: Option<(Tag, u32)>,
+    tracker: Tracker<N, B>,
+}
+
+impl<const T: usize, const N: usize, const B: usize> Trackers<T, N, B> {
+    /// For no tags yet. Fit for a `static`.
+    pub const fn new() -> Self {
+        const { assert!(T > 0, "at least one tag") };
+        Self {
+            slots: [const {
+                Slot {
+                    owner: None,
+                    tracker: Tracker::new(),
+                }
+            }; T],
+        }
+    }
+
+    /// The tracker of a tag that was heard at a time in milliseconds, and the tag that lost it, if one did.
+    pub fn of(&mut self, tag: Tag, time_ms: u32) -> (&mut Tracker<N, B>, Option<Tag>) {
+        let place = self.place_of(tag, time_ms);
+        let place = if place < T { place } else { 0 };
+        let Slot { owner, tracker } = &mut self.slots[place];
+        let before = owner.map(|(tag, _)| tag);
+        *owner = Some((tag, time_ms));
+        if before == Some(tag) {
+            (tracker, None)
+        } else {
+            tracker.reset();
+            (tracker, before)
+        }
+    }
+
+    /// The slot of a tag: its own, one that is free, or the one that was silent for longest.
+    fn place_of(&self, tag: Tag, time_ms: u32) -> usize {
+        let mut silent = (0, 0);
+        let mut free = None;
+        for (place, slot) in self.slots.iter().enumerate() {
+            match slot.owner {
+                Some((owner, _)) if owner == tag => return place,
+                Some((_, heard_ms)) => {
+                    // Clocks overflow; a time ahead is no silence.
+                    let silence = (time_ms.wrapping_sub(heard_ms) as i32).max(0);
+                    if silence >= silent.1 {
+                        silent = (place, silence);
+                    }
+                }
+                None if free.is_none() => free = Some(place),
+                None => {}
+            }
+        }
+        free.unwrap_or(silent.0)
+    }
+
+    /// The tracker of a tag.
+    pub fn get(&self, tag: Tag) -> Option<&Tracker<N, B>> {
+        self.iter()
+            .find_map(|(owner, tracker)| (owner == tag).then_some(tracker))
+    }
+
+    /// All tags that are tracked, and their trackers.
+    pub fn iter(&self) -> impl Iterator<Item = (Tag, &Tracker<N, B>)> {
+        self.slots
+            .iter()
+            .filter_map(|slot| slot.owner.map(|(tag, _)| (tag, &slot.tracker)))
+    }
+
+    /// All tags that are tracked, and their trackers.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = (Tag, &mut Tracker<N, B>)> {
+        let slots = self.slots.iter_mut();
+        slots.filter_map(|slot| slot.owner.map(|(tag, _)| (tag, &mut slot.tracker)))
+    }
+}
+
+impl<const T: usize, const N: usize, const B: usize> Default for Trackers<T, N, B> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,305 @@
+//! Trackers on maps made by hand; how accurate they are is tested with the host's simulator.
+
+extern crate std;
+use super::*;
+use crate::checksum::crc32;
+use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+use std::vec::Vec;
+
+const N: usize = 200;
+
+/// Where the beacons are, along 40 m.
+const BEACONS: [f32; 4] = [0.0, 40.0, 13.0, 27.0];
+
+/// Level of a beacon, which falls with the square of the distance.
+fn level(beacon: u8, x: f32) -> f32 {
+    -40.0 - 8.686 * ln(1.0 + (x - BEACONS[usize::from(beacon)]).abs())
+}
+
+/// 41 points in each of so many rows, a deviation of 2 dB everywhere.
+fn map(rows: u16) -> Vec<u8> {
+    let points = 41 * usize::from(rows);
+    let mut bytes = b"FXRM\x01\x01\x04\x00\x29\x00".to_vec();
+    bytes.extend(rows.to_le_bytes());
+    for number in [0.0f32, 0.0, 1.0] {
+        bytes.extend(number.to_le_bytes());
+    }
+    bytes.extend([0; 10]);
+    for beacon in 0..4u8 {
+        bytes.extend([beacon, 0, 0, 0, 0, 0]);
+    }
+    bytes.extend(std::iter::repeat_n(0xff, points.div_ceil(8)));
+    for beacon in 0..4 {
+        for point in 0..points {
+            let mean = level(beacon, (point % 41) as f32);
+            bytes.extend([8, (2.0 * (mean + 128.0)) as u8]);
+        }
+    }
+    bytes.extend(crc32(&bytes).to_le_bytes());
+    bytes
+}
+
+struct Walk {
+    tracker: Tracker<N, 4>,
+    workspace: Workspace<N, 256>,
+    rng: Xoshiro128PlusPlus,
+    time_ms: u32,
+}
+
+impl Walk {
+    fn new() -> Self {
+        Self {
+            tracker: Tracker::new(),
+            workspace: Workspace::new(),
+            rng: Xoshiro128PlusPlus::seed_from_u64(91),
+            time_ms: u32::MAX - 3_000,
+        }
+    }
+
+    fn push(&mut self, site: &Site<'_>, beacon: u8, rssi: f32) -> Result<Option<Fix>, PushError> {
+        let Self {
+            tracker,
+            workspace,
+            rng,
+            time_ms,
+        } = self;
+        tracker.push(*time_ms, beacon, rssi, site, workspace, rng)
+    }
+
+    /// For so many seconds, four packets of each beacon a second, at the places that `path` tells.
+    fn go(&mut self, site: &Site<'_>, seconds: u32, path: impl Fn(f32) -> f32) -> Vec<State> {
+        let mut states = Vec::new();
+        for quarter in 0..4 * seconds {
+            for beacon in 0..4 {
+                let rssi = level(beacon, path(0.25 * quarter as f32));
+                states.extend(self.push(site, beacon, rssi).unwrap().map(|fix| fix.state));
+            }
+            self.time_ms = self.time_ms.wrapping_add(250);
+        }
+        states
+    }
+
+    fn error(&self, x: f32) -> f32 {
+        (self.tracker.fix().unwrap().position_at(self.time_ms)[0] - x).abs()
+    }
+}
+
+#[test]
+fn follows_a_walk_while_the_clock_overflows() {
+    let bytes = map(1);
+    let site = Site::new(RadioMap::new(&bytes).unwrap(), Settings::new()).unwrap();
+    let mut walk = Walk::new();
+    walk.go(&site, 25, |t| 5.0 + t);
+    assert!(walk.error(30.0) < 2.0, "{}", walk.error(30.0));
+    let fix = walk.tracker.fix().unwrap();
+    assert!((fix.velocity[0] - 1.0).abs() < 0.5);
+    assert_eq!(fix.position[1], 0.0);
+    assert_eq!(fix.state, State::Tracking);
+}
+
+#[test]
+fn a_louder_tag_is_found_where_it_is() {
+    let bytes = map(1);
+    let site = Site::new(RadioMap::new(&bytes).unwrap(), Settings::new()).unwrap();
+    let mut walk = Walk::new();
+    for quarter in 0..120 {
+        let x = 5.0 + 0.25 * quarter as f32;
+        for beacon in 0..4 {
+            walk.push(&site, beacon, level(beacon, x) + 9.0).unwrap();
+        }
+        walk.time_ms = walk.time_ms.wrapping_add(250);
+    }
+    assert!(walk.error(35.0) < 2.0, "{}", walk.error(35.0));
+    let offset = walk.tracker.fix().unwrap().offset_db;
+    assert!((offset - 9.0).abs() < 2.0, "{offset}");
+}
+
+#[test]
+fn is_lost_and_recovers_when_a_tag_is_carried_away() {
+    let bytes = map(1);
+    let site = Site::new(RadioMap::new(&bytes).unwrap(), Settings::new()).unwrap();
+    let mut walk = Walk::new();
+    walk.go(&site, 20, |_| 5.0);
+    let mut states = walk.go(&site, 40, |_| 35.0);
+    assert!(walk.error(35.0) < 2.0);
+    assert!(states.contains(&State::Lost), "{states:?}");
+    assert!(states.contains(&State::Recovered));
+    assert_eq!(states.pop(), Some(State::Tracking));
+}
+
+#[test]
+fn nobody_walks_through_a_wall() {
+    let bytes = map(5);
+    let walls = Walls::Box {
+        least: [10.0, 0.5],
+        most: [20.0, 2.5],
+    };
+    let site = Site::new(RadioMap::new(&bytes).unwrap(), Settings::new())
+        .unwrap()
+        .with_walls(walls);
+    let mut walk = Walk::new();
+    walk.go(&site, 20, |t| 12.0 + t);
+    let [x, y, ..] = walk.tracker.particles().columns();
+    assert!(x.iter().zip(y).all(|(x, y)| walls.contain([*x, *y])));
+    // The signal pulls to the wall.
+    assert!(walk.tracker.fix().unwrap().position[0] > 16.0);
+}
+
+#[test]
+fn what_cannot_be_used_changes_nothing() {
+    let bytes = map(1);
+    let site = Site::new(RadioMap::new(&bytes).unwrap(), Settings::new()).unwrap();
+    let mut walk = Walk::new();
+    walk.go(&site, 5, |_| 20.0);
+    let fix = walk.tracker.fix();
+    assert_eq!(walk.push(&site, 4, -60.0), Err(PushError::Beacon));
+    for rssi in [42.0, -127.0, f32::NAN] {
+        assert_eq!(walk.push(&site, 0, rssi), Err(PushError::Strength));
+    }
+    walk.time_ms = walk.time_ms.wrapping_sub(3_000);
+    assert_eq!(walk.push(&site, 0, -60.0), Err(PushError::TimeBackwards));
+    let mut small = Workspace::<N, 40>::new();
+    let Walk {
+        tracker,
+        rng,
+        time_ms,
+        ..
+    } = &mut walk;
+    let refused = tracker.push(*time_ms, 0, -60.0, &site, &mut small, rng);
+    assert_eq!(refused, Err(PushError::Points));
+    assert_eq!(walk.tracker.fix(), fix);
+}
+
+#[test]
+fn a_clock_that_was_set_back_is_believed_in_the_end() {
+    let bytes = map(1);
+    let site = Site::new(RadioMap::new(&bytes).unwrap(), Settings::new()).unwrap();
+    let mut walk = Walk::new();
+    walk.go(&site, 5, |_| 20.0);
+    walk.time_ms = walk.time_ms.wrapping_sub(1_000_000);
+    let refused = (0..10).filter(|_| walk.push(&site, 0, -60.0).is_err());
+    assert_eq!(refused.count(), 4);
+    walk.go(&site, 10, |_| 30.0);
+    assert!(walk.error(30.0) < 2.0);
+}
+
+#[test]
+fn a_window_makes_one_update_and_no_window_many() {
+    let bytes = map(1);
+    let map = RadioMap::new(&bytes).unwrap();
+    for (window, updates) in [(0, 160), (500, 19), (1_000, 9)] {
+        let settings = Settings::new().with_window_ms(window).unwrap();
+        let site = Site::new(map, settings).unwrap();
+        assert_eq!(Walk::new().go(&site, 10, |_| 20.0).len(), updates);
+    }
+}
+
+#[test]
+fn a_tag_of_300_particles_takes_less_than_six_and_a_half_kibibytes() {
+    assert!(size_of::<Tracker<300, 16>>() <= 6_656);
+}
+
+#[test]
+fn the_longest_silent_tag_is_evicted() {
+    let mut trackers = Trackers::<3, 10>::new();
+    for (tag, time) in [(1, u32::MAX - 10), (2, 5), (3, 7), (1, 9)] {
+        assert_eq!(trackers.of(Tag(tag), time).1, None);
+    }
+    assert_eq!(trackers.of(Tag(4), 10).1, Some(Tag(2)));
+    let mut tags: Vec<u32> = trackers.iter().map(|(tag, _)| tag.0).collect();
+    tags.sort_unstable();
+    assert_eq!(tags, [1, 3, 4]);
+}
+
+#[test]
+fn settings_out_of_range_are_refused() {
+    let motion = Motion::new();
+    let channel = Channel::new();
+    let offset = Offset::new();
+    let settings = Settings::new();
+    let nan = f32::NAN;
+    for (refused, error) in [
+        (
+            settings.with_motion(Motion {
+                velocity_m_s: 0.0,
+                ..motion
+            }),
+            SettingsError::Velocity,
+        ),
+        (
+            settings.with_motion(Motion {
+                agility: -1.0,
+                ..motion
+            }),
+            SettingsError::Agility,
+        ),
+        (
+            settings.with_motion(Motion {
+                memory_s: nan,
+                ..motion
+            }),
+            SettingsError::Memory,
+        ),
+        (
+            settings.with_channel(Channel {
+                mismatch_db: 0.0,
+                ..channel
+            }),
+            SettingsError::Mismatch,
+        ),
+        (
+            settings.with_channel(Channel {
+                survey_samples: 0,
+                ..channel
+            }),
+            SettingsError::SurveySamples,
+        ),
+        (
+            settings.with_channel(Channel {
+                tempering: 1.1,
+                ..channel
+            }),
+            SettingsError::Tempering,
+        ),
+        (
+            settings.with_channel(Channel {
+                gate_deviations: nan,
+                ..channel
+            }),
+            SettingsError::Gate,
+        ),
+        (
+            settings.with_channel(Channel {
+                range_dbm: [-50.0, -50.0],
+                ..channel
+            }),
+            SettingsError::Range,
+        ),
+        (
+            settings.with_offset(Offset {
+                probability: 1.0,
+                ..offset
+            }),
+            SettingsError::OffsetProbability,
+        ),
+        (
+            settings.with_offset(Offset {
+                deviation_db: nan,
+                ..offset
+            }),
+            SettingsError::OffsetDeviation,
+        ),
+        (
+            settings.with_offset(Offset {
+                drift: -1.0,
+                ..offset
+            }),
+            SettingsError::OffsetDrift,
+        ),
+        (settings.with_window_ms(60_001), SettingsError::Window),
+        (settings.with_recovery(1.5), SettingsError::Recovery),
+        (settings.with_uncertain_m(0.0), SettingsError::Uncertain),
+    ] {
+        assert_eq!(refused, Err(error));
+    }
+}
