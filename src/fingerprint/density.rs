@@ -99,7 +99,7 @@ impl<'a> KernelDensity<'a> {
         bandwidth_db: f32,
         settings: &Settings,
     ) -> Result<Self, MapError> {
-        if !(bandwidth_db >= 0.1 && bandwidth_db <= 50.0) {
+        if !(0.1..=50.0).contains(&bandwidth_db) {
             return Err(MapError::Levels);
         }
         Ok(Self {

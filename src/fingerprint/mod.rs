@@ -57,7 +57,6 @@ mod packet;
 mod posterior;
 mod settings;
 mod table;
-pub mod tracker;
 #[cfg(test)]
 mod tests;
 

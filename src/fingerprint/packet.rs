@@ -148,7 +148,8 @@ impl PacketLikelihood<'_> {
     /// Log-likelihood from the deviation and the mean, in steps.
     #[inline(always)]
     fn of_moments(&self, deviation: u32, mean: u32) -> f32 {
-        let [peak, curvature] = self.model.curves[((deviation + STEPS / 2) / STEPS & 63) as usize];
+        let [peak, curvature] =
+            self.model.curves[(((deviation + STEPS / 2) / STEPS) & 63) as usize];
         let distance = (self.strength - mean as i32) as f32;
         let log_likelihood = peak + curvature * (distance * distance);
         if log_likelihood > self.model.floor {
