@@ -59,6 +59,7 @@ mod settings;
 mod table;
 #[cfg(test)]
 mod tests;
+pub mod tracker;
 
 pub use density::{KernelDensity, Samples};
 pub use gaussian::GaussianMatcher;
