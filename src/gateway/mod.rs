@@ -54,6 +54,7 @@
 //! **`$PFOXS,lines,sentences,bearings,ignored,...*hh`**, the status: the counts of [`Counters`] and then, in
 //! the order of [`Rejected::ALL`], of every reason for a rejection.
 
+pub mod beacon;
 mod bearing_line;
 mod clock;
 mod counters;

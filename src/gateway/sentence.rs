@@ -91,9 +91,27 @@ impl<const N: usize> Text<N> {
         self.digits(value, 1);
     }
 
+    /// A value in tenths or thousandths; nothing if it is not finite.
+    pub fn signed(&mut self, value: f32, unit: Unit) {
+        self.put(",");
+        // What rounds to zero has no sign.
+        let least = match unit {
+            Unit::Tenth => -0.05,
+            Unit::Thousandth => -0.000_5,
+        };
+        if value < least && value.is_finite() {
+            self.put("-");
+        }
+        self.magnitude(value.abs(), unit);
+    }
+
     /// A value that is not negative, in tenths or thousandths; nothing if it is not finite.
     pub fn decimal(&mut self, value: f32, unit: Unit) {
         self.put(",");
+        self.magnitude(value, unit);
+    }
+
+    fn magnitude(&mut self, value: f32, unit: Unit) {
         if value.is_finite() {
             let (per_one, width) = match unit {
                 Unit::Tenth => (10, 1),
@@ -139,6 +157,16 @@ impl<const N: usize> Text<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn signed() {
+        let mut text = Text::<64>::new();
+        for value in [-1.25, -0.04, 0.0, 2.0, f32::NEG_INFINITY] {
+            text.signed(value, Unit::Tenth);
+        }
+        text.signed(-0.001, Unit::Thousandth);
+        assert_eq!(text.as_str(), ",-1.3,0.0,0.0,2.0,,-0.001");
+    }
 
     #[test]
     fn digits() {

@@ -83,6 +83,13 @@ impl<const T: usize, const N: usize, const B: usize> Trackers<T, N, B> {
         free.unwrap_or(silent.0)
     }
 
+    /// Forgets all tags.
+    pub fn clear(&mut self) {
+        for slot in &mut self.slots {
+            slot.owner = None;
+        }
+    }
+
     /// The tracker of a tag.
     pub fn get(&self, tag: Tag) -> Option<&Tracker<N, B>> {
         self.iter()

@@ -17,7 +17,7 @@ fn level(beacon: u8, x: f32) -> f32 {
 }
 
 /// 41 points in each of so many rows, a deviation of 2 dB everywhere.
-fn map(rows: u16) -> Vec<u8> {
+pub(crate) fn map(rows: u16) -> Vec<u8> {
     let points = 41 * usize::from(rows);
     let mut bytes = b"FXRM\x01\x01\x04\x00\x29\x00".to_vec();
     bytes.extend(rows.to_le_bytes());

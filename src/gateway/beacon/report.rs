@@ -1,0 +1,118 @@
+//! The sentences out.
+
+use super::{Counters, Rejected};
+use crate::fingerprint::tracker::{Fix, State, Tag};
+use crate::gateway::sentence::{Text, Unit};
+
+/// Has room for the fixes of [`super::MAX_TAGS`] tags and a status.
+pub(super) type Report = Text<2560>;
+
+/// The probability of the ellipse whose semi-axes are one standard deviation: 1 - exp(-1/2).
+const ONE_SIGMA: f32 = 0.393_469_34;
+const DEGREES: f32 = 180.0 / core::f32::consts::PI;
+
+impl Report {
+    /// `$PFOXT`
+    pub fn tag(&mut self, tag: Tag, fix: &Fix) {
+        let ellipse = fix.ellipse(ONE_SIGMA);
+        self.begin("PFOXT");
+        self.field(fix.time_ms);
+        self.field(tag.0);
+        self.put(match fix.state {
+            State::Tracking => ",TRACKING",
+            State::Uncertain => ",UNCERTAIN",
+            State::Lost => ",LOST",
+            State::Recovered => ",RECOVERED",
+        });
+        for value in fix.position.into_iter().chain(fix.velocity) {
+            self.signed(value, Unit::Thousandth);
+        }
+        self.decimal(ellipse.semi_major, Unit::Thousandth);
+        self.decimal(ellipse.semi_minor, Unit::Thousandth);
+        self.signed(ellipse.orientation * DEGREES, Unit::Tenth);
+        self.signed(fix.offset_db, Unit::Tenth);
+        self.decimal(fix.effective_sample_size, Unit::Tenth);
+        self.end();
+    }
+
+    /// `$PFOXL`
+    pub fn radio(&mut self, time_ms: u32, radio: u32, is_silent: bool) {
+        self.begin("PFOXL");
+        self.field(time_ms);
+        self.field(radio);
+        self.put(if is_silent { ",SILENT" } else { ",HEARD" });
+        self.end();
+    }
+
+    /// `$PFOXS`
+    pub fn status(&mut self, counters: &Counters, tags: u32, silent_radios: u32) {
+        self.begin("PFOXS");
+        for count in [
+            counters.messages,
+            counters.packets,
+            tags,
+            silent_radios,
+            counters.ignored,
+            counters.evicted,
+        ] {
+            self.field(count);
+        }
+        for reason in Rejected::ALL {
+            self.field(counters.rejected(reason));
+        }
+        self.end();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::MAX_TAGS;
+    use super::*;
+
+    fn fix() -> Fix {
+        Fix {
+            time_ms: 12_500,
+            state: State::Tracking,
+            position: [31.25, -0.5],
+            covariance: [[4.0, 0.0], [0.0, 1.0]],
+            velocity: [1.0, 0.0],
+            offset_db: -3.25,
+            effective_sample_size: 211.04,
+        }
+    }
+
+    #[test]
+    fn sentences() {
+        let mut report = Report::new();
+        report.tag(Tag(7), &fix());
+        assert_eq!(
+            report.as_str(),
+            "$PFOXT,12500,7,TRACKING,31.250,-0.500,1.000,0.000,2.000,1.000,0.0,-3.3,211.0*45\r\n"
+        );
+        report.clear();
+        report.radio(12_500, 3, true);
+        assert!(report.as_str().starts_with("$PFOXL,12500,3,SILENT*"));
+    }
+
+    #[test]
+    fn the_longest_reports_fit() {
+        let mut report = Report::new();
+        let fix = Fix {
+            time_ms: u32::MAX,
+            state: State::Recovered,
+            position: [-9e5; 2],
+            covariance: [[1e12, 0.0], [0.0, 1e12]],
+            velocity: [-9e5; 2],
+            offset_db: -100.0,
+            effective_sample_size: 65_536.0,
+        };
+        for _ in 0..MAX_TAGS {
+            report.tag(Tag(u32::MAX), &fix);
+        }
+        report.status(&Counters::new(), 8, 0);
+        // Every count, now one digit, may have ten.
+        let counts = 6 + Rejected::ALL.len();
+        assert!(report.as_str().ends_with("\r\n"));
+        assert!(report.as_str().len() + counts * 9 <= 2560);
+    }
+}
