@@ -127,7 +127,7 @@ pub fn fish<const N: usize>(visit: &mut impl Visit) {
     let plain = Bootstrap::<N>(Start::AnyPair);
     visit.method("particle filter as published", PUBLISHED, plain);
     let apart = Bootstrap::<N>(Start::Apart);
-    visit.method("the same, from pairs 20 places apart", APART, apart);
+    visit.method("particle filter, pairs 20 places apart", APART, apart);
     let fish = Gathered::<N, _>(printed);
     visit.method("fish as published, 1 m and 0.3 m", FISH, fish);
     let relative = Gathered::<N, _>(relative);
@@ -158,7 +158,7 @@ pub fn fireflies<const N: usize>(visit: &mut impl Visit) {
     let plain = Bootstrap::<N>(Start::AnyPair);
     visit.method("particle filter as published", PUBLISHED, plain);
     let apart = Bootstrap::<N>(Start::Apart);
-    visit.method("the same, from pairs 20 places apart", APART, apart);
+    visit.method("particle filter, pairs 20 places apart", APART, apart);
     visit.method("standard firefly", STANDARD, Gathered::<N, _>(standard));
     visit.method("improved firefly", IMPROVED, Gathered::<N, _>(improved));
     let relative = Gathered::<N, _>(drawn_in);

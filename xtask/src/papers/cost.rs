@@ -133,10 +133,11 @@ impl Panel {
             return last.over_floor;
         };
         let share = (instructions / a.instructions).ln() / (b.instructions / a.instructions).ln();
+        let share = share.max(0.0);
         let (a, b) = (a.over_floor, b.over_floor);
         Estimate {
-            value: a.value * (b.value / a.value).powf(share.max(0.0)),
-            error: a.error.max(b.error),
+            value: a.value * (b.value / a.value).powf(share),
+            error: a.error + share * (b.error - a.error),
         }
     }
 
