@@ -55,6 +55,7 @@ mod map;
 mod neighbours;
 mod packet;
 mod posterior;
+pub mod published;
 mod settings;
 mod table;
 #[cfg(test)]

@@ -1,0 +1,120 @@
+//! The particle filter of the paper.
+
+use super::{Model, StepError, check_match, check_time};
+use crate::filter::ParticleFilter;
+use crate::particles::Particles;
+use crate::random::{Rng, normal, uniform};
+use crate::resample::Scheme;
+
+/// A bootstrap filter of `N` particles (x, y, vx, vy) that takes matches for measurements: 24 N + 8 bytes.
+#[derive(Debug, Clone)]
+pub struct Cloud<const N: usize> {
+    filter: ParticleFilter<4, N>,
+}
+
+impl<const N: usize> Cloud<N> {
+    /// All particles at the origin: start it before use. Fit for a `static`.
+    pub const fn new() -> Self {
+        Self {
+            filter: ParticleFilter::new(),
+        }
+    }
+
+    /// Starts around the first match: places scatter about it by the covariance of a match, velocities about zero.
+    ///
+    /// # Errors
+    /// [`StepError::Match`].
+    pub fn start_around<R: Rng + ?Sized>(
+        &mut self,
+        found: [f32; 2],
+        model: &Model,
+        rng: &mut R,
+    ) -> Result<(), StepError> {
+        check_match(found)?;
+        self.filter.initialise(rng, |rng| {
+            let [dx, dy] = model.observation.colour([normal(rng), normal(rng)]);
+            let [vx, vy] = model.velocity.map(|deviation| deviation * normal(rng));
+            [found[0] + dx, found[1] + dy, vx, vy]
+        });
+        Ok(())
+    }
+
+    /// Starts anywhere in a box, as somebody would who has no first match, and takes the first match in.
+    ///
+    /// # Errors
+    /// [`StepError::Match`], [`StepError::Box`], or [`StepError::Impossible`] when the match is far from the box; in the
+    /// last case the particles are anywhere in the box.
+    pub fn start_within<R: Rng + ?Sized>(
+        &mut self,
+        least: [f32; 2],
+        most: [f32; 2],
+        found: [f32; 2],
+        model: &Model,
+        rng: &mut R,
+    ) -> Result<(), StepError> {
+        check_match(found)?;
+        let sizes = [most[0] - least[0], most[1] - least[1]];
+        if !sizes.iter().all(|size| *size >= 0.0 && size.is_finite()) {
+            return Err(StepError::Box);
+        }
+        self.filter.initialise(rng, |rng| {
+            let x = least[0] + sizes[0] * uniform(rng);
+            let y = least[1] + sizes[1] * uniform(rng);
+            let [vx, vy] = model.velocity.map(|deviation| deviation * normal(rng));
+            [x, y, vx, vy]
+        });
+        self.weigh(found, model)
+    }
+
+    /// Takes in where a scan was found, `dt` seconds after the last one (eq. 8 to 16). Resamples before it moves the
+    /// particles, so that [`Cloud::mean`] is that of the weighted cloud.
+    ///
+    /// # Errors
+    /// [`StepError::Match`], [`StepError::Time`]; or [`StepError::Impossible`], when the particles have moved but not
+    /// learned anything.
+    pub fn step<R: Rng + ?Sized>(
+        &mut self,
+        dt: f32,
+        found: [f32; 2],
+        model: &Model,
+        rng: &mut R,
+    ) -> Result<(), StepError> {
+        check_match(found)?;
+        check_time(dt)?;
+        self.filter.resample(Scheme::Systematic, rng);
+        self.filter.predict(&model.motion, dt, rng);
+        self.weigh(found, model)
+    }
+
+    fn weigh(&mut self, found: [f32; 2], model: &Model) -> Result<(), StepError> {
+        let likelihood = |state: &[f32; 4]| {
+            let white = (model.observation).whiten([found[0] - state[0], found[1] - state[1]]);
+            -0.5 * (white[0] * white[0] + white[1] * white[1])
+        };
+        match self.filter.update(&likelihood) {
+            Ok(_) => Ok(()),
+            Err(_) => Err(StepError::Impossible),
+        }
+    }
+
+    /// The estimate: the weighted mean of the states.
+    pub fn mean(&self) -> [f32; 4] {
+        self.filter.mean()
+    }
+
+    /// The weighted covariance of the states.
+    pub fn covariance(&self) -> [[f32; 4]; 4] {
+        self.filter.covariance()
+    }
+
+    /// The states and their log-weights.
+    pub fn particles(&self) -> &Particles<4, N> {
+        self.filter.particles()
+    }
+}
+
+impl<const N: usize> Default for Cloud<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,150 @@
+//! The particle filter beside the Kalman filter, which is exact for this model.
+
+extern crate std;
+use super::*;
+use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
+
+const WALK: [[f32; 2]; 9] = [
+    [1.0, 1.0],
+    [4.0, 1.5],
+    [11.0, 2.0],
+    [14.0, 1.0],
+    [22.0, 0.5],
+    [24.0, 1.5],
+    [30.0, 1.0],
+    [36.0, 2.0],
+    [39.0, 1.5],
+];
+
+fn matched() -> Model {
+    let observation = Covariance::new(&[[9.0, 1.0], [1.0, 2.0]]).unwrap();
+    Model::AS_PRINTED.with_observation(observation).unwrap()
+}
+
+/// The mean over 40 clouds of 1,000 particles scatters by less than 1 % of the posterior's deviation (40,000 particles,
+/// resampled in every step); 5 % are allowed, so this fails by chance less often than anything else here.
+#[test]
+fn many_particles_come_to_what_the_kalman_filter_says() {
+    for model in [Model::AS_PRINTED, matched()] {
+        let mut kalman = model.kalman_start(WALK[0]).unwrap();
+        for found in &WALK[1..] {
+            model.kalman_step(&mut kalman, 2.0, *found).unwrap();
+        }
+        let mut mean = [0.0; 4];
+        let mut variance = [0.0; 4];
+        for seed in 0..40 {
+            let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+            let mut cloud = Cloud::<1000>::new();
+            cloud.start_around(WALK[0], &model, &mut rng).unwrap();
+            for found in &WALK[1..] {
+                cloud.step(2.0, *found, &model, &mut rng).unwrap();
+            }
+            for k in 0..4 {
+                mean[k] += cloud.mean()[k] / 40.0;
+                variance[k] += cloud.covariance()[k][k] / 40.0;
+            }
+        }
+        for (k, deviation) in kalman.covariance.deviations().iter().enumerate() {
+            assert!((mean[k] - kalman.mean[k]).abs() < 0.05 * deviation);
+            assert!((variance[k].sqrt() / deviation - 1.0).abs() < 0.05);
+        }
+    }
+}
+
+#[test]
+fn the_printed_covariance_lags_behind_a_walk() {
+    let [mut printed, mut matched] = [Model::AS_PRINTED, matched()].map(|model| {
+        let state = model.kalman_start([0.0, 1.5]).unwrap();
+        (model, state, 0.0f32)
+    });
+    for step in 1..=16 {
+        let x = 5.0 * step as f32;
+        for (model, state, lag) in [&mut printed, &mut matched] {
+            model.kalman_step(state, 2.0, [x, 1.5]).unwrap();
+            *lag = lag.max(x - state.mean[0]);
+        }
+    }
+    assert!(printed.2 > 5.0, "{}", printed.2);
+    assert!(matched.2 < 2.0, "{}", matched.2);
+}
+
+#[test]
+fn a_start_anywhere_in_a_box_learns_from_its_first_match() {
+    let model = matched();
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(5);
+    let mut cloud = Cloud::<2000>::new();
+    let (least, most) = ([0.0, 0.0], [80.0, 3.5]);
+    cloud
+        .start_within(least, most, [30.0, 1.75], &model, &mut rng)
+        .unwrap();
+    assert!((cloud.mean()[0] - 30.0).abs() < 1.0);
+    let [x, y, ..] = cloud.particles().columns();
+    assert!(x.iter().all(|x| (0.0..=80.0).contains(x)));
+    assert!(y.iter().all(|y| (0.0..=3.5).contains(y)));
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let model = Model::AS_PRINTED;
+    let singular = Covariance::diagonal([1.0, 0.0]);
+    assert_eq!(
+        model.with_observation(singular),
+        Err(ModelError::Observation)
+    );
+    let infinite = Covariance::diagonal([1.0, f32::INFINITY]);
+    assert_eq!(
+        model.with_observation(infinite),
+        Err(ModelError::Observation)
+    );
+    assert_eq!(
+        model.with_acceleration([-0.1, 0.0]),
+        Err(ModelError::Acceleration)
+    );
+    assert_eq!(
+        model.with_velocity([0.0, f32::NAN]),
+        Err(ModelError::Velocity)
+    );
+
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(6);
+    let mut cloud = Cloud::<50>::new();
+    let nowhere = [f32::NAN, 0.0];
+    assert_eq!(
+        cloud.start_around(nowhere, &model, &mut rng),
+        Err(StepError::Match)
+    );
+    assert_eq!(
+        cloud.start_within([1.0, 0.0], [0.0, 1.0], [0.0; 2], &model, &mut rng),
+        Err(StepError::Box)
+    );
+    cloud
+        .start_around([normal(&mut rng), 0.0], &model, &mut rng)
+        .unwrap();
+    let before = cloud.mean();
+    assert_eq!(
+        cloud.step(2.0, nowhere, &model, &mut rng),
+        Err(StepError::Match)
+    );
+    assert_eq!(
+        cloud.step(-1.0, [0.0; 2], &model, &mut rng),
+        Err(StepError::Time)
+    );
+    assert_eq!(cloud.mean(), before);
+    let far = [f32::MAX, 0.0];
+    assert_eq!(
+        cloud.step(2.0, far, &model, &mut rng),
+        Err(StepError::Impossible)
+    );
+
+    assert_eq!(model.kalman_start(nowhere), Err(StepError::Match));
+    let mut state = model.kalman_start([0.0; 2]).unwrap();
+    let before = state;
+    assert_eq!(
+        model.kalman_step(&mut state, f32::NAN, [0.0; 2]),
+        Err(StepError::Time)
+    );
+    assert_eq!(
+        model.kalman_step(&mut state, 1.0, nowhere),
+        Err(StepError::Match)
+    );
+    assert_eq!(state, before);
+}
