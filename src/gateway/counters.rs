@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use super::tally::Tally;
+
 /// Why a line was not used. The state of the locator is as if it had not been there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -87,7 +89,7 @@ pub struct Counters {
     pub bearings: u32,
     /// Correct sentences of kinds that are of no use here.
     pub ignored: u32,
-    rejected: [u32; Rejected::ALL.len()],
+    rejected: Tally<{ Rejected::ALL.len() }>,
 }
 
 impl Counters {
@@ -97,19 +99,17 @@ impl Counters {
             sentences: 0,
             bearings: 0,
             ignored: 0,
-            rejected: [0; Rejected::ALL.len()],
+            rejected: Tally::new(),
         }
     }
 
     /// How many lines were rejected for this reason.
     pub fn rejected(&self, reason: Rejected) -> u32 {
-        self.rejected.get(reason as usize).copied().unwrap_or(0)
+        self.rejected.get(reason as usize)
     }
 
     pub(super) fn reject(&mut self, reason: Rejected) {
-        if let Some(count) = self.rejected.get_mut(reason as usize) {
-            *count = count.saturating_add(1);
-        }
+        self.rejected.add(reason as usize);
     }
 }
 

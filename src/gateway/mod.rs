@@ -64,6 +64,7 @@ mod nmea;
 mod report;
 mod sentence;
 mod settings;
+mod tally;
 mod vehicle;
 
 pub use counters::{Counters, Rejected};

@@ -200,7 +200,7 @@ impl Settings {
         if !within(motion.agility, 1e-4, 1e3) {
             return Err(SettingsError::Agility);
         }
-        if !(motion.memory_s >= 0.1) {
+        if !within(motion.memory_s, 0.1, f32::INFINITY) {
             return Err(SettingsError::Memory);
         }
         self.motion = motion;
@@ -221,7 +221,7 @@ impl Settings {
         if !within(channel.tempering, 0.01, 1.0) {
             return Err(SettingsError::Tempering);
         }
-        if !(channel.gate_deviations >= 0.5) {
+        if !within(channel.gate_deviations, 0.5, f32::INFINITY) {
             return Err(SettingsError::Gate);
         }
         let [lowest, highest] = channel.range_dbm;

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::gateway::tally::Tally;
+
 /// Why a message was not used. The trackers are as if it had not been there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -60,7 +62,7 @@ pub struct Counters {
     pub ignored: u32,
     /// Trackers that were taken from one tag and given to another.
     pub evicted: u32,
-    rejected: [u32; Rejected::ALL.len()],
+    rejected: Tally<{ Rejected::ALL.len() }>,
 }
 
 impl Counters {
@@ -70,19 +72,17 @@ impl Counters {
             packets: 0,
             ignored: 0,
             evicted: 0,
-            rejected: [0; Rejected::ALL.len()],
+            rejected: Tally::new(),
         }
     }
 
     /// How many messages were rejected for this reason.
     pub fn rejected(&self, reason: Rejected) -> u32 {
-        self.rejected.get(reason as usize).copied().unwrap_or(0)
+        self.rejected.get(reason as usize)
     }
 
     pub(super) fn reject(&mut self, reason: Rejected) {
-        if let Some(count) = self.rejected.get_mut(reason as usize) {
-            *count = count.saturating_add(1);
-        }
+        self.rejected.add(reason as usize);
     }
 }
 

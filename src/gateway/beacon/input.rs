@@ -20,6 +20,10 @@ pub(super) enum Message {
 }
 
 /// Collects the bytes of one message.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "it never moves, and there is no heap to box into"
+)]
 #[derive(Debug)]
 pub(super) enum Input {
     Lines(LineReader),

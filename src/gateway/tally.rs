@@ -1,0 +1,29 @@
+//! How often each of several things has happened.
+
+/// Counts that stay at their maximum when they reach it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Tally<const K: usize>([u32; K]);
+
+impl<const K: usize> Tally<K> {
+    pub const fn new() -> Self {
+        Self([0; K])
+    }
+
+    /// Of thing number `which`.
+    pub fn get(&self, which: usize) -> u32 {
+        self.0.get(which).copied().unwrap_or(0)
+    }
+
+    pub fn add(&mut self, which: usize) {
+        if let Some(count) = self.0.get_mut(which) {
+            *count = count.saturating_add(1);
+        }
+    }
+}
+
+impl<const K: usize> Default for Tally<K> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
