@@ -6,7 +6,7 @@
 //! - [`tracks`]: the problems of the published experiments, ready made;
 //! - [`tunnel`]: a tunnel with beacons, its survey and walks through it; [`survey`]: what a survey is;
 //! - [`radio_map`]: from the readings of a survey to a radio map in flash;
-//! - [`tetam`]: a survey and walks measured in an office floor;
+//! - [`tetam`]: a survey and walks measured in an office floor; [`walks`]: those, and simulated ones, tracked;
 //! - [`simulate`]: noisy bearings along a track; [`drive`]: a whole drive of a vehicle, as the bytes
 //!   that its receiver and its direction finder put on the line;
 //! - [`mod@reference`]: exact answers, to measure the library against;
@@ -27,6 +27,7 @@ pub mod survey;
 pub mod tetam;
 pub mod tracks;
 pub mod tunnel;
+pub mod walks;
 
 mod sight;
 

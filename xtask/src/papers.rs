@@ -15,6 +15,7 @@ mod bearings;
 mod cost;
 mod counted;
 mod evolution;
+mod fingerprint;
 mod firefly;
 mod fish;
 mod instructions;
@@ -40,6 +41,9 @@ enum Paper {
     Firefly(Study),
     /// Track a model with gamma noise with differential evolution and unscented proposals: Li, Wang and Wang (2011).
     Evolution(Study),
+    /// Track a person in a tunnel by radio fingerprints: Cui, Wu, He and Wu (2017), and the tracker, simulated and
+    /// measured.
+    Fingerprint(Study),
     /// What each method of these is worth beside the bootstrap filter that costs as much.
     Cost(Study),
 }
@@ -76,6 +80,7 @@ pub fn run(options: &Options) -> Result<()> {
         Paper::Fish(study) => fish::run(study),
         Paper::Firefly(study) => firefly::run(study),
         Paper::Evolution(study) => evolution::run(study),
+        Paper::Fingerprint(study) => fingerprint::run(study),
         Paper::Cost(study) => cost::run(study),
     }
 }

@@ -1,5 +1,7 @@
 //! The bytes of a radio map.
 
+use std::{cell::LazyCell, collections::BTreeMap};
+
 use anyhow::{Context, Result, ensure};
 use foxhunt::fingerprint::{Encoding, Lattice, RadioMap};
 
@@ -14,6 +16,9 @@ pub struct Options {
     /// Points further than this from any place of the survey, in metres, count as not surveyed. By default one
     /// and a half times the spacing of the lattice or the distance between the places, whichever is larger.
     pub reach: Option<f64>,
+    /// Where beacons are, in metres, by identifier, as far as that is known: between the places of the survey and beyond
+    /// them, the level of those is expected to fall with the logarithm of the distance.
+    pub sources: BTreeMap<u32, [f64; 2]>,
     /// Width of the kernel of [`Encoding::Levels`], in dB: besides the noise it has to cover how a scan differs from
     /// a survey.
     pub bandwidth: f64,
@@ -24,10 +29,11 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// A bandwidth of 4 dB, 32 levels, one outlier in a thousand.
+    /// A bandwidth of 4 dB, 32 levels, one outlier in a thousand; nobody knows where the beacons are.
     fn default() -> Self {
         Self {
             reach: None,
+            sources: BTreeMap::new(),
             bandwidth: 4.0,
             outliers: 1e-3,
             levels: 32,
@@ -168,7 +174,7 @@ impl SiteSurvey {
             })
         }));
         for (beacon, detection) in detections.iter().enumerate() {
-            let heard = self.heard(beacon, &positions, near, 1e-3 * spacing);
+            let heard = self.heard(beacon, &positions, near, 1e-3 * spacing, options);
             match &levels {
                 None => bytes.extend(moments_rows(&heard, &positions)),
                 Some(levels) => levels.rows(&heard, *detection, sensitivity, options, &mut bytes),
@@ -187,21 +193,19 @@ impl SiteSurvey {
         positions: &[[f64; 2]],
         near: impl Fn(&[f64; 2]) -> Option<(usize, f64)>,
         same: f64,
+        options: &Options,
     ) -> Vec<Heard<'_>> {
         let survey = self.survey();
         let samples = |place: usize| survey.samples[place][beacon].as_slice();
-        let places: Vec<usize> = (0..survey.places.len())
-            .filter(|place| !samples(*place).is_empty())
-            .collect();
-        let positions_heard: Vec<[f64; 2]> = places.iter().map(|p| survey.places[*p]).collect();
-        let [means, variances] = [0, 1].map(|moment| -> Vec<f64> {
-            let moments = places.iter().filter_map(|place| moments(samples(*place)));
-            moments.map(|m| m[moment].powi(1 + moment as i32)).collect()
+        // A lattice that has all its points in the survey needs neither.
+        let field = LazyCell::new(|| self.field(beacon, options));
+        let spread = LazyCell::new(|| {
+            let (places, moments) = self.moments(beacon);
+            // Of the variances, the logarithm: it is never negative.
+            let logarithm = |[_, deviation]: &[f64; 2]| deviation.powi(2).max(0.0625).ln();
+            let logarithms: Vec<f64> = moments.iter().map(logarithm).collect();
+            Field::fit(&places, &logarithms, None)
         });
-        // Of the variances, the logarithm: it is never negative.
-        let logarithms: Vec<f64> = variances.iter().map(|v| v.max(0.0625).ln()).collect();
-        let field = Field::fit(&positions_heard, &means);
-        let spread = Field::fit(&positions_heard, &logarithms);
         let at = |position: &[f64; 2]| {
             let Some((place, distance)) = near(position) else {
                 return Heard::Nothing;
@@ -212,7 +216,7 @@ impl SiteSurvey {
             if distance <= same {
                 return Heard::Samples(samples(place));
             }
-            match (&field, &spread) {
+            match (&*field, &*spread) {
                 (Some(field), Some(spread)) => {
                     let (mean, doubt) = field.at(*position);
                     Heard::Expected(mean, (spread.at(*position).0.exp() + doubt).sqrt())
@@ -221,6 +225,38 @@ impl SiteSurvey {
             }
         };
         positions.iter().map(at).collect()
+    }
+
+    /// The places where a beacon was heard, and the mean and the deviation there.
+    fn moments(&self, beacon: usize) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
+        let survey = self.survey();
+        let each = survey.places.iter().zip(&survey.samples);
+        each.filter_map(|(place, samples)| Some((*place, moments(&samples[beacon])?)))
+            .unzip()
+    }
+
+    /// The mean of a beacon anywhere.
+    fn field(&self, beacon: usize, options: &Options) -> Option<Field> {
+        let (places, moments) = self.moments(beacon);
+        let means: Vec<f64> = moments.iter().map(|[mean, _]| *mean).collect();
+        let source = options.sources.get(&self.beacons()[beacon]).copied();
+        Field::fit(&places, &means, source)
+    }
+
+    /// How well the map is known between the places: the root mean square, in dB, of how far the mean level at each place
+    /// is from what all other places predict for it. Of all beacons; not a number without any.
+    pub fn left_out(&self, options: &Options) -> f64 {
+        let fields = (0..self.beacons().len()).filter_map(|beacon| self.field(beacon, options));
+        let (mut count, mut sum) = (0.0, 0.0);
+        for field in fields {
+            count += field.left_out().len() as f64;
+            sum += field
+                .left_out()
+                .iter()
+                .map(|error| error * error)
+                .sum::<f64>();
+        }
+        (sum / count).sqrt()
     }
 
     fn readings(&self) -> impl Iterator<Item = f64> {

@@ -1,0 +1,159 @@
+//! Walks through the library's tracker of tags: what the study of tunnels and its tests share.
+
+mod office;
+
+use anyhow::{Context, Result, bail};
+use foxhunt::{
+    fingerprint::{
+        Encoding, Lattice, RadioMap,
+        tracker::{
+            Channel, Heard, Motion, Offset, PushError, Settings, SettingsError, Site, Tracker,
+            Workspace,
+        },
+    },
+    random::{SeedableRng, Xoshiro128PlusPlus},
+};
+
+pub use office::{Office, Walk};
+
+use crate::{
+    radio_map::{Options, SiteSurvey},
+    survey::Survey,
+    tunnel::{
+        Packet,
+        experiment::{INTERVAL, MISMATCH, Run, SAMPLES, SURVEYED},
+    },
+};
+
+/// Particles of every tracker here.
+pub const PARTICLES: usize = 300;
+/// Points of the largest map here.
+const POINTS: usize = 512;
+
+type Fresh = (Tracker<PARTICLES>, Box<Workspace<PARTICLES, POINTS>>);
+
+fn fresh() -> Fresh {
+    (Tracker::new(), Box::default())
+}
+
+/// What a tracker is to know of the simulated tunnel: the motion of the exact filter, errors that are normal and
+/// independent but for the mismatch of the map, and a radio that is that of the survey.
+///
+/// # Errors
+/// Never, unless the ranges of the settings change.
+pub fn of_simulated_scans() -> Result<Settings, SettingsError> {
+    let motion = Motion {
+        velocity_m_s: 1.5,
+        agility: 0.5,
+        memory_s: f32::INFINITY,
+    };
+    let channel = Channel {
+        mismatch_db: MISMATCH.sqrt() as f32,
+        survey_samples: SAMPLES as u16,
+        tempering: 1.0,
+        gate_deviations: f32::INFINITY,
+        ..Channel::new()
+    };
+    let offset = Offset {
+        probability: 0.0,
+        ..Offset::new()
+    };
+    Settings::new()
+        .with_motion(motion)?
+        .with_channel(channel)?
+        .with_offset(offset)
+}
+
+/// The same for packets that come one by one while the person walks: those that follow each other err alike.
+///
+/// # Errors
+/// Never, unless the ranges of the settings change.
+pub fn of_simulated_packets() -> Result<Settings, SettingsError> {
+    let scans = of_simulated_scans()?;
+    scans
+        .with_motion(Motion {
+            velocity_m_s: 1.5,
+            agility: 0.2,
+            memory_s: f32::INFINITY,
+        })?
+        .with_channel(Channel {
+            mismatch_db: MISMATCH.sqrt() as f32,
+            survey_samples: SAMPLES as u16,
+            tempering: 0.5,
+            gate_deviations: f32::INFINITY,
+            ..Channel::new()
+        })
+}
+
+/// The radio map of a survey along the middle of the simulated tunnel, every metre: the bytes that go to flash.
+///
+/// # Errors
+/// If it cannot be made.
+pub fn tunnel_map(survey: &Survey) -> Result<Vec<u8>> {
+    let beacons: Vec<u32> = (0..survey.beacons() as u32).collect();
+    let lattice = Lattice::new([0.0, SURVEYED as f32], 1.0, survey.places.len() as u16, 1)?;
+    SiteSurvey::of(survey, &beacons).radio_map(&lattice, Encoding::Moments, &Options::default())
+}
+
+/// Where the tracker thinks each scan of a run was taken, in metres along the tunnel.
+///
+/// # Errors
+/// If the map is none or a scan is refused.
+pub fn follow_scans(run: &Run, map: &[u8], settings: Settings, seed: u64) -> Result<Vec<f64>> {
+    let site = Site::new(RadioMap::new(map)?, settings)?;
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+    let (mut tracker, mut workspace) = fresh();
+    let mut places = Vec::new();
+    for (step, scan) in run.scans.iter().enumerate() {
+        let heard = |(beacon, level): (usize, &Option<f64>)| {
+            level.map(|level| Heard {
+                beacon: beacon as u8,
+                mean_dbm: level as f32,
+                packets: run.packets as u16,
+            })
+        };
+        let scan: Vec<Heard> = scan.iter().enumerate().filter_map(heard).collect();
+        let time_ms = (1000.0 * INTERVAL) as u32 * step as u32;
+        let fix = tracker.scan(time_ms, &scan, &site, &mut workspace, &mut rng)?;
+        places.push(fix.context("a scan led to nothing")?.position[0].into());
+    }
+    Ok(places)
+}
+
+/// Where the tracker thinks a tag is at each of `times`, by the packets before it.
+///
+/// As on a gateway, packets that wait for their window wait over such a time, and the place is extrapolated from the last
+/// update. Only a tag that has no place yet is asked for one at once.
+///
+/// # Errors
+/// If a packet is refused for another reason than its strength, or there is none before the first time.
+pub fn follow(
+    site: &Site<'_>,
+    packets: &[Packet],
+    times: &[f64],
+    seed: u64,
+) -> Result<Vec<[f64; 2]>> {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+    let (mut tracker, mut workspace) = fresh();
+    let milliseconds = |time: f64| (1000.0 * time).round() as u32;
+    let mut packets = packets.iter().peekable();
+    let mut places = Vec::new();
+    for time in times {
+        while let Some(packet) = packets.next_if(|packet| packet.time < *time) {
+            let (beacon, level) = (packet.beacon as u8, packet.level as f32);
+            let at = milliseconds(packet.time);
+            match tracker.push(at, beacon, level, site, &mut workspace, &mut rng) {
+                Ok(_) | Err(PushError::Strength) => {}
+                Err(error) => bail!("packet at {:.3} s: {error}", packet.time),
+            }
+        }
+        if tracker.fix().is_none() {
+            tracker.flush(site, &mut workspace, &mut rng);
+        }
+        let fix = tracker
+            .fix()
+            .with_context(|| format!("nothing was heard before {time} s"))?;
+        places.push(fix.position_at(milliseconds(*time)).map(f64::from));
+    }
+    Ok(places)
+}
