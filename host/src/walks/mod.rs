@@ -122,8 +122,7 @@ pub fn follow_scans(run: &Run, map: &[u8], settings: Settings, seed: u64) -> Res
 
 /// Where the tracker thinks a tag is at each of `times`, by the packets before it.
 ///
-/// As on a gateway, packets that wait for their window wait over such a time, and the place is extrapolated from the last
-/// update. Only a tag that has no place yet is asked for one at once.
+/// As a gateway does that is asked, packets that wait for the end of their window are taken in first.
 ///
 /// # Errors
 /// If a packet is refused for another reason than its strength, or there is none before the first time.
@@ -147,9 +146,7 @@ pub fn follow(
                 Err(error) => bail!("packet at {:.3} s: {error}", packet.time),
             }
         }
-        if tracker.fix().is_none() {
-            tracker.flush(site, &mut workspace, &mut rng);
-        }
+        tracker.flush(site, &mut workspace, &mut rng);
         let fix = tracker
             .fix()
             .with_context(|| format!("nothing was heard before {time} s"))?;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use foxhunt::fingerprint::{
-    Encoding, Lattice, Matcher, Posterior, RadioMap, Reading, Settings,
+    Encoding, GaussianMatcher, Lattice, Matcher, Posterior, RadioMap, Reading, Settings,
     tracker::{self, Site},
 };
 
@@ -157,43 +157,43 @@ impl Walk {
         self.truth[packet.saturating_sub(1)]
     }
 
-    /// Where the tracker thinks the tag was at [`Walk::times`], by `packets`, which may be others than its own.
+    /// Where the tracker thinks the tag was at each of `times`, by `packets`, which may be others than its own.
     ///
     /// # Errors
     /// If a packet is refused.
     pub fn follow(
         &self,
         packets: &[Packet],
+        times: &[f64],
         settings: tracker::Settings,
         seed: u64,
     ) -> Result<Vec<[f64; 2]>> {
         let site = Site::new(self.map()?, settings)?;
-        let places = follow(&site, packets, &self.times(), seed)?;
+        let places = follow(&site, packets, times, seed)?;
         Ok(places.into_iter().map(|place| self.turn(place)).collect())
     }
 
-    /// Where a matcher with Gaussian levels puts the packets of the last 2 s before each of [`Walk::times`]: the mean over
-    /// the posterior.
+    /// Where a matcher with Gaussian levels puts the packets of the last 2 s before each of `times`: the mean over the
+    /// posterior.
     ///
     /// # Errors
     /// If nothing can be said.
-    pub fn matched(&self, packets: &[Packet]) -> Result<Vec<[f64; 2]>> {
-        let matcher = foxhunt::fingerprint::GaussianMatcher::new(self.map()?, &Settings::new())?;
+    pub fn matched(&self, packets: &[Packet], times: &[f64]) -> Result<Vec<[f64; 2]>> {
+        let matcher = GaussianMatcher::new(self.map()?, &Settings::new())?;
         let mut posterior = Posterior::<POINTS>::new();
-        let at = |time: f64| {
+        let mut at = |time: &f64| {
             let beacons = self.map()?.beacons();
-            let scan = mean_levels(packets, beacons, time - EVERY..time, &Settings::new());
+            let scan = mean_levels(packets, beacons, time - EVERY..*time, &Settings::new());
             let found = matcher.locate(&scan, &mut posterior)?;
             Ok(self.turn(found.mean.map(f64::from)))
         };
-        self.times().into_iter().map(at).collect()
+        times.iter().map(&mut at).collect()
     }
 
-    /// The distances of places from the truth at [`Walk::times`], in metres.
-    pub fn errors(&self, places: &[[f64; 2]]) -> Vec<f64> {
-        let times = self.times();
-        let error = |(place, time): (&[f64; 2], f64)| {
-            let truth = self.truth_at(time);
+    /// The distances of places from where the tag was at `times`, in metres.
+    pub fn errors(&self, times: &[f64], places: &[[f64; 2]]) -> Vec<f64> {
+        let error = |(place, time): (&[f64; 2], &f64)| {
+            let truth = self.truth_at(*time);
             (place[0] - truth[0]).hypot(place[1] - truth[1])
         };
         places.iter().zip(times).map(error).collect()

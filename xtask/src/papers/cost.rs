@@ -230,6 +230,7 @@ impl Panel {
             vertical: Axis {
                 name: "RMSE / floor".into(),
                 logarithmic: highest > 5.0,
+                ..Axis::default()
             },
             curves,
         }

@@ -18,10 +18,6 @@ impl Errors {
         self.0.push(run);
     }
 
-    pub fn extend(&mut self, other: Self) {
-        self.0.extend(other.0);
-    }
-
     pub fn runs(&self) -> usize {
         self.0.len()
     }

@@ -125,9 +125,7 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
         .map(|column| one_column(column, study))
         .collect::<Result<Vec<_>>>()?;
     print(&columns);
-    for (column, errors) in columns.iter().enumerate() {
-        draw(column, errors)?;
-    }
+    draw(&columns)?;
     let figures = columns
         .iter()
         .enumerate()
@@ -355,11 +353,11 @@ fn print(columns: &[Vec<Errors>]) {
     );
 }
 
-fn draw(column: usize, errors: &[Errors]) -> Result<()> {
-    const SHOWN: [usize; 6] = [0, 2, 5, 6, TRACKER, GRID];
+fn draw(columns: &[Vec<Errors>]) -> Result<()> {
+    const SHOWN: [usize; 6] = [0, 2, 5, 6, GRID, TRACKER];
     const MOST: f64 = 12.0;
-    let curves = Curves {
-        title: format!("Errors in the simulated tunnel, noise {}", NAMES[column]),
+    let of_column = |(errors, name): (&Vec<Errors>, &str)| Curves {
+        title: format!("Simulated tunnel, noise {name}"),
         horizontal: Axis::linear("error in m"),
         vertical: Axis::linear("% of the steps below"),
         curves: SHOWN
@@ -367,9 +365,10 @@ fn draw(column: usize, errors: &[Errors]) -> Result<()> {
             .map(|method| errors[*method].curve(METHODS[*method].label, MOST))
             .collect(),
     };
-    let stem = picture(&format!("fingerprint-{}", KEYS[column].replace('_', "-")));
-    picture::save(&curves.svg()?, &stem)?;
-    println!("picture: {}", stem.with_extension("svg").display());
+    let pictures: Vec<Curves> = columns.iter().zip(NAMES).map(of_column).collect();
+    let stem = picture("fingerprint-simulated");
+    picture::save(&Curves::grid(&pictures, 2)?, &stem)?;
+    println!("picture: {}\n", stem.with_extension("svg").display());
     Ok(())
 }
 
