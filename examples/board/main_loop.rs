@@ -1,19 +1,16 @@
-//! The main loop of a vehicle's firmware, round the gateway that the example names.
+//! The main loop of a gateway's firmware, round the gateway that the example names.
 
 use cortex_m::Peripherals;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::{entry, exception};
-use foxhunt::gateway::Event;
 use heapless::spsc::Queue;
 
 use super::{uart, uart::Uart, watchdog::Watchdog};
 use crate::{Gateway, gateway};
 
-/// What arrives in a third of a second at 115,200 baud, while the locator works on a bearing.
+/// What arrives in a third of a second at 115,200 baud, while a gateway works on a message.
 const RECEIVED_BYTES: usize = 4_096;
 const SENT_BYTES: usize = 1_024;
-/// No byte leads to a longer report.
-const REPORT_BYTES: usize = 320;
 
 const WATCHDOG_SECONDS: u32 = 10;
 /// Ten times a second at 25 MHz: an idle board wakes to feed its watchdog.
@@ -35,40 +32,37 @@ fn main() -> ! {
     let mut watchdog = Watchdog::start(WATCHDOG_SECONDS);
     let mut uart = Uart::start(RECEIVED, TO_SEND);
     let mut overruns = 0;
+    // Bytes of the present report that were handed to the UART.
+    let mut sent = 0;
     defmt::info!("ready");
 
     // One byte a turn: the work between two feedings of the watchdog is bounded.
     loop {
         watchdog.feed();
+        let unsent = GATEWAY.report().as_bytes().get(sent..).unwrap_or_default();
         // With interrupts held back none can slip in between the question and the sleep; a held one wakes.
         cortex_m::interrupt::free(|_| {
-            if !is_ready(&uart) {
+            let is_ready = match unsent {
+                [] => uart.has_received(),
+                _ => uart.has_room(),
+            };
+            if !is_ready {
                 cortex_m::asm::wfi();
             }
         });
-        // A byte is taken when there is room for all that it can lead to: reports are never cut.
-        if is_ready(&uart)
-            && let Some(byte) = uart.read()
+        // The next byte is taken when the report of the last one is on its way: reports are never cut.
+        if !unsent.is_empty() {
+            sent += uart.write(unsent);
+        } else if let Some(byte) = uart.read()
             && let Some(event) = GATEWAY.push(byte)
         {
-            uart.write(GATEWAY.report().as_bytes());
-            log(&event);
+            sent = 0;
+            defmt::info!("{}", event);
         }
         if uart.overruns() != overruns {
             overruns = uart.overruns();
             defmt::warn!("{} overruns of the receiver", overruns);
         }
-    }
-}
-
-fn is_ready(uart: &Uart) -> bool {
-    uart.has_received() && uart.room() >= REPORT_BYTES
-}
-
-fn log(event: &Event) {
-    match event {
-        Event::Rejected(reason) => defmt::debug!("rejected: {}", reason),
-        event => defmt::info!("{}", event),
     }
 }
 

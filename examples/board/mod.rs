@@ -1,4 +1,4 @@
-//! What the firmwares of a vehicle share: everything but the gateway, which the example names.
+//! What the firmwares of gateways share: everything but the gateway, which the example names.
 
 #[cfg(not(target_os = "none"))]
 pub mod host;

@@ -108,20 +108,23 @@ impl Uart {
         self.received.ready()
     }
 
-    /// How many bytes may be written.
-    pub fn room(&self) -> usize {
-        self.to_send.capacity() - self.to_send.len()
+    /// Whether there is room to write.
+    pub fn has_room(&self) -> bool {
+        self.to_send.ready()
     }
 
-    /// Sends the bytes for which there is room.
-    pub fn write(&mut self, bytes: &[u8]) {
+    /// Sends the bytes for which there is room, and says how many these are.
+    pub fn write(&mut self, bytes: &[u8]) -> usize {
+        let mut written = 0;
         for byte in bytes {
             if self.to_send.enqueue(*byte).is_err() {
                 break;
             }
+            written += 1;
         }
         // The transmitter may be idle: let the interrupt take the first byte.
         NVIC::pend(Interrupt::Transmit);
+        written
     }
 
     /// How often bytes were lost because the receiver was not read in time.

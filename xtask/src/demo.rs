@@ -1,7 +1,8 @@
-//! The task `demo`: a drive through the firmware `vehicle` on the emulated board.
+//! The task `demo`: a drive through the firmware `vehicle` on the emulated board, or people through that of a tunnel.
 
 mod assessment;
 mod report;
+mod tunnel;
 
 use std::{
     io::{IsTerminal, stdout},
@@ -19,7 +20,10 @@ use crate::{project, qemu::Machine, setup};
 
 /// The options of `cargo xtask demo`.
 #[derive(clap::Args)]
+#[command(args_conflicts_with_subcommands = true)]
 pub struct Options {
+    #[command(subcommand)]
+    other: Option<Other>,
     /// Run measured bearings instead of the simulated drive: a file of the WSR toolbox's data set.
     #[arg(long, value_name = "FILE", requires = "transmitter")]
     bearings: Option<PathBuf>,
@@ -35,6 +39,13 @@ pub struct Options {
         requires = "bearings"
     )]
     deviation: f64,
+}
+
+/// What else there is to show.
+#[derive(clap::Subcommand)]
+enum Other {
+    /// Track people in a tunnel with the firmware `beacon_gateway` in the emulator, and draw them.
+    Tunnel(tunnel::Options),
 }
 
 /// A drive to be shown.
@@ -58,8 +69,11 @@ const LIMIT: Duration = Duration::from_secs(120);
 /// Time on a terminal for a second of the drive, so that the fixes can be seen to come.
 const PACE: Duration = Duration::from_millis(15);
 
-/// Streams the drive through the firmware and says how good its answer is.
+/// Streams the drive through the firmware and says how good its answer is; or what else is asked for.
 pub fn run(options: &Options) -> Result<()> {
+    if let Some(Other::Tunnel(options)) = &options.other {
+        return tunnel::run(options);
+    }
     let scene = Scene::new(options)?;
     let truth =
         drive::truth(&scene.bytes).context("the drive does not tell where the transmitter is")?;

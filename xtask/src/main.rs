@@ -18,6 +18,7 @@ mod qemu;
 mod setup;
 mod test;
 mod trace;
+mod tunnel;
 
 /// The tasks of this repository.
 #[derive(Parser)]
@@ -33,6 +34,8 @@ enum Task {
     Demo(demo::Options),
     /// Simulate the drive of the demo again, from its seed, and write its file.
     Drive,
+    /// Simulate the radio map and the packets of the tunnel's demo again, from their seed, and write their files.
+    Tunnel,
     /// Reproduce published results, and compare with their figures.
     Papers(papers::Options),
 }
@@ -54,6 +57,7 @@ fn run(task: Task) -> Result<()> {
         Task::Cost(options) => cost::run(&options),
         Task::Demo(options) => demo::run(&options),
         Task::Drive => drive::run(),
+        Task::Tunnel => tunnel::run(),
         Task::Papers(options) => papers::run(&options),
     }
 }

@@ -2,6 +2,7 @@
 
 use std::{
     env,
+    ffi::OsStr,
     path::{Path, PathBuf},
     process::{Command, Stdio},
 };
@@ -46,6 +47,16 @@ pub fn firmware(example: &str) -> Result<PathBuf> {
     executable(&["--release", "--target", BOARD, "--example", example])
 }
 
+/// The same with variables in the compiler's environment.
+pub fn firmware_with(example: &str, variables: &[(&str, &OsStr)]) -> Result<PathBuf> {
+    let mut cargo = cargo();
+    cargo.envs(variables.iter().copied());
+    built(
+        cargo,
+        &["--release", "--target", BOARD, "--example", example],
+    )
+}
+
 /// Builds the one executable that `arguments` of `cargo build` select and returns its file.
 pub fn executable(arguments: &[&str]) -> Result<PathBuf> {
     executable_in(root(), arguments)
@@ -53,8 +64,13 @@ pub fn executable(arguments: &[&str]) -> Result<PathBuf> {
 
 /// The same for the workspace in `directory`.
 pub fn executable_in(directory: &Path, arguments: &[&str]) -> Result<PathBuf> {
-    let mut child = cargo()
-        .current_dir(directory)
+    let mut cargo = cargo();
+    cargo.current_dir(directory);
+    built(cargo, arguments)
+}
+
+fn built(mut cargo: Command, arguments: &[&str]) -> Result<PathBuf> {
+    let mut child = cargo
         .args([
             "build",
             "--quiet",

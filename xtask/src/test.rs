@@ -51,6 +51,10 @@ const STEPS: &[Step] = &[
     }),
     ("portable tests, emulated board", portable_on_board),
     ("whole drives, board against host", trace::compare),
+    (
+        "people in a tunnel, board against host",
+        trace::compare_tunnel,
+    ),
     ("no panic can happen", || {
         project::firmware("no_panic")
             .map(drop)

@@ -1,4 +1,4 @@
-//! Drives through the firmwares in the emulator and through the same gateways on the host.
+//! Drives and packets through the firmwares in the emulator, and through the same gateways on the host.
 
 use std::{
     env, fs,
@@ -10,13 +10,14 @@ use std::{
 };
 
 use anyhow::{Context, Result, ensure};
-use foxhunt_host::{measured::Measured, replay::Replay};
+use foxhunt_host::{measured::Measured, packets, replay};
 
 use crate::{
     cost,
     demo::{DEVIATION_DEGREES, EXAMPLE, QUERY, has_status},
     project,
     qemu::Machine,
+    tunnel::{self, Framed},
 };
 
 /// Fails unless the firmware answers the shipped drive, and the measured ones where they are at hand, byte for
@@ -45,6 +46,48 @@ pub fn compare() -> Result<()> {
     Ok(())
 }
 
+/// Fails unless the firmwares of the tunnel answer the shipped packets, as sentences and as frames, byte for byte as the
+/// host does; or if a damaged map compiles.
+pub fn compare_tunnel() -> Result<()> {
+    let scene = tunnel::scene()?;
+    for framed in [Framed::Lines, Framed::Frames] {
+        let mut replay = packets::Replay::new(&scene, framed.framing())?;
+        let bytes = framed.bytes(&scene.recording);
+        replay.push(&bytes);
+        let host = lines(replay.output());
+        for tag in scene.recording.truth.keys() {
+            ensure!(
+                host.contains(&format!(",{tag},TRACKING,")),
+                "{tag} was not tracked"
+            );
+        }
+        let board = on_board(framed.firmware(), &bytes)?;
+        ensure_same(&board, replay.output()).context(framed.firmware())?;
+    }
+    damaged_map()
+}
+
+/// Fails if a firmware with a damaged map compiles, or another reason keeps it from compiling.
+fn damaged_map() -> Result<()> {
+    let mut map = fs::read(project::root().join(tunnel::MAP))?;
+    let last = map.last_mut().context("the map is empty")?;
+    *last ^= 1;
+    let directory = project::root().join("target");
+    fs::create_dir_all(&directory)?;
+    let file = directory.join("damaged.map");
+    fs::write(&file, map)?;
+    let check = project::cargo()
+        .args(["check", "--quiet", "--example", "beacon_gateway"])
+        .env("FOXHUNT_MAP", &file)
+        .output()?;
+    let said = String::from_utf8_lossy(&check.stderr);
+    ensure!(
+        !check.status.success() && said.contains("is no radio map, or a damaged one"),
+        "a damaged map was not refused: {said}"
+    );
+    Ok(())
+}
+
 /// Lines of the shipped drive that firmwares with refinements are given: the search, the first fix and many moves.
 const PART: usize = 400;
 
@@ -56,7 +99,10 @@ fn first_lines(drive: &[u8], lines: usize) -> Vec<u8> {
 
 fn compare_drive(mut bytes: Vec<u8>) -> Result<()> {
     bytes.extend(QUERY);
-    ensure_same(&on_board("vehicle", &bytes)?, Replay::of(&bytes).output())
+    ensure_same(
+        &on_board("vehicle", &bytes)?,
+        replay::Replay::of(&bytes).output(),
+    )
 }
 
 /// What the firmware sends, up to its status.

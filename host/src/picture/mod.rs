@@ -5,9 +5,11 @@
 
 mod curves;
 mod map;
+mod walks;
 
 pub use curves::{Axis, Curve, Curves, Style};
 pub use map::Map;
+pub use walks::{Walk, Walks};
 
 use std::{fs, path::Path, sync::Once};
 

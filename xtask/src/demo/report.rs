@@ -39,13 +39,15 @@ pub fn parse(bytes: &[u8]) -> Vec<Report> {
         .collect()
 }
 
-fn sentence(line: &str) -> Option<Report> {
+/// The fields of a sentence whose checksum is right.
+pub fn fields(line: &str) -> Option<Vec<&str>> {
     let (payload, checksum) = line.strip_prefix('$')?.split_once('*')?;
     let sum = payload.bytes().fold(0, |sum, byte| sum ^ byte);
-    if u8::from_str_radix(checksum, 16) != Ok(sum) {
-        return None;
-    }
-    let fields: Vec<&str> = payload.split(',').collect();
+    (u8::from_str_radix(checksum, 16) == Ok(sum)).then(|| payload.split(',').collect())
+}
+
+fn sentence(line: &str) -> Option<Report> {
+    let fields = fields(line)?;
     match fields.as_slice() {
         [
             "PFOXF",

@@ -1,0 +1,31 @@
+//! The firmware of a tunnel's gateway: what its radios hear of tags comes in by the UART, where the tags are goes out by
+//! it.
+//!
+//! ```sh
+//! cargo xtask demo tunnel              # eight people through the emulated board, with pictures
+//! cargo firmware beacon_gateway        # the board alone, its UART on this terminal
+//! cargo run --example beacon_gateway examples/data/tunnel.packets   # the same gateway on the host
+//! FOXHUNT_MAP=$PWD/site.map cargo firmware beacon_gateway           # with the radio map of another site
+//! ```
+//!
+//! Packets come as sentences; as binary frames in `beacon_gateway_frames`. What it has in common with the firmware of a
+//! vehicle is in `board`.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+mod board;
+mod gateways {
+    pub mod tunnel;
+}
+
+use foxhunt::gateway::beacon::Framing;
+use gateways::tunnel::{self, Gateway};
+
+const fn gateway() -> Gateway {
+    tunnel::gateway(Framing::Lines)
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() -> std::io::Result<()> {
+    board::host::run()
+}
