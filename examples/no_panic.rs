@@ -26,7 +26,7 @@ mod proof {
             GaussianMatcher, KernelDensity, Lattice, Matcher, Missing, Neighbours, Packet,
             PacketModel, Posterior, RadioMap, Reading, Samples, TableMatcher,
         },
-        gateway::{self, BearingReference, KrakenConfidence, KrakenSense, Vehicle},
+        gateway::{self, BearingReference, KrakenConfidence, Sense, Vehicle},
         kalman::{Covariance, Gaussian, Unscented},
         math,
         model::{ConstantVelocity, Dynamics, Likelihood, RandomWalk, Static},
@@ -346,7 +346,7 @@ mod proof {
             .with_reference(any(BearingReference::Relative))
             .with_seed(any(0))
             .with_undated_bearings(any(0))
-            .with_kraken_sense(any(KrakenSense::Clockwise))
+            .with_sense(any(Sense::Clockwise))
             .with_kraken_confidence(any(KrakenConfidence::Percent))
             .with_deviations(any(0.0), any(0.0))
             .and_then(|settings| settings.with_minimum_quality(any(0.0)))

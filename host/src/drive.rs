@@ -23,7 +23,7 @@ pub struct Drive {
 /// What the direction finder of a drive reads at one moment.
 #[derive(Debug, Clone, Copy)]
 pub struct Reading {
-    /// Seconds after midnight.
+    /// When it was taken, in seconds after midnight.
     pub time: f64,
     /// Degrees clockwise from the bow.
     pub degrees: f64,
@@ -73,10 +73,12 @@ impl Drive {
 
     /// Appends a bearing in the form of KrakenSDR's app, without a place of its own.
     pub fn kraken(&mut self, reading: Reading) {
-        let milliseconds = ((DAY + reading.time) * 1e3).round();
+        /// Milliseconds from the antennas to the line.
+        const LATENCY: f64 = 95.0;
+        let milliseconds = ((DAY + reading.time) * 1e3 + LATENCY).round();
         let degrees = reading.degrees.rem_euclid(360.0);
         self.line(format_args!(
-            "{milliseconds}, {degrees:.2}, {:.2}, -48.5, 433920000, UCA, 95, foxhunt, 0, 0, 0, 0, GPS, R, R, R, R",
+            "{milliseconds}, {degrees:.2}, {:.2}, -48.5, 433920000, UCA, {LATENCY}, foxhunt, 0, 0, 0, 0, GPS, R, R, R, R",
             reading.quality,
         ));
     }
@@ -160,7 +162,7 @@ pub fn example(seed: u64) -> Drive {
             let quality = quality(&mut rng);
             let error = deviation_degrees(quality) * normal(&mut rng);
             drive.kraken(Reading {
-                time: time + 0.2,
+                time,
                 degrees: place.compass_degrees(transmitter) - heading + error,
                 quality,
             });

@@ -2,7 +2,7 @@
 
 use super::clock::TimeOfDay;
 use super::decimal::{decimal, fixed};
-use super::{KrakenConfidence, KrakenSense, Rejected, Settings};
+use super::{KrakenConfidence, Rejected, Sense, Settings};
 use crate::aoa::geodesy::Geodetic;
 
 /// A bearing as its line gives it.
@@ -14,23 +14,32 @@ pub(super) struct BearingLine {
     pub degrees: f32,
     /// 0 to 100.
     pub quality: f32,
-    /// Where, and with which heading (degrees clockwise from north), if the line says so.
-    pub place: Option<(Geodetic, f32)>,
+    /// How long before that time it was taken.
+    pub latency_ms: u32,
+    /// Where, if the line says so.
+    pub pose: Option<Pose>,
+}
+
+/// Where a direction finder says that it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Pose {
+    pub place: Geodetic,
+    /// Degrees clockwise from north.
+    pub heading: f32,
+    /// It is only known from where the vehicle goes.
+    pub heading_is_course: bool,
 }
 
 impl BearingLine {
-    fn new(
-        time: Option<TimeOfDay>,
-        degrees: f32,
-        quality: f32,
-        place: Option<(Geodetic, f32)>,
-    ) -> Result<Self, Rejected> {
+    /// A bearing without time or place.
+    pub fn new(degrees: f32, quality: f32) -> Result<Self, Rejected> {
         if (0.0..=360.0).contains(&degrees) && (0.0..=100.0).contains(&quality) {
             Ok(Self {
-                time,
+                time: None,
                 degrees,
                 quality,
-                place,
+                latency_ms: 0,
+                pose: None,
             })
         } else {
             Err(Rejected::OutOfRange)
@@ -47,12 +56,7 @@ impl BearingLine {
         let bearing = decimal(bearing)
             .filter(|_| digits)
             .ok_or(Rejected::Unparsable)?;
-        Self::new(
-            None,
-            bearing,
-            f32::from(quality - b'0') * (100.0 / 9.0),
-            None,
-        )
+        Self::new(bearing, f32::from(quality - b'0') * (100.0 / 9.0))
     }
 
     /// From the CSV line of KrakenSDR's app format, whose first 13 fields are: time in milliseconds since
@@ -75,7 +79,9 @@ impl BearingLine {
             confidence,
             _power,
             frequency,
-            ..,
+            _array,
+            latency,
+            _station,
             latitude,
             longitude,
             gps,
@@ -99,26 +105,38 @@ impl BearingLine {
             .filter(|_| digits)
             .map(TimeOfDay::from_epoch)
             .ok_or(Rejected::Unparsable)?;
-        let place = match (degrees_e7(latitude)?, degrees_e7(longitude)?) {
+        let latency = u32::try_from(fixed(latency, 0).ok_or(Rejected::Unparsable)?);
+        let latency_ms = latency.map_err(|_| Rejected::OutOfRange)?;
+        let pose = match (degrees_e7(latitude)?, degrees_e7(longitude)?) {
             (0, 0) => None,
             (latitude, longitude) => {
                 let place = Geodetic::new(latitude, longitude).map_err(|_| Rejected::OutOfRange)?;
-                let heading = number(if main == b"Compass" { compass } else { gps })?;
+                let heading_is_course = main != b"Compass";
+                let heading = number(if heading_is_course { gps } else { compass })?;
                 if !(0.0..=360.0).contains(&heading) {
                     return Err(Rejected::OutOfRange);
                 }
-                Some((place, heading))
+                Some(Pose {
+                    place,
+                    heading,
+                    heading_is_course,
+                })
             }
         };
-        let degrees = match settings.kraken_sense() {
-            KrakenSense::Clockwise => number(bearing)?,
-            KrakenSense::CounterClockwise => 360.0 - number(bearing)?,
+        let degrees = match settings.sense() {
+            Sense::Clockwise => number(bearing)?,
+            Sense::CounterClockwise => 360.0 - number(bearing)?,
         };
         let quality = match settings.kraken_confidence() {
             KrakenConfidence::Percent => number(confidence)?,
             KrakenConfidence::Decibels => number(confidence)? * (100.0 / LARGEST_DECIBELS),
         };
-        Self::new(Some(time), degrees, quality, place)
+        Ok(Self {
+            time: Some(time),
+            latency_ms,
+            pose,
+            ..Self::new(degrees, quality)?
+        })
     }
 }
 
@@ -140,8 +158,16 @@ mod tests {
         let line = read(KRAKEN).unwrap();
         assert_eq!(line.time, TimeOfDay::from_nmea(b"143519.25"));
         assert_eq!((line.degrees, line.quality), (297.0, 87.8));
+        assert_eq!(line.latency_ms, 112);
         let place = Geodetic::new(522_296_756, -210_122_287).unwrap();
-        assert_eq!(line.place, Some((place, 341.25)));
+        assert_eq!(
+            line.pose,
+            Some(Pose {
+                place,
+                heading: 341.25,
+                heading_is_course: false,
+            })
+        );
     }
 
     #[test]
@@ -157,10 +183,10 @@ mod tests {
             }
             read(&line)
         };
-        let gps_heading = with(12, "GPS").unwrap().place.unwrap().1;
-        assert_eq!(gps_heading, 12.5);
+        let pose = with(12, "GPS").unwrap().pose.unwrap();
+        assert_eq!((pose.heading, pose.heading_is_course), (12.5, true));
         // On the equator, or on the meridian of Greenwich, but not on both.
-        assert!(with(8, "0.0").unwrap().place.is_some());
+        assert!(with(8, "0.0").unwrap().pose.is_some());
         for (field, text, reason) in [
             (0, "1756823719", Rejected::Unparsable),
             (0, "175682371925x", Rejected::Unparsable),
@@ -171,6 +197,8 @@ mod tests {
             (1, "nan", Rejected::Unparsable),
             (2, "101", Rejected::OutOfRange),
             (2, "", Rejected::Unparsable),
+            (6, "x", Rejected::Unparsable),
+            (6, "-1", Rejected::OutOfRange),
             (8, "90.0000001", Rejected::OutOfRange),
             (8, "522296756", Rejected::OutOfRange),
             (9, "-180.1", Rejected::OutOfRange),
@@ -181,13 +209,13 @@ mod tests {
             assert_eq!(with(field, text), Err(reason), "field {field} {text}");
         }
         let nowhere: &[u8] = b"1756823719250,5,50,-30,1,UCA,1,x,0.0,0,nan,nan,GPS";
-        assert_eq!(read(nowhere).unwrap().place, None);
+        assert_eq!(read(nowhere).unwrap().pose, None);
         assert_eq!(read(b"1756823719250,5,50"), Err(Rejected::Unparsable));
     }
 
     #[test]
     fn kraken_builds() {
-        let settings = Settings::new().with_kraken_sense(KrakenSense::CounterClockwise);
+        let settings = Settings::new().with_sense(Sense::CounterClockwise);
         let line = BearingLine::from_kraken(KRAKEN, &settings).unwrap();
         assert_eq!(line.degrees, 63.0);
 

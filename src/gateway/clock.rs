@@ -31,6 +31,12 @@ impl TimeOfDay {
         Self((milliseconds % i64::from(DAY)) as i32)
     }
 
+    /// So many milliseconds earlier, up to a day.
+    pub fn before(self, milliseconds: u32) -> Self {
+        let time = self.0 - milliseconds.min(DAY as u32) as i32;
+        Self(if time < 0 { time + DAY } else { time })
+    }
+
     /// Hours, minutes, milliseconds.
     pub fn parts(self) -> (u32, u32, u32) {
         let time = self.0.unsigned_abs();

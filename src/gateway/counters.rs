@@ -32,15 +32,22 @@ pub enum Rejected {
     StalePosition,
     /// A relative bearing with neither a fresh true heading nor a course of a vehicle that moves.
     NoHeading,
+    /// A relative bearing of a vehicle whose heading is only known by its course, in a bend: see
+    /// [`super::Settings::maximum_turn_rate_deg_s`].
+    Turning,
     /// A bearing of a quality below [`super::Settings::minimum_quality`].
     LowQuality,
     /// A bearing on another frequency than [`super::Settings::kraken_frequency_hz`].
     OtherFrequency,
+    /// A bearing on another tag than [`super::Settings::ublox_tag`].
+    OtherTag,
+    /// A bearing of another direction finder than [`super::Settings::finder`].
+    OtherFinder,
 }
 
 impl Rejected {
     /// Every reason, in the order of the status sentence.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 15] = [
         Self::Checksum,
         Self::Overlong,
         Self::Unparsable,
@@ -51,8 +58,11 @@ impl Rejected {
         Self::NoPosition,
         Self::StalePosition,
         Self::NoHeading,
+        Self::Turning,
         Self::LowQuality,
         Self::OtherFrequency,
+        Self::OtherTag,
+        Self::OtherFinder,
     ];
 }
 
@@ -69,8 +79,11 @@ impl fmt::Display for Rejected {
             Self::NoPosition => "no position yet",
             Self::StalePosition => "position is too old",
             Self::NoHeading => "heading is unknown",
+            Self::Turning => "vehicle is turning and its heading is unknown",
             Self::LowQuality => "quality is too low",
             Self::OtherFrequency => "frequency is another",
+            Self::OtherTag => "tag is another",
+            Self::OtherFinder => "direction finder is another",
         })
     }
 }

@@ -6,6 +6,8 @@ use super::Rejected;
 
 /// Longest NMEA sentence: the standard says 82, receivers send up to 102.
 const NMEA_BYTES: usize = 120;
+/// Longest event of a u-blox board, with two texts of 30 characters.
+const UBLOX_BYTES: usize = 160;
 /// Longest `%BBB/Q`.
 const AGRELO_BYTES: usize = 6;
 /// Longest first part of a KrakenSDR line, up to its spectrum.
@@ -21,6 +23,8 @@ pub(super) enum Kind {
     Nmea,
     /// `%BBB/Q`
     Agrelo,
+    /// `+UUDF:...`
+    Ublox,
     /// `1617843840000, 297, ...`
     Kraken,
 }
@@ -75,6 +79,8 @@ impl LineReader {
         match self.kind {
             Some(Kind::Kraken) => true,
             Some(Kind::Nmea) => byte == b'%',
+            // In its texts.
+            Some(Kind::Ublox) => true,
             Some(Kind::Agrelo) | None => false,
         }
     }
@@ -83,6 +89,7 @@ impl LineReader {
         self.kind = match byte {
             b'$' => Some(Kind::Nmea),
             b'%' => Some(Kind::Agrelo),
+            b'+' => Some(Kind::Ublox),
             b'0'..=b'9' => Some(Kind::Kraken),
             _ => None,
         };
@@ -98,6 +105,7 @@ impl LineReader {
         let (kept, whole) = match self.kind {
             Some(Kind::Nmea) => (NMEA_BYTES, NMEA_BYTES as u16),
             Some(Kind::Agrelo) => (AGRELO_BYTES, AGRELO_BYTES as u16),
+            Some(Kind::Ublox) => (UBLOX_BYTES, UBLOX_BYTES as u16),
             Some(Kind::Kraken) => (KRAKEN_BYTES, KRAKEN_LINE_BYTES),
             // Nothing of it is of interest, however long.
             None => return,

@@ -16,22 +16,26 @@
 //! | `$--HDT` `$--THS` | true heading |
 //! | `%BBB/Q` | Agrelo: bearing in degrees, quality 0 to 9 |
 //! | `1756823719250, 297, 87.8, ...` | KrakenSDR's app format: time, bearing, confidence, frequency, and unless it is zero its own position and heading; the spectrum is skipped |
+//! | `+UUDF:6C1DEBA4241B,-65,26,...` | u-blox: tag and azimuth within a quarter turn of where the board faces; nine fields or ten |
 //! | `$PFOXQ*50` | a query: the answer and the status are sent whenever they were sent last |
 //! | `$PFOXR*53` | a restart, to look for another source: [`Vehicle::restart`] |
 //!
 //! The builds of the KrakenSDR's software do not agree on the sense of a bearing and the scale of its confidence:
-//! see [`Settings::with_kraken_sense`] and [`Settings::with_kraken_confidence`]. If it watches several frequencies,
+//! see [`Settings::with_sense`] and [`Settings::with_kraken_confidence`]. If it watches several frequencies,
 //! say which is the source's: [`Settings::with_kraken_frequency_hz`].
 //!
 //! Every NMEA sentence must carry its checksum. Other correct sentences are ignored and counted; everything
 //! else that is not used is counted by its reason, [`Rejected`], and has no effect on the locator.
 //!
-//! A relative bearing needs a heading: that of its own line, else a fresh true heading, else the course of a
-//! vehicle that is fast enough. A bearing without a position of its own takes the last one of the receiver,
-//! if that is fresh by the times that both state (the clock of a direction finder that states times must
-//! therefore be right; one that states none is taken at the receiver's time, but only so often: see
-//! [`Settings::with_undated_bearings`]). The quality decides on the standard deviation: see
-//! [`Settings::with_deviations`].
+//! A bearing belongs to where the vehicle was when it was taken: the time of a KrakenSDR's line less the latency that it
+//! states. Place and heading are those between the two samples about that time, or as they went on from the last two,
+//! if samples are fresh by the times that both state (the clock of a direction finder that states times must therefore be
+//! right; a bearing that states none is taken at the receiver's time, but only so often: see
+//! [`Settings::with_undated_bearings`]). An outage of the receiver is not bridged.
+//!
+//! A relative bearing needs a heading: that of its own line, else a fresh true heading, else the course of a vehicle that
+//! is fast enough and does not turn. A KrakenSDR whose heading is that of its GPS must move as well. The quality decides
+//! on the standard deviation: see [`Settings::with_deviations`].
 //!
 //! # Lines out
 //!
@@ -59,14 +63,16 @@ mod bearing_line;
 mod clock;
 mod counters;
 mod decimal;
+mod history;
 mod line;
 mod nmea;
 mod report;
 mod sentence;
 mod settings;
 mod tally;
+mod ublox;
 mod vehicle;
 
 pub use counters::{Counters, Rejected};
-pub use settings::{BearingReference, KrakenConfidence, KrakenSense, Settings, SettingsError};
+pub use settings::{BearingReference, Finder, KrakenConfidence, Sense, Settings, SettingsError};
 pub use vehicle::{Event, Vehicle};

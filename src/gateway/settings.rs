@@ -16,16 +16,33 @@ pub enum BearingReference {
     TrueNorth,
 }
 
-/// Which way the bearings of a KrakenSDR grow: its builds differ.
+/// Which way the angles of a direction finder grow: builds of the KrakenSDR differ, and so do mountings of a u-blox
+/// board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
-pub enum KrakenSense {
+pub enum Sense {
     /// As those of a compass.
     #[default]
     Clockwise,
     /// As mathematical angles.
     CounterClockwise,
+}
+
+/// Which direction finder is on the line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Finder {
+    /// Whichever: no two begin their lines alike.
+    #[default]
+    Any,
+    /// `%BBB/Q`
+    Agrelo,
+    /// A KrakenSDR.
+    Kraken,
+    /// A u-blox board.
+    Ublox,
 }
 
 /// What the confidence of a KrakenSDR is: its builds differ.
@@ -57,15 +74,18 @@ pub struct Settings {
     locator: locator::Settings,
     seed: u64,
     reference: BearingReference,
-    kraken_sense: KrakenSense,
+    sense: Sense,
     kraken_confidence: KrakenConfidence,
     kraken_frequency_hz: Option<u32>,
+    ublox_tag: Option<u64>,
+    finder: Finder,
     minimum_quality: f32,
     best_deviation_rad: f32,
     worst_deviation_rad: f32,
     maximum_age_ms: u32,
     undated_bearings: u8,
     minimum_speed_m_s: f32,
+    maximum_turn_rate_deg_s: f32,
     report_interval_ms: u32,
 }
 
@@ -80,6 +100,8 @@ pub enum SettingsError {
     Deviation,
     /// `minimum_speed_m_s` is negative or not finite.
     MinimumSpeed,
+    /// `maximum_turn_rate_deg_s` is not within 0 and 360.
+    TurnRate,
     /// `maximum_age_ms` or `report_interval_ms` is longer than an hour.
     Duration,
     /// `kraken_frequency_hz` is 0.
@@ -92,6 +114,7 @@ impl fmt::Display for SettingsError {
             Self::MinimumQuality => "minimum quality is not within 0 and 100",
             Self::Deviation => "deviation is out of range, or the best is larger than the worst",
             Self::MinimumSpeed => "minimum speed is negative or not finite",
+            Self::TurnRate => "maximum turn rate is not within 0 and 360",
             Self::Duration => "duration is longer than an hour",
             Self::Frequency => "frequency is 0",
         })
@@ -110,23 +133,26 @@ impl Settings {
     const LONGEST_MS: u32 = 3_600_000;
 
     /// For a car: relative bearings of quality 40 or better, 2 to 10 degrees of deviation, positions and
-    /// headings up to 2 s old or 20 bearings without a time, a course that holds from 1.5 m/s, a report a
-    /// second.
+    /// headings up to 2 s old or 20 bearings without a time, a course that holds from 1.5 m/s and up to 10 degrees
+    /// a second, a report a second.
     pub const fn new() -> Self {
         const RADIANS: f32 = core::f32::consts::PI / 180.0;
         Self {
             locator: locator::Settings::new(),
             seed: 1,
             reference: BearingReference::Relative,
-            kraken_sense: KrakenSense::Clockwise,
+            sense: Sense::Clockwise,
             kraken_confidence: KrakenConfidence::Percent,
             kraken_frequency_hz: None,
+            ublox_tag: None,
+            finder: Finder::Any,
             minimum_quality: 40.0,
             best_deviation_rad: 2.0 * RADIANS,
             worst_deviation_rad: 10.0 * RADIANS,
             maximum_age_ms: 2_000,
             undated_bearings: 20,
             minimum_speed_m_s: 1.5,
+            maximum_turn_rate_deg_s: 10.0,
             report_interval_ms: 1_000,
         }
     }
@@ -149,9 +175,9 @@ impl Settings {
         self
     }
 
-    /// Which way the bearings of a KrakenSDR grow. Initially clockwise.
-    pub const fn with_kraken_sense(mut self, sense: KrakenSense) -> Self {
-        self.kraken_sense = sense;
+    /// Which way the angles of a KrakenSDR or a u-blox board grow. Initially clockwise.
+    pub const fn with_sense(mut self, sense: Sense) -> Self {
+        self.sense = sense;
         self
     }
 
@@ -173,6 +199,19 @@ impl Settings {
         }
         self.kraken_frequency_hz = Some(frequency);
         Ok(self)
+    }
+
+    /// The tag that is looked for: a u-blox board reports all that it hears, and lines of others are rejected as
+    /// [`super::Rejected::OtherTag`]. Initially every tag is taken for the source.
+    pub const fn with_ublox_tag(mut self, tag: u64) -> Self {
+        self.ublox_tag = Some(tag);
+        self
+    }
+
+    /// The direction finder: lines of others are rejected as [`super::Rejected::OtherFinder`]. Initially any.
+    pub const fn with_finder(mut self, finder: Finder) -> Self {
+        self.finder = finder;
+        self
     }
 
     /// The quality, 0 to 100, below which a bearing is rejected.
@@ -236,6 +275,18 @@ impl Settings {
         Ok(self)
     }
 
+    /// The rate of turn of the course, in degrees a second, above which it is not taken for the heading.
+    ///
+    /// # Errors
+    /// [`SettingsError::TurnRate`] when it is not within 0 and 360.
+    pub const fn with_maximum_turn_rate_deg_s(mut self, rate: f32) -> Result<Self, SettingsError> {
+        if !(rate > 0.0 && rate <= 360.0) {
+            return Err(SettingsError::TurnRate);
+        }
+        self.maximum_turn_rate_deg_s = rate;
+        Ok(self)
+    }
+
     /// The shortest time, in milliseconds, between two reports; 0 reports on every bearing.
     ///
     /// # Errors
@@ -263,9 +314,9 @@ impl Settings {
         self.reference
     }
 
-    /// See [`Self::with_kraken_sense`].
-    pub const fn kraken_sense(&self) -> KrakenSense {
-        self.kraken_sense
+    /// See [`Self::with_sense`].
+    pub const fn sense(&self) -> Sense {
+        self.sense
     }
 
     /// See [`Self::with_kraken_confidence`].
@@ -276,6 +327,16 @@ impl Settings {
     /// See [`Self::with_kraken_frequency_hz`].
     pub const fn kraken_frequency_hz(&self) -> Option<u32> {
         self.kraken_frequency_hz
+    }
+
+    /// See [`Self::with_ublox_tag`].
+    pub const fn ublox_tag(&self) -> Option<u64> {
+        self.ublox_tag
+    }
+
+    /// See [`Self::with_finder`].
+    pub const fn finder(&self) -> Finder {
+        self.finder
     }
 
     /// See [`Self::with_minimum_quality`].
@@ -302,6 +363,11 @@ impl Settings {
     /// See [`Self::with_minimum_speed_m_s`].
     pub const fn minimum_speed_m_s(&self) -> f32 {
         self.minimum_speed_m_s
+    }
+
+    /// See [`Self::with_maximum_turn_rate_deg_s`].
+    pub const fn maximum_turn_rate_deg_s(&self) -> f32 {
+        self.maximum_turn_rate_deg_s
     }
 
     /// See [`Self::with_report_interval_ms`].

@@ -1,14 +1,16 @@
 //! The gateway of a vehicle.
 
-use super::bearing_line::BearingLine;
+use super::bearing_line::{BearingLine, Pose};
 use super::clock::{Clock, TimeOfDay};
+use super::history::{Compass, History};
 use super::line::{Kind, LineReader};
 use super::nmea::{self, Motion, Sentence};
 use super::report::Report;
-use super::{BearingReference, Counters, Rejected, Settings};
+use super::{BearingReference, Counters, Finder, Rejected, Settings};
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
 use crate::aoa::locator::{Answer, Fix, Locator, ModeMoves, Moves, NotObservable};
 use crate::aoa::{Bearing, Observation};
+use crate::math::sqrt;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 use crate::refine::Refinement;
 
@@ -49,9 +51,11 @@ pub struct Vehicle<const N: usize, const B: usize = 64, M: Moves<N> = ModeMoves>
     counters: Counters,
     receiver: Clock,
     finder: Clock,
-    position: Option<(TimeOfDay, Geodetic)>,
-    heading: Option<(TimeOfDay, f32)>,
-    course: Option<(TimeOfDay, f32)>,
+    places: History<Geodetic>,
+    headings: History<Compass>,
+    courses: History<Compass>,
+    /// Where the direction finder said itself that it was.
+    own_place: Option<(TimeOfDay, Geodetic)>,
     plane: Option<LocalPlane>,
     /// Consecutive bearings that are near each other but too far from the origin: where the first was taken,
     /// and how many there are.
@@ -104,9 +108,10 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
             counters: Counters::new(),
             receiver: Clock::new(),
             finder: Clock::new(),
-            position: None,
-            heading: None,
-            course: None,
+            places: History::new(),
+            headings: History::new(),
+            courses: History::new(),
+            own_place: None,
             plane: None,
             strays: None,
             locator,
@@ -140,11 +145,9 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
         self.counters.lines = self.counters.lines.saturating_add(1);
         let result = kind.and_then(|kind| match kind {
             Kind::Nmea => nmea::parse(self.reader.bytes()).and_then(|s| self.sentence(s)),
-            Kind::Agrelo => {
-                BearingLine::from_agrelo(self.reader.bytes()).and_then(|line| self.bearing(&line))
+            Kind::Agrelo | Kind::Kraken | Kind::Ublox => {
+                self.bearing_line(kind).and_then(|line| self.bearing(&line))
             }
-            Kind::Kraken => BearingLine::from_kraken(self.reader.bytes(), &self.settings)
-                .and_then(|line| self.bearing(&line)),
         });
         result.unwrap_or_else(|reason| {
             self.counters.reject(reason);
@@ -190,7 +193,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
         match sentence {
             Sentence::Position(time, place, motion) => {
                 self.receiver.advance(time)?;
-                self.position = Some((time, place));
+                self.places.push(time, place);
                 if let Some(motion) = motion {
                     self.motion(time, motion);
                 }
@@ -207,7 +210,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
             }
             Sentence::Heading(degrees) => {
                 let now = self.receiver.now().ok_or(Rejected::NoFix)?;
-                self.heading = Some((now, degrees));
+                self.headings.push(now, Compass(degrees));
             }
             Sentence::Query => {
                 self.write_answer();
@@ -228,10 +231,25 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
         Ok(None)
     }
 
+    fn bearing_line(&self, kind: Kind) -> Result<BearingLine, Rejected> {
+        let finder = self.settings.finder();
+        let is = |wanted| finder == Finder::Any || finder == wanted;
+        let bytes = self.reader.bytes();
+        match kind {
+            Kind::Agrelo if is(Finder::Agrelo) => BearingLine::from_agrelo(bytes),
+            Kind::Kraken if is(Finder::Kraken) => BearingLine::from_kraken(bytes, &self.settings),
+            Kind::Ublox if is(Finder::Ublox) => BearingLine::from_ublox(bytes, &self.settings),
+            _ => Err(Rejected::OtherFinder),
+        }
+    }
+
     fn motion(&mut self, time: TimeOfDay, motion: Motion) {
         let moves = motion.speed >= self.settings.minimum_speed_m_s();
-        let course = motion.course.filter(|_| moves);
-        self.course = course.map(|degrees| (time, degrees));
+        match motion.course.filter(|_| moves) {
+            Some(degrees) => self.courses.push(time, Compass(degrees)),
+            // The course of a vehicle that stands is noise, and what it was before is no longer so.
+            None => self.courses.clear(),
+        }
     }
 
     #[inline(never)]
@@ -243,18 +261,17 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
             return Err(Rejected::LowQuality);
         }
         let time = match line.time {
-            Some(time) => time,
+            Some(time) => time.before(line.latency_ms),
             None => self.receiver.lend(self.settings.undated_bearings())?,
         };
-        let (place, own_heading) = match line.place {
-            Some((place, heading)) => (place, Some(heading)),
+        let (place, own_heading) = match line.pose {
+            Some(pose) => (pose.place, self.own_heading(time, &pose)),
             None => (self.place_at(time)?, None),
         };
         let bearing = match self.settings.reference() {
             BearingReference::TrueNorth => Bearing::from_compass_degrees(line.degrees),
             BearingReference::Relative => {
-                let heading = own_heading.or_else(|| self.heading_at(time));
-                let heading = heading.ok_or(Rejected::NoHeading)?;
+                let heading = own_heading.map_or_else(|| self.heading_at(time), Ok)?;
                 Bearing::from_relative_degrees(line.degrees, heading)
             }
         };
@@ -311,23 +328,38 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
     }
 
     fn place_at(&self, time: TimeOfDay) -> Result<Geodetic, Rejected> {
-        let (taken, place) = self.position.ok_or(Rejected::NoPosition)?;
-        if self.is_fresh(taken, time) {
-            Ok(place)
-        } else {
-            Err(Rejected::StalePosition)
+        if self.places.is_empty() {
+            return Err(Rejected::NoPosition);
         }
+        let place = self.places.at(time, self.settings.maximum_age_ms());
+        place.ok_or(Rejected::StalePosition)
+    }
+
+    /// What the direction finder takes for the heading, in degrees clockwise from true north: not the course of a vehicle
+    /// that has hardly moved since its last line.
+    fn own_heading(&mut self, time: TimeOfDay, pose: &Pose) -> Option<f32> {
+        let last = self.own_place.replace((time, pose.place));
+        let moves = || {
+            let (then, place) = last?;
+            let [east, north] = LocalPlane::new(place).ok()?.to_local(pose.place).ok()?;
+            let seconds = 1e-3 * time.since(then) as f32;
+            Some(sqrt(east * east + north * north) >= self.settings.minimum_speed_m_s() * seconds)
+        };
+        (!pose.heading_is_course || moves().unwrap_or(true)).then_some(pose.heading)
     }
 
     /// Degrees clockwise from true north.
-    fn heading_at(&self, time: TimeOfDay) -> Option<f32> {
-        let fresh = |entry: &(TimeOfDay, f32)| self.is_fresh(entry.0, time);
-        let heading = self.heading.filter(fresh).or(self.course.filter(fresh));
-        heading.map(|(_, degrees)| degrees)
-    }
-
-    fn is_fresh(&self, taken: TimeOfDay, time: TimeOfDay) -> bool {
-        time.since(taken).unsigned_abs() <= self.settings.maximum_age_ms()
+    fn heading_at(&self, time: TimeOfDay) -> Result<f32, Rejected> {
+        let age = self.settings.maximum_age_ms();
+        if let Some(Compass(degrees)) = self.headings.at(time, age) {
+            return Ok(degrees);
+        }
+        let Compass(degrees) = self.courses.at(time, age).ok_or(Rejected::NoHeading)?;
+        // In a bend the bow points elsewhere, and where to has changed since.
+        if self.courses.turn_rate() > self.settings.maximum_turn_rate_deg_s() {
+            return Err(Rejected::Turning);
+        }
+        Ok(degrees)
     }
 
     /// By the time of the bearings. Those of two clocks may alternate by twice the age that is fresh; a longer
@@ -377,7 +409,7 @@ mod tests {
 
     fn kraken(milliseconds: i64, degrees: f32, place: &str) -> String {
         format!(
-            "{milliseconds}, {degrees}, 80.0, -30, 433920000, UCA, 112, fox, {place}, R, R, R, R\n"
+            "{milliseconds}, {degrees}, 80.0, -30, 433920000, UCA, 0, fox, {place}, R, R, R, R\n"
         )
     }
 
@@ -429,6 +461,93 @@ mod tests {
         // An old heading does not hold: back to the course.
         let later = format!("{compass}{}%010/9\r", rmc("120003"));
         near(last_bearing(settings, &later), 100.0);
+    }
+
+    #[test]
+    fn a_bearing_belongs_to_where_the_vehicle_was_when_it_was_taken() {
+        let turned =
+            |time: &str, degrees: u32| rmc(time) + &sentence(&format!("HEHDT,{degrees}.0,T"));
+        let poses = turned("120000", 350) + &turned("120001", 10);
+        let line = kraken(NOON + 1_000, 20.0, NOWHERE);
+        let at = |latency: u32| {
+            let line = line.replace("UCA, 0,", &format!("UCA, {latency},"));
+            last_bearing(Settings::default(), &(poses.clone() + &line)).unwrap()
+        };
+        for (latency, degrees) in [(0, 30.0), (250, 25.0), (500, 20.0), (1_000, 10.0)] {
+            assert!(
+                (at(latency) - degrees).abs() < 1e-3,
+                "{latency} ms: {}",
+                at(latency)
+            );
+        }
+        // Half a second after the last heading, as it turned.
+        let line = kraken(NOON + 1_500, 20.0, NOWHERE);
+        let bearing = last_bearing(Settings::default(), &(poses + &line)).unwrap();
+        assert!((bearing - 40.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_course_is_no_heading_in_a_bend() {
+        let fix = rmc("120000");
+        let bend = |course: &str| {
+            let turned = rmc("120001").replace("090.0", course);
+            let payload = turned.trim_start_matches('$').split('*').next().unwrap();
+            fix.clone() + &sentence(payload) + "%010/9\r"
+        };
+        assert!(last_bearing(Settings::default(), &bend("098.0")).is_ok());
+        assert_eq!(
+            last_bearing(Settings::default(), &bend("105.0")),
+            Err(Rejected::Turning)
+        );
+        let agile = Settings::default()
+            .with_maximum_turn_rate_deg_s(20.0)
+            .unwrap();
+        assert!(last_bearing(agile, &bend("105.0")).is_ok());
+    }
+
+    #[test]
+    fn the_course_of_a_direction_finder_that_stands_is_no_heading() {
+        let line = |second: i64, place: &str, main: &str| {
+            let pose = format!("{place}, 11.5, 30.0, 60.0, {main}");
+            kraken(NOON + 1_000 * second, 20.0, &pose)
+        };
+        let moving = line(0, "48.1", "GPS") + &line(1, "48.1001", "GPS");
+        let bearing = last_bearing(Settings::default(), &moving).unwrap();
+        assert!((bearing - 50.0).abs() < 1e-3);
+        let standing = moving + &line(2, "48.1001", "GPS");
+        assert_eq!(
+            last_bearing(Settings::default(), &standing),
+            Err(Rejected::NoHeading)
+        );
+        let with_compass = standing + &line(3, "48.1001", "Compass");
+        let bearing = last_bearing(Settings::default(), &with_compass).unwrap();
+        assert!((bearing - 80.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn only_the_configured_direction_finder_is_heard() {
+        let fix = rmc("120000");
+        let lines = [
+            (Finder::Agrelo, String::from("%010/9\r")),
+            (Finder::Kraken, kraken(NOON, 10.0, NOWHERE)),
+            (
+                Finder::Ublox,
+                String::from("+UUDF:6C1DEBA4241B,-65,10,0,0,37,\"\",\"\",1\r"),
+            ),
+        ];
+        for (finder, line) in &lines {
+            assert!(last_bearing(Settings::default(), &format!("{fix}{line}")).is_ok());
+            for (wanted, _) in &lines {
+                let settings = Settings::default().with_finder(*wanted);
+                let heard = last_bearing(settings, &format!("{fix}{line}"));
+                let expected = if wanted == finder {
+                    Ok(())
+                } else {
+                    Err(Rejected::OtherFinder)
+                };
+                assert_eq!(heard.map(|_| ()), expected);
+            }
+        }
     }
 
     #[test]

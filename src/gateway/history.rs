@@ -1,0 +1,240 @@
+//! Where the vehicle was and where it headed, for as long as bearings may be late.
+
+use super::clock::TimeOfDay;
+use crate::aoa::geodesy::Geodetic;
+
+/// What has values between two others.
+pub(super) trait Between: Copy {
+    /// This at a share of 0, the other at 1, and on beyond.
+    fn towards(self, other: Self, share: f32) -> Self;
+}
+
+/// Degrees clockwise from north, the short way round.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Compass(pub f32);
+
+impl Compass {
+    /// Degrees from this to the other, within half a turn either way.
+    fn to(self, other: Self) -> f32 {
+        let turn = other.0 - self.0;
+        if turn > 180.0 {
+            turn - 360.0
+        } else if turn < -180.0 {
+            turn + 360.0
+        } else {
+            turn
+        }
+    }
+}
+
+impl Between for Compass {
+    fn towards(self, other: Self, share: f32) -> Self {
+        let degrees = self.0 + share * self.to(other);
+        Self(if degrees < 0.0 {
+            degrees + 360.0
+        } else if degrees >= 360.0 {
+            degrees - 360.0
+        } else {
+            degrees
+        })
+    }
+}
+
+impl Between for Geodetic {
+    fn towards(self, other: Self, share: f32) -> Self {
+        const TURN: i64 = 3_600_000_000;
+        let step = |difference: i64| (difference as f32 * share) as i64;
+        let latitude = i64::from(self.latitude_e7());
+        let latitude = latitude + step(i64::from(other.latitude_e7()) - latitude);
+        let longitude = i64::from(self.longitude_e7());
+        let difference = i64::from(other.longitude_e7()) - longitude;
+        // The short way round, and back into range.
+        let wrapped = |x: i64| {
+            if x > TURN / 2 {
+                x - TURN
+            } else if x < -TURN / 2 {
+                x + TURN
+            } else {
+                x
+            }
+        };
+        let longitude = wrapped(longitude + step(wrapped(difference)));
+        let place = i32::try_from(latitude)
+            .ok()
+            .zip(i32::try_from(longitude).ok());
+        // Beyond a pole there is no place; nobody drives there.
+        place
+            .and_then(|(latitude, longitude)| Geodetic::new(latitude, longitude).ok())
+            .unwrap_or(other)
+    }
+}
+
+/// The last few samples of something, each with its time.
+#[derive(Debug, Clone)]
+pub(super) struct History<T> {
+    /// The newest first.
+    samples: [Option<(TimeOfDay, T)>; 8],
+}
+
+impl<T: Between> History<T> {
+    pub const fn new() -> Self {
+        Self { samples: [None; 8] }
+    }
+
+    pub fn clear(&mut self) {
+        *self = Self::new();
+    }
+
+    /// Whether there ever was a sample.
+    pub fn is_empty(&self) -> bool {
+        self.samples[0].is_none()
+    }
+
+    /// Takes a sample. One of the time of the last replaces it; if time has run backwards, the clock was set, and those
+    /// before it mean nothing.
+    pub fn push(&mut self, time: TimeOfDay, value: T) {
+        let since = self.samples[0].map(|(newest, _)| time.since(newest));
+        match since {
+            Some(..0) => self.clear(),
+            Some(0) => {}
+            _ => {
+                let [.., newest] = &mut self.samples;
+                *newest = None;
+                self.samples.rotate_right(1);
+            }
+        }
+        self.samples[0] = Some((time, value));
+    }
+
+    /// What it was at a time, by samples no further from it than so many milliseconds: between two of them, or as it
+    /// went on from the last two, or as the nearest one says.
+    pub fn at(&self, time: TimeOfDay, maximum_age_ms: u32) -> Option<T> {
+        let mut after = None;
+        let mut before = None;
+        let mut earlier = None;
+        for (taken, value) in self.samples.iter().flatten() {
+            let age = time.since(*taken);
+            if age < 0 {
+                after = Some((age, *value));
+            } else if before.is_none() {
+                before = Some((age, *value));
+            } else {
+                earlier = Some((age, *value));
+                break;
+            }
+        }
+        let is_fresh = |age: i32| age.unsigned_abs() <= maximum_age_ms;
+        let before = before.filter(|(age, _)| is_fresh(*age));
+        let after = after.filter(|(age, _)| is_fresh(*age));
+        match (earlier, before, after) {
+            (_, Some((age, value)), Some((ahead, next))) => {
+                Some(value.towards(next, age as f32 / (age - ahead) as f32))
+            }
+            (Some((oldest, last)), Some((age, value)), None) => {
+                let interval = oldest - age;
+                // Not from before an outage, and no further ahead than it goes back.
+                if interval > 0 && interval.unsigned_abs() <= maximum_age_ms {
+                    let ahead = age.min(interval) as f32 / interval as f32;
+                    Some(last.towards(value, 1.0 + ahead))
+                } else {
+                    Some(value)
+                }
+            }
+            (None, Some((_, value)), None) | (_, None, Some((_, value))) => Some(value),
+            (_, None, None) => None,
+        }
+    }
+}
+
+impl History<Compass> {
+    /// Degrees a second between the last two samples; 0 if there are none.
+    pub fn turn_rate(&self) -> f32 {
+        let [Some((now, heading)), Some((then, before)), ..] = self.samples else {
+            return 0.0;
+        };
+        // The times differ.
+        let turn = before.to(heading);
+        1000.0 * turn.abs() / now.since(then) as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(text: &str) -> TimeOfDay {
+        TimeOfDay::from_nmea(text.as_bytes()).unwrap()
+    }
+
+    fn headings(samples: &[(&str, f32)]) -> History<Compass> {
+        let mut history = History::new();
+        for (time, degrees) in samples {
+            history.push(at(time), Compass(*degrees));
+        }
+        history
+    }
+
+    #[test]
+    fn between_beyond_and_beside() {
+        let history = headings(&[("100000", 350.0), ("100001", 0.0), ("100002", 20.0)]);
+        for (time, degrees) in [
+            ("100000.500", Some(355.0)),
+            ("100001", Some(0.0)),
+            ("100001.250", Some(5.0)),
+            // As it turned last, for as long as that was.
+            ("100002.500", Some(30.0)),
+            ("100003", Some(40.0)),
+            ("100004", Some(40.0)),
+            ("095959", Some(350.0)),
+            ("100004.001", None),
+            ("095957", None),
+        ] {
+            let found = history.at(at(time), 2_000).map(|compass| compass.0);
+            assert_eq!(found, degrees, "{time}");
+        }
+        assert_eq!(history.turn_rate(), 20.0);
+    }
+
+    #[test]
+    fn an_outage_is_not_bridged() {
+        let history = headings(&[("100000", 10.0), ("100100", 90.0)]);
+        assert_eq!(history.at(at("100001"), 2_000), Some(Compass(10.0)));
+        assert_eq!(history.at(at("100030"), 2_000), None);
+        assert_eq!(history.at(at("100059"), 2_000), Some(Compass(90.0)));
+        assert_eq!(history.at(at("100101"), 2_000), Some(Compass(90.0)));
+    }
+
+    #[test]
+    fn a_clock_that_was_set_begins_anew() {
+        let history = headings(&[("100000", 10.0), ("090000", 20.0)]);
+        assert_eq!(history.at(at("100000"), 2_000), None);
+        assert_eq!(history.at(at("090000"), 2_000), Some(Compass(20.0)));
+        let again = headings(&[("100000", 10.0), ("100000", 30.0)]);
+        assert_eq!(again.at(at("100001"), 2_000), Some(Compass(30.0)));
+        assert!(History::<Compass>::new().is_empty());
+    }
+
+    #[test]
+    fn only_the_last_samples_are_kept() {
+        let mut history = History::new();
+        for second in 0..20u16 {
+            let time = TimeOfDay::from_epoch(i64::from(second) * 1_000);
+            history.push(time, Compass(f32::from(second)));
+        }
+        assert_eq!(
+            history.at(TimeOfDay::from_epoch(12_500), 1_000),
+            Some(Compass(12.5))
+        );
+        assert_eq!(history.at(TimeOfDay::from_epoch(10_000), 1_000), None);
+    }
+
+    #[test]
+    fn places_over_the_date_line() {
+        let place = |longitude| Geodetic::new(481_000_000, longitude).unwrap();
+        let east = place(1_799_999_900);
+        let west = place(-1_799_999_900);
+        assert_eq!(east.towards(west, 0.5).longitude_e7().abs(), 1_800_000_000);
+        assert_eq!(east.towards(west, 0.25), place(1_799_999_950));
+        assert_eq!(east.towards(west, 1.5), place(-1_799_999_800));
+    }
+}

@@ -1,0 +1,112 @@
+//! Events of u-blox direction finders.
+
+use super::bearing_line::BearingLine;
+use super::decimal::fixed;
+use super::{Rejected, Sense, Settings};
+
+impl BearingLine {
+    /// From the event `+UUDF:` of u-connectLocate: tag, RSSI, azimuth, elevation, RSSI of the other polarisation, channel,
+    /// "anchor", "text", milliseconds since the board was switched on, and in later versions a counter.
+    ///
+    /// The board's time is not that of the receiver, so none is taken; it states no quality, so it is the best.
+    #[inline(never)]
+    pub fn from_ublox(line: &[u8], settings: &Settings) -> Result<Self, Rejected> {
+        let fields = line.strip_prefix(b"+UUDF:").ok_or(Rejected::Unparsable)?;
+        let mut is_quoted = false;
+        // A comma within quotes is part of the text.
+        let mut columns = fields.split(|byte| {
+            is_quoted ^= *byte == b'"';
+            *byte == b',' && !is_quoted
+        });
+        let mut next = || columns.next().ok_or(Rejected::Unparsable);
+        let [tag, _rssi, azimuth, _elevation] = [next()?, next()?, next()?, next()?];
+        let [_rssi, _channel, _anchor, _text] = [next()?, next()?, next()?, next()?];
+        let counts = [Some(next()?), columns.next()];
+        let are_counts = counts
+            .iter()
+            .flatten()
+            .all(|count| !count.is_empty() && count.iter().all(u8::is_ascii_digit));
+        if columns.next().is_some() || !are_counts {
+            return Err(Rejected::Unparsable);
+        }
+        let tag = identifier(tag).ok_or(Rejected::Unparsable)?;
+        if settings.ublox_tag().is_some_and(|wanted| wanted != tag) {
+            return Err(Rejected::OtherTag);
+        }
+        let azimuth = fixed(azimuth, 0).ok_or(Rejected::Unparsable)?;
+        if !(-90..=90).contains(&azimuth) {
+            return Err(Rejected::OutOfRange);
+        }
+        let degrees = match settings.sense() {
+            Sense::Clockwise => azimuth as f32,
+            Sense::CounterClockwise => -azimuth as f32,
+        };
+        Self::new(
+            if degrees < 0.0 {
+                degrees + 360.0
+            } else {
+                degrees
+            },
+            100.0,
+        )
+    }
+}
+
+/// Twelve hexadecimal digits.
+fn identifier(text: &[u8]) -> Option<u64> {
+    let digits: &[u8; 12] = text.try_into().ok()?;
+    digits.iter().try_fold(0, |sum, digit| {
+        Some(sum << 4 | u64::from(char::from(*digit).to_digit(16)?))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In the form of the manual, and of boards in use.
+    const NINE: &[u8] = b"+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"CCF9579B21AE\",\"\",1129320";
+    const TEN: &[u8] = b"+UUDF:F4CE5FC91A6A,-50,-12,20,0,20,\"CD84C98B935D\",\"a,b\",238777,40871";
+
+    fn read(line: &[u8]) -> Result<f32, Rejected> {
+        BearingLine::from_ublox(line, &Settings::new()).map(|line| line.degrees)
+    }
+
+    #[test]
+    fn nine_fields_and_ten() {
+        assert_eq!(read(NINE), Ok(26.0));
+        assert_eq!(read(TEN), Ok(348.0));
+        let other_way = Settings::new().with_sense(Sense::CounterClockwise);
+        let line = BearingLine::from_ublox(TEN, &other_way).unwrap();
+        assert_eq!((line.degrees, line.quality, line.time), (12.0, 100.0, None));
+    }
+
+    #[test]
+    fn one_tag_of_many() {
+        let settings = Settings::new().with_ublox_tag(0x6c1d_eba4_241b);
+        assert!(BearingLine::from_ublox(NINE, &settings).is_ok());
+        assert_eq!(
+            BearingLine::from_ublox(TEN, &settings),
+            Err(Rejected::OtherTag)
+        );
+    }
+
+    #[test]
+    fn refused() {
+        for line in [
+            "+UUDF:",
+            "+UUDFP:6C1DEBA4241B,-65,26,-65,6,37,\"\",\"\",1",
+            "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"\",\"\"",
+            "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"\",\"\",1,2,3",
+            "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"\",\"\",1,",
+            "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"\",\",1,2",
+            "+UUDF:6C1DEBA4241,-65,26,-65,6,37,\"\",\"\",1",
+            "+UUDF:6C1DEBA4241G,-65,26,-65,6,37,\"\",\"\",1",
+            "+UUDF:6C1DEBA4241B,-65,2.6,-65,6,37,\"\",\"\",x",
+        ] {
+            assert_eq!(read(line.as_bytes()), Err(Rejected::Unparsable), "{line}");
+        }
+        let line = b"+UUDF:6C1DEBA4241B,-65,91,-65,6,37,\"\",\"\",1";
+        assert_eq!(read(line), Err(Rejected::OutOfRange));
+    }
+}
