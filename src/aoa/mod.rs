@@ -2,7 +2,7 @@
 //!
 //! The way of a bearing: a [`Bearing`] taken somewhere becomes an [`Observation`]; several at one stop may be
 //! pulled together by a [`correction`]; a [`locator`] collects them and says where the source is, or why that
-//! cannot be said yet.
+//! cannot be said yet. Where bearings may be wild, mirrored or biased, it is a [`robust`] one that does.
 
 mod bearing;
 pub mod correction;
@@ -11,6 +11,7 @@ pub mod geodesy;
 mod likelihood;
 pub mod locator;
 mod observation;
+pub mod robust;
 pub mod triangulation;
 
 pub use bearing::Bearing;

@@ -10,6 +10,19 @@ use crate::random::{Rng, uniform};
 /// By cross products: unlike the quotient of tangents of Du et al. (2016), eq. 22 and 23, it has no singular
 /// direction.
 pub fn intersection(a: &Observation, b: &Observation, least_sine: f32) -> Option<[f32; 2]> {
+    let crossing = crossing(a, b, least_sine)?;
+    (crossing.along_a > 0.0 && crossing.along_b > 0.0).then_some(crossing.position)
+}
+
+/// Where the lines of two bearings meet.
+pub(super) struct Crossing {
+    pub(super) position: [f32; 2],
+    /// Metres from the receivers, negative behind them.
+    along_a: f32,
+    along_b: f32,
+}
+
+pub(super) fn crossing(a: &Observation, b: &Observation, least_sine: f32) -> Option<Crossing> {
     let (sin_a, cos_a) = sin_cos(a.bearing().radians());
     let (sin_b, cos_b) = sin_cos(b.bearing().radians());
     let cross = cos_a * sin_b - sin_a * cos_b;
@@ -22,11 +35,14 @@ pub fn intersection(a: &Observation, b: &Observation, least_sine: f32) -> Option
     );
     let along_a = (dx * sin_b - dy * cos_b) / cross;
     let along_b = (dx * sin_a - dy * cos_a) / cross;
-    (along_a > 0.0 && along_b > 0.0).then(|| {
-        [
-            a.position()[0] + along_a * cos_a,
-            a.position()[1] + along_a * sin_a,
-        ]
+    let position = [
+        a.position()[0] + along_a * cos_a,
+        a.position()[1] + along_a * sin_a,
+    ];
+    Some(Crossing {
+        position,
+        along_a,
+        along_b,
     })
 }
 

@@ -2,6 +2,7 @@
 
 mod bound;
 pub mod corridor;
+mod faulty;
 pub mod gamma;
 mod gauss_newton;
 pub mod growth;
@@ -9,6 +10,7 @@ mod kalman;
 mod posterior;
 
 pub use bound::cramer_rao;
+pub use faulty::cramer_rao_of_biased;
 pub use gauss_newton::{Maximum, gauss_newton};
 pub use kalman::Kalman;
 pub use posterior::Posterior;

@@ -23,9 +23,9 @@ pub struct Posterior {
 const HOPELESS: f64 = 18.0;
 /// Width of a final cell in standard deviations along the posterior's short axis. The midpoint sums of
 /// a Gaussian are already good to 1e-8 at 1.
-const FINE: f64 = 0.5;
+pub(super) const FINE: f64 = 0.5;
 /// Cells along one side of the first grid.
-const FIRST: i32 = 64;
+pub(super) const FIRST: i32 = 64;
 /// Side of the first grid, in diagonals of the box round the receivers.
 const REACH: f64 = 8.0;
 
@@ -33,26 +33,9 @@ impl Posterior {
     /// From all `sights`; `None` if they do not determine a place within eight times the extent of
     /// the receivers.
     pub fn new(sights: &[Sight]) -> Option<Self> {
-        let mut low = Vector2::from(sights.first()?.position);
-        let mut high = low;
-        for sight in sights {
-            let place = Vector2::from(sight.position);
-            low = low.inf(&place);
-            high = high.sup(&place);
-        }
-        let side = REACH * (high - low).norm();
-        if side <= 0.0 {
-            return None;
-        }
-
-        let centre = (low + high) / 2.0;
-        let mut half = side / f64::from(FIRST) / 2.0;
-        let mut cells: Vec<Vector2<f64>> = (0..FIRST * FIRST)
-            .map(|k| {
-                let step = |n: i32| f64::from(2 * n - FIRST + 1) * half;
-                centre + Vector2::new(step(k % FIRST), step(k / FIRST))
-            })
-            .collect();
+        let grid = Grid::round(sights)?;
+        let mut half = grid.side / f64::from(FIRST) / 2.0;
+        let mut cells = grid.cells();
 
         for _ in 0..40 {
             let log: Vec<f64> = cells
@@ -69,20 +52,13 @@ impl Posterior {
                     .map(|&cell| log_likelihood(sights, cell, 0.0))
                     .collect();
                 let posterior = Self::moments(&cells, &log);
-                return posterior
-                    .lies_inside(centre, side / 2.0)
-                    .then_some(posterior);
+                return posterior.lies_inside(&grid).then_some(posterior);
             }
             let best = maximum(&log);
             half /= 2.0;
-            let corners =
-                [[-half, -half], [half, -half], [-half, half], [half, half]].map(Vector2::from);
-            cells = cells
-                .iter()
-                .zip(&log)
-                .filter(|(_, log)| best - **log < HOPELESS)
-                .flat_map(|(cell, _)| corners.map(|corner| cell + corner))
-                .collect();
+            let mut hopeful = log.iter().map(|log| best - *log < HOPELESS);
+            cells.retain(|_| hopeful.next() == Some(true));
+            cells = Grid::split(&cells, half);
             if cells.len() > 4_000_000 {
                 return None;
             }
@@ -90,7 +66,7 @@ impl Posterior {
         None
     }
 
-    fn moments(cells: &[Vector2<f64>], log: &[f64]) -> Self {
+    pub(super) fn moments(cells: &[Vector2<f64>], log: &[f64]) -> Self {
         let best = maximum(log);
         let weights = || log.iter().map(|log| (log - best).exp());
         let total: f64 = weights().sum();
@@ -112,10 +88,51 @@ impl Posterior {
         }
     }
 
-    /// Four standard deviations round the mean are within the first grid.
-    fn lies_inside(&self, centre: Vector2<f64>, half_side: f64) -> bool {
-        let offset = Vector2::from(self.mean) - centre;
-        (0..2).all(|d| offset[d].abs() + 4.0 * self.covariance[(d, d)].sqrt() < half_side)
+    /// Four standard deviations round the mean are within the grid.
+    pub(super) fn lies_inside(&self, grid: &Grid) -> bool {
+        let offset = Vector2::from(self.mean) - grid.centre;
+        (0..2).all(|d| offset[d].abs() + 4.0 * self.covariance[(d, d)].sqrt() < grid.side / 2.0)
+    }
+}
+
+/// The square that is searched.
+pub(super) struct Grid {
+    centre: Vector2<f64>,
+    pub(super) side: f64,
+}
+
+impl Grid {
+    /// Round the receivers; `None` if they are all at one place.
+    pub(super) fn round(sights: &[Sight]) -> Option<Self> {
+        let mut low = Vector2::from(sights.first()?.position);
+        let mut high = low;
+        for sight in sights {
+            let place = Vector2::from(sight.position);
+            low = low.inf(&place);
+            high = high.sup(&place);
+        }
+        let side = REACH * (high - low).norm();
+        let centre = (low + high) / 2.0;
+        (side > 0.0).then_some(Self { centre, side })
+    }
+
+    /// The centres of the first cells.
+    pub(super) fn cells(&self) -> Vec<Vector2<f64>> {
+        let half = self.side / f64::from(FIRST) / 2.0;
+        let step = |n: i32| f64::from(2 * n - FIRST + 1) * half;
+        (0..FIRST * FIRST)
+            .map(|k| self.centre + Vector2::new(step(k % FIRST), step(k / FIRST)))
+            .collect()
+    }
+
+    /// Each in four, whose sides are twice `half`.
+    pub(super) fn split(cells: &[Vector2<f64>], half: f64) -> Vec<Vector2<f64>> {
+        let corners =
+            [[-half, -half], [half, -half], [-half, half], [half, half]].map(Vector2::from);
+        cells
+            .iter()
+            .flat_map(|cell| corners.map(|corner| cell + corner))
+            .collect()
     }
 }
 

@@ -35,9 +35,9 @@ pub use rejuvenation::{ModeMoves, Moves};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settings {
-    relative_range_error: f32,
-    resample_share: f32,
-    moves: u8,
+    pub(super) relative_range_error: f32,
+    pub(super) resample_share: f32,
+    pub(super) moves: u8,
 }
 
 /// Why a setting was refused.
@@ -167,6 +167,28 @@ pub struct Fix {
 }
 
 impl Fix {
+    /// From the moments of particles worth `n`.
+    pub(super) fn of_cloud(
+        position: [f32; 2],
+        covariance: [[f32; 2]; 2],
+        n: f32,
+        bearings: u32,
+    ) -> Self {
+        // The covariance of n samples about their own mean is small by 1 - 1/n, and that mean is off by 1/n
+        // of the covariance.
+        let sampling = if n > 2.0 {
+            (1.0 + 1.0 / n) / (1.0 - 1.0 / n)
+        } else {
+            3.0
+        };
+        Self {
+            position,
+            covariance: covariance.map(|row| row.map(|entry| entry * sampling)),
+            effective_sample_size: n,
+            bearings,
+        }
+    }
+
     /// The ellipse that holds the source with the given probability (0 to 1).
     pub fn ellipse(&self, probability: f32) -> Ellipse {
         Ellipse::of_normal(self.position, self.covariance, probability)
@@ -389,22 +411,12 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locator<N, B, M> {
 
     fn fix(&self) -> Fix {
         let n = self.filter.effective_sample_size();
-        // The covariance of n samples about their own mean is small by 1 - 1/n, and that mean is off by 1/n
-        // of the covariance.
-        let sampling = if n > 2.0 {
-            (1.0 + 1.0 / n) / (1.0 - 1.0 / n)
-        } else {
-            3.0
-        };
-        Fix {
-            position: self.filter.mean(),
-            covariance: self
-                .filter
-                .covariance()
-                .map(|row| row.map(|entry| entry * sampling)),
-            effective_sample_size: n,
-            bearings: self.evidence.count(),
-        }
+        Fix::of_cloud(
+            self.filter.mean(),
+            self.filter.covariance(),
+            n,
+            self.evidence.count(),
+        )
     }
 }
 

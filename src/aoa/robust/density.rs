@@ -1,0 +1,92 @@
+//! What all bearings and the priors say of a state.
+
+use super::errors::Shares;
+use super::term::{State, Term};
+use crate::math::ln;
+
+/// Where a source may be before any bearing: a density of 1 / (1 + r^2 / R^2)^2 about the first receiver.
+///
+/// Flat within R, half of it there, and proper: a posterior under which every bearing may be wild has an infinite mass
+/// at infinity without.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Region {
+    pub(super) centre: [f32; 2],
+    /// 1 / R^2
+    pub(super) inverse_square: f32,
+}
+
+impl Region {
+    /// One plus the square of the distance in ranges.
+    fn spread(&self, &[x, y, _]: &State) -> f32 {
+        let (dx, dy) = (x - self.centre[0], y - self.centre[1]);
+        1.0 + (dx * dx + dy * dy) * self.inverse_square
+    }
+
+    /// Of place and bias, up to a constant.
+    pub(super) fn log_density(&self, state: &State) -> f32 {
+        -2.0 * ln(self.spread(state)) - 0.5 * state[2] * state[2]
+    }
+
+    /// Pull to the centre: that of a normal density which draws as strongly here, in 1 / m^2.
+    pub(super) fn information(&self, state: &State) -> f32 {
+        4.0 * self.inverse_square / self.spread(state)
+    }
+}
+
+/// The posterior of some bearings.
+#[derive(Clone, Copy)]
+pub(super) struct Density<'a> {
+    pub(super) terms: &'a [Term],
+    pub(super) region: &'a Region,
+    /// In radians.
+    pub(super) bias_deviation: f32,
+}
+
+/// Particles that are evaluated together.
+pub(super) const BLOCK: usize = 16;
+
+/// As many odds as can be multiplied without overflow before the logarithm is taken.
+const PRODUCTS: usize = 3;
+
+impl Density<'_> {
+    /// Log-density up to a constant.
+    #[inline(never)]
+    pub(super) fn log_density(&self, state: &State) -> f32 {
+        let bias = self.bias_deviation * state[2];
+        let one = |term: &Term| term.log_likelihood(state, bias);
+        self.terms.iter().map(one).sum::<f32>() + self.region.log_density(state)
+    }
+
+    /// Log-densities of several states up to the same constant.
+    #[inline(never)]
+    pub(super) fn log_densities(&self, states: &[State; BLOCK]) -> [f32; BLOCK] {
+        let biases = states.map(|state| self.bias_deviation * state[2]);
+        let mut sums = states.map(|state| self.region.log_density(&state));
+        for terms in self.terms.chunks(PRODUCTS) {
+            let mut products = [1.0; BLOCK];
+            for term in terms {
+                for ((product, state), bias) in products.iter_mut().zip(states).zip(biases) {
+                    *product *= 1.0 + term.odds(state, bias);
+                }
+            }
+            for (sum, product) in sums.iter_mut().zip(products) {
+                *sum += ln(product);
+            }
+        }
+        sums
+    }
+
+    /// Adds, `weight` times, how many bearings are direct, mirrored and wild if the source is at `state`.
+    pub(super) fn count(&self, state: &State, weight: f32, counts: &mut Shares) {
+        for term in self.terms {
+            let reading = term.read(state, self.bias_deviation * state[2]);
+            let fitted = weight * reading.odds / (1.0 + reading.odds);
+            counts.wild += weight - fitted;
+            if reading.mirrored {
+                counts.mirror += fitted;
+            } else {
+                counts.direct += fitted;
+            }
+        }
+    }
+}

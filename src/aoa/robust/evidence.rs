@@ -1,0 +1,265 @@
+//! The bearings that a locator rests on, in a bounded buffer.
+
+use heapless::Vec;
+
+use super::density::{Density, Region};
+use super::errors::Errors;
+use super::merge::{Sight, agree};
+use super::term::{State, Term};
+use crate::aoa::Observation;
+use crate::math::{exp, ln, sqrt, wrap};
+
+#[derive(Debug, Clone)]
+pub(super) struct Evidence<const B: usize> {
+    sights: Vec<Sight, B>,
+    /// Of the sights, in the same order.
+    terms: Vec<Term, B>,
+    region: Region,
+    latest: [f32; 2],
+    count: u32,
+}
+
+/// What a new bearing changed.
+pub(super) struct Change {
+    /// What it says,
+    pub(super) new: Term,
+    /// and what no longer is said, if it has been joined with a former one.
+    pub(super) old: Option<Term>,
+}
+
+impl<const B: usize> Evidence<B> {
+    pub(super) const fn new(range_m: f32) -> Self {
+        Self {
+            sights: Vec::new(),
+            terms: Vec::new(),
+            region: Region {
+                centre: [0.0; 2],
+                inverse_square: 1.0 / (range_m * range_m),
+            },
+            latest: [0.0; 2],
+            count: 0,
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.sights.clear();
+        self.terms.clear();
+        self.count = 0;
+    }
+
+    pub(super) fn observations(&self) -> impl ExactSizeIterator<Item = &Observation> {
+        self.sights.iter().map(|sight| &sight.observation)
+    }
+
+    pub(super) fn sights(&self) -> &[Sight] {
+        &self.sights
+    }
+
+    /// How many bearings went in.
+    pub(super) fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// Square of the distance of a point from where the latest bearing was taken.
+    pub(super) fn range_squared(&self, x: f32, y: f32) -> f32 {
+        square_of_distance([x, y], self.latest)
+    }
+
+    pub(super) fn density(&self, errors: &Errors) -> Density<'_> {
+        Density {
+            terms: &self.terms,
+            region: &self.region,
+            bias_deviation: errors.bias_deviation,
+        }
+    }
+
+    /// Takes a bearing, `seconds` after the one before. `source` is where the source is thought to be, if anywhere.
+    pub(super) fn push(
+        &mut self,
+        observation: Observation,
+        seconds: f32,
+        source: Option<&State>,
+        errors: &Errors,
+    ) -> Change {
+        if self.count == 0 {
+            self.region.centre = observation.position();
+        }
+        self.latest = observation.position();
+        self.count = self.count.saturating_add(1);
+        for sight in &mut self.sights {
+            sight.age_s += seconds;
+        }
+        let mut observation = observation;
+        let correlation = errors.correlation;
+        if correlation.at_rest > 0.0
+            && let Some((place, distance)) = self.nearest_alike(&observation, source)
+            && let Some((sight, term)) = (self.sights.get_mut(place)).zip(self.terms.get_mut(place))
+        {
+            let lengths = distance / correlation.distance_m + sight.age_s / correlation.time_s;
+            let r = correlation.at_rest * exp(-lengths);
+            // How many independent readings the next one of such a row is worth.
+            let worth = (1.0 - r) / (1.0 + r);
+            if distance < 0.25 * correlation.distance_m {
+                sight.join(&observation, worth, source);
+                let old = core::mem::replace(term, Term::new(&sight.observation, errors));
+                let old = Some(old);
+                return Change { new: *term, old };
+            }
+            observation = tempered(observation, worth);
+        }
+        let new = Term::new(&observation, errors);
+        self.add(Sight::new(observation), new, source, errors);
+        Change { new, old: None }
+    }
+
+    fn add(&mut self, new: Sight, term: Term, source: Option<&State>, errors: &Errors) {
+        if self.sights.push(new).is_ok() {
+            let _ = self.terms.push(term);
+            return;
+        }
+        let Some(Pair { i, j, agree }) = self.most_alike(source) else {
+            return;
+        };
+        let Some((a, b)) = self.sights.get(i).zip(self.sights.get(j)) else {
+            return;
+        };
+        // What does not say the same makes no sense as an average.
+        let mut one = *a;
+        if agree {
+            one.average(b, source);
+        } else if !self.likelier(i, j, source, errors) {
+            one = *b;
+        }
+        self.replace(i, one, Term::new(&one.observation, errors));
+        self.replace(j, new, term);
+    }
+
+    fn replace(&mut self, place: usize, sight: Sight, term: Term) {
+        if let Some((s, t)) = self.sights.get_mut(place).zip(self.terms.get_mut(place)) {
+            (*s, *t) = (sight, term);
+        }
+    }
+
+    /// The nearest bearing that says the same, and how far away it was taken, in metres.
+    fn nearest_alike(&self, new: &Observation, source: Option<&State>) -> Option<(usize, f32)> {
+        let mut best = None;
+        let mut least = f32::INFINITY;
+        for (i, old) in self.observations().enumerate() {
+            let square = square_of_distance(old.position(), new.position());
+            if square < least && agree(old, new, source) {
+                least = square;
+                best = Some(i);
+            }
+        }
+        best.map(|i| (i, sqrt(least)))
+    }
+
+    /// Whether bearing `i` is to be kept rather than `j`.
+    fn likelier(&self, i: usize, j: usize, source: Option<&State>, errors: &Errors) -> bool {
+        let doubt = |i: usize| {
+            let (sight, term) = self.sights.get(i).zip(self.terms.get(i))?;
+            Some(match source {
+                Some(state) => -term.log_likelihood(state, errors.bias_deviation * state[2]),
+                None => sight.observation.deviation(),
+            })
+        };
+        doubt(i) <= doubt(j)
+    }
+
+    /// The pair that was taken from places nearest to each other, in metres, or as seen from the source; pairs that say
+    /// the same are preferred, but not at any price: the others would fill the buffer.
+    #[inline(never)]
+    fn most_alike(&self, source: Option<&State>) -> Option<Pair> {
+        /// How many times as far, squared, a pair that disagrees counts as.
+        const PENALTY: f32 = 4.0;
+        /// Its least squared distance, so that this holds at one place, too.
+        const APART: f32 = 1e-6;
+        let mut best = None;
+        let mut least = f32::INFINITY;
+        for (i, a) in self.observations().enumerate() {
+            let range = source.map_or(1.0, |s| square_of_distance([s[0], s[1]], a.position()));
+            for (j, b) in self.observations().enumerate().skip(i + 1) {
+                let difference = square_of_distance(a.position(), b.position()) / range;
+                if difference < least {
+                    let agree = agree(a, b, source);
+                    let difference = if agree {
+                        difference
+                    } else {
+                        PENALTY * (difference + APART)
+                    };
+                    if difference < least {
+                        least = difference;
+                        best = Some(Pair { i, j, agree });
+                    }
+                }
+            }
+        }
+        best
+    }
+
+    /// After the errors have been learned.
+    pub(super) fn refresh(&mut self, errors: &Errors) {
+        for (sight, term) in self.sights.iter().zip(&mut self.terms) {
+            *term = Term::new(&sight.observation, errors);
+        }
+    }
+
+    /// The log-likelihood of a source at infinity, in the direction that fits best; and the sum of 1 / sigma^2.
+    #[inline(never)]
+    pub(super) fn at_infinity(&self) -> (f32, f32) {
+        /// Directions that are tried: those of so many bearings,
+        const STARTS: usize = 16;
+        /// and means of those that fit.
+        const MEANS: u32 = 4;
+        let density = |direction: f32| {
+            let (mut sum, mut pull, mut total) = (0.0, 0.0, 1e-9);
+            for (o, term) in self.observations().zip(&self.terms) {
+                let reading = term.read_far(o.bearing().radians(), direction);
+                sum += ln(1.0 + reading.odds);
+                pull += reading.information * reading.error;
+                total += reading.information;
+            }
+            (sum, wrap(direction - pull / total))
+        };
+        let (mut best, mut next) = (f32::NEG_INFINITY, 0.0);
+        let step = self.sights.len().div_ceil(STARTS).max(1);
+        for o in self.observations().step_by(step) {
+            let (sum, mean) = density(o.bearing().radians());
+            if sum > best {
+                (best, next) = (sum, mean);
+            }
+        }
+        for _ in 0..MEANS {
+            let (sum, mean) = density(next);
+            if sum > best {
+                best = sum;
+            }
+            next = mean;
+        }
+        (
+            best,
+            self.observations().map(Observation::information).sum(),
+        )
+    }
+}
+
+/// Two places in the buffer.
+struct Pair {
+    i: usize,
+    j: usize,
+    agree: bool,
+}
+
+/// A bearing that counts for `worth` of its information.
+fn tempered(observation: Observation, worth: f32) -> Observation {
+    let deviation = observation.deviation() / sqrt(worth);
+    let most = Observation::MAX_DEVIATION_RAD;
+    let deviation = if deviation < most { deviation } else { most };
+    Observation::new(observation.position(), observation.bearing(), deviation)
+        .unwrap_or(observation)
+}
+
+fn square_of_distance(a: [f32; 2], b: [f32; 2]) -> f32 {
+    let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
+    dx * dx + dy * dy
+}

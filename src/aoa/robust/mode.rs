@@ -1,0 +1,178 @@
+//! A mode of the posterior: one hypothesis of where the source is.
+
+use heapless::Vec;
+
+use super::density::Density;
+use super::term::State;
+use crate::kalman::Covariance;
+use crate::math::ln;
+
+/// The most hypotheses that are kept.
+pub(super) const MODES: usize = 4;
+
+pub(super) type Modes = Vec<Mode, MODES>;
+
+/// A mode and the normal distribution of its curvature.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Mode {
+    pub(super) mean: State,
+    pub(super) covariance: Covariance<3>,
+    /// Logarithm of the mass about it by Laplace's approximation, up to a constant.
+    pub(super) log_mass: f32,
+    /// Share of the proposals.
+    pub(super) share: f32,
+}
+
+impl Mode {
+    /// Squared deviations of a state from the mean.
+    pub(super) fn distance(&self, state: &State) -> f32 {
+        let offset = core::array::from_fn(|d| state[d] - self.mean[d]);
+        dot(&self.covariance.whiten(offset), &[1.0; 3], |w, _| w * w)
+    }
+
+    /// The same of the position alone.
+    pub(super) fn distance_of_position(&self, &[x, y, _]: &State) -> f32 {
+        let offset = [x - self.mean[0], y - self.mean[1], 0.0];
+        let [u, v, _] = self.covariance.whiten(offset);
+        u * u + v * v
+    }
+
+    /// A state about `from`, `scale` times as far as the deviations `z` take it.
+    pub(super) fn step(&self, from: &State, scale: f32, z: [f32; 3]) -> State {
+        let offset = self.covariance.colour(z);
+        core::array::from_fn(|d| from[d] + scale * offset[d])
+    }
+
+    /// Climbs from `start` in at most so many steps: expectation maximisation over what each bearing is, damped
+    /// Gauss-Newton over the state. `None` where the posterior has no curvature.
+    #[inline(never)]
+    pub(super) fn climb(density: &Density<'_>, start: State, steps: u32) -> Option<Self> {
+        let mut mean = start;
+        let mut here = Normal::at(density, &mean);
+        // Levenberg's, as a share of the diagonal.
+        let mut damping = 0.0;
+        for _ in 0..steps {
+            let inverse = InverseFactor::of(here.matrix, damping)?;
+            let step = inverse.solve(here.gradient);
+            let next = core::array::from_fn(|d| mean[d] + step[d]);
+            let decrement = dot(&step, &here.gradient, |s, g| s * g);
+            let there = Normal::at(density, &next);
+            if there.log_density >= here.log_density {
+                (mean, here) = (next, there);
+                damping *= 0.1;
+            } else {
+                damping = if damping > 0.0 { damping * 10.0 } else { 1e-2 };
+            }
+            // A hundredth of a deviation is near enough to propose from.
+            if decrement * (1.0 + damping) < 1e-4 {
+                break;
+            }
+        }
+        let covariance = Covariance::new(&InverseFactor::of(here.matrix, 0.0)?.square()).ok()?;
+        let log_mass = here.log_density + covariance.half_ln_determinant();
+        log_mass.is_finite().then_some(Self {
+            mean,
+            covariance,
+            log_mass,
+            share: 0.0,
+        })
+    }
+}
+
+/// Sets the shares by the masses, and drops the modes that have next to none.
+pub(super) fn share(modes: &mut Modes) {
+    /// Laplace's approximation is rough, and a mode that is never proposed is never tried.
+    const LEAST: f32 = 0.02;
+    /// Logarithm of the mass, less that of the largest, that is not worth a try.
+    const NEGLIGIBLE: f32 = -25.0;
+    let best = largest(modes);
+    modes.retain(|mode| mode.log_mass - best > NEGLIGIBLE);
+    let mut total = 0.0;
+    for mode in modes.iter_mut() {
+        mode.share = crate::math::exp(mode.log_mass - best) + LEAST;
+        total += mode.share;
+    }
+    for mode in modes {
+        mode.share /= total;
+    }
+}
+
+/// The largest logarithm of a mass.
+pub(super) fn largest(modes: &[Mode]) -> f32 {
+    let masses = modes.iter().map(|mode| mode.log_mass);
+    masses.fold(f32::NEG_INFINITY, |a, b| if b > a { b } else { a })
+}
+
+fn dot(a: &State, b: &State, product: impl Fn(f32, f32) -> f32) -> f32 {
+    product(a[0], b[0]) + product(a[1], b[1]) + product(a[2], b[2])
+}
+
+/// Sums over all bearings at one state.
+struct Normal {
+    matrix: [[f32; 3]; 3],
+    gradient: State,
+    log_density: f32,
+}
+
+impl Normal {
+    fn at(density: &Density<'_>, state: &State) -> Self {
+        let &Density {
+            terms,
+            region,
+            bias_deviation,
+        } = density;
+        let pull = region.information(state);
+        let mut matrix = [[pull, 0.0, 0.0], [0.0, pull, 0.0], [0.0, 0.0, 1.0]];
+        let [cx, cy] = region.centre;
+        let mut gradient = [pull * (cx - state[0]), pull * (cy - state[1]), -state[2]];
+        let mut log_density = region.log_density(state);
+        for term in terms {
+            let reading = term.read(state, bias_deviation * state[2]);
+            log_density += ln(1.0 + reading.odds);
+            let [gx, gy] = term.gradient(state);
+            let derivative = [gx, gy, bias_deviation];
+            for ((row, total), a) in matrix.iter_mut().zip(&mut gradient).zip(derivative) {
+                let pull = reading.information * a;
+                for (entry, b) in row.iter_mut().zip(derivative) {
+                    *entry += pull * b;
+                }
+                *total -= pull * reading.error;
+            }
+        }
+        Self {
+            matrix,
+            gradient,
+            log_density,
+        }
+    }
+}
+
+/// The columns of the inverse of a matrix's Cholesky factor.
+struct InverseFactor([State; 3]);
+
+impl InverseFactor {
+    /// `None` where the matrix is not positive definite as far as f32 can tell.
+    fn of(mut matrix: [[f32; 3]; 3], damping: f32) -> Option<Self> {
+        for (d, row) in matrix.iter_mut().enumerate() {
+            if let Some(entry) = row.get_mut(d) {
+                *entry *= 1.0 + damping;
+            }
+        }
+        let factor = Covariance::new(&matrix).ok()?;
+        let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let columns = columns.map(|unit| factor.whiten(unit));
+        let finite = columns.iter().flatten().all(|entry| entry.is_finite());
+        finite.then_some(Self(columns))
+    }
+
+    /// The inverse of the matrix times a vector.
+    fn solve(&self, vector: State) -> State {
+        let inverse = self.square();
+        inverse.map(|row| dot(&row, &vector, |a, b| a * b))
+    }
+
+    /// The inverse of the matrix.
+    fn square(&self) -> [[f32; 3]; 3] {
+        self.0.map(|a| self.0.map(|b| dot(&a, &b, |a, b| a * b)))
+    }
+}

@@ -1,0 +1,155 @@
+//! Finds the modes of the posterior, afresh from where random pairs of bearings cross.
+
+use heapless::Vec;
+
+use super::density::{BLOCK, Density};
+use super::errors::Errors;
+use super::evidence::Evidence;
+use super::mode::{Mode, Modes, share};
+use super::term::{State, Term};
+use crate::aoa::triangulation::crossing;
+use crate::random::{Rng, uniform};
+
+/// How many times as large the deviations are while candidates are compared: crossings are scattered much more widely
+/// than the posterior of all bearings, and would all look hopeless.
+const WIDENING: f32 = 3.0;
+/// Crossings, in blocks that are evaluated together, and how many pairs are tried for each.
+const BLOCKS: usize = 4;
+const CANDIDATES: usize = BLOCKS * BLOCK;
+const TRIES: u32 = 8;
+/// The smallest sine of the angle of two bearings that are crossed.
+const LEAST_SINE: f32 = 0.02;
+/// How many of the candidates are climbed from,
+const CLIMBS: u32 = 3;
+/// and in how many steps: by the widened bearings, by those themselves, and from the modes that are known.
+const ROUGH: u32 = 4;
+const FINE: u32 = 12;
+const AGAIN: u32 = 8;
+/// Squared deviations of a mode within which a candidate is no news.
+const NEAR: f32 = 100.0;
+/// Squared deviations within which two modes are one.
+const SAME: f32 = 4.0;
+
+/// A place to climb from, and what the widened bearings say of it.
+#[derive(Clone, Copy)]
+struct Candidate {
+    state: State,
+    score: f32,
+}
+
+/// The modes of all bearings, from those `known` before and from random crossings.
+#[inline(never)]
+pub(super) fn search<R: Rng + ?Sized, const B: usize>(
+    evidence: &Evidence<B>,
+    errors: &Errors,
+    known: &Modes,
+    rng: &mut R,
+) -> Modes {
+    let density = evidence.density(errors);
+    let mut modes = Modes::new();
+    for mode in known {
+        if let Some(mode) = Mode::climb(&density, mode.mean, AGAIN) {
+            add(&mut modes, mode);
+        }
+    }
+    let mut wide: Vec<Term, B> = Vec::new();
+    wide.extend((evidence.observations()).map(|o| Term::widened(o, errors, WIDENING)));
+    let wide = Density {
+        terms: &wide,
+        bias_deviation: 0.0,
+        ..density
+    };
+    let mut candidates = candidates(evidence, &wide, rng);
+    for _ in 0..CLIMBS {
+        let Some(start) = take_best(&mut candidates, &modes, &wide) else {
+            break;
+        };
+        if let Some(rough) = Mode::climb(&wide, start, ROUGH)
+            && let Some(mode) = Mode::climb(&density, rough.mean, FINE)
+        {
+            add(&mut modes, mode);
+        }
+    }
+    share(&mut modes);
+    modes
+}
+
+/// Random crossings of the bearings as lines, for each of a pair may be mirrored.
+fn candidates<R: Rng + ?Sized, const B: usize>(
+    evidence: &Evidence<B>,
+    wide: &Density<'_>,
+    rng: &mut R,
+) -> Vec<Candidate, CANDIDATES> {
+    let sights = evidence.sights();
+    let n = sights.len() as f32;
+    let mut candidates = Vec::new();
+    for _ in 0..BLOCKS {
+        let mut block = [[0.0; 3]; BLOCK];
+        let mut valid = [false; BLOCK];
+        for (state, valid) in block.iter_mut().zip(&mut valid) {
+            for _ in 0..TRIES {
+                let a = sights.get((uniform(rng) * n) as usize);
+                let b = sights.get((uniform(rng) * n) as usize);
+                if let Some((a, b)) = a.zip(b)
+                    && let Some(meeting) = crossing(&a.observation, &b.observation, LEAST_SINE)
+                {
+                    let [x, y] = meeting.position;
+                    (*state, *valid) = ([x, y, 0.0], true);
+                    break;
+                }
+            }
+        }
+        let scores = wide.log_densities(&block);
+        for ((state, score), valid) in block.into_iter().zip(scores).zip(valid) {
+            if valid {
+                let _ = candidates.push(Candidate { state, score });
+            }
+        }
+    }
+    candidates
+}
+
+/// The best candidate that is not near a mode which the widened bearings find at least as good. It is not taken twice.
+fn take_best(candidates: &mut [Candidate], modes: &Modes, wide: &Density<'_>) -> Option<State> {
+    let score = |mode: &Mode| wide.log_density(&[mode.mean[0], mode.mean[1], 0.0]);
+    let known: Vec<f32, { super::mode::MODES }> = modes.iter().map(score).collect();
+    let mut best: Option<&mut Candidate> = None;
+    for candidate in candidates {
+        let above = best.as_ref().map_or(f32::NEG_INFINITY, |best| best.score);
+        if !(candidate.score > above) {
+            continue;
+        }
+        let near = |(mode, known): (&Mode, &f32)| {
+            *known >= candidate.score && mode.distance_of_position(&candidate.state) < NEAR
+        };
+        if !modes.iter().zip(&known).any(near) {
+            best = Some(candidate);
+        }
+    }
+    best.map(|candidate| {
+        candidate.score = f32::NEG_INFINITY;
+        candidate.state
+    })
+}
+
+/// Adds a mode, if it is a new one or the better of two; in place of the lightest when there are too many.
+pub(super) fn add(modes: &mut Modes, mode: Mode) {
+    // Each near the other: a mode that is long, along a ray, lies about everything on it, but is not about the ray's.
+    let same =
+        |other: &&mut Mode| other.distance(&mode.mean) < SAME && mode.distance(&other.mean) < SAME;
+    let rival = if let Some(same) = modes.iter_mut().find(same) {
+        Some(same)
+    } else if modes.is_full() {
+        modes
+            .iter_mut()
+            .min_by(|a, b| a.log_mass.total_cmp(&b.log_mass))
+    } else {
+        let _ = modes.push(mode);
+        None
+    };
+    if let Some(rival) = rival
+        && mode.log_mass > rival.log_mass
+    {
+        *rival = mode;
+    }
+}

@@ -1,0 +1,164 @@
+//! The likelihood of one bearing that may be direct, mirrored or wild, with a bias that all share.
+
+use core::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+use super::errors::{Errors, Tails};
+use crate::aoa::Observation;
+use crate::math::{atan_coarse, exp_of_weight, ln, sin_cos, sqrt, wrap};
+
+/// Metres east and north, and the bias of all bearings in its deviations.
+pub(super) type State = [f32; 3];
+
+/// Odds of a bearing not being wild, which are its likelihood but for a factor and a summand that no place changes:
+/// that is `wild / (2 pi) (1 + odds)`.
+///
+/// The direct and the mirrored peak are half a circle apart, so only the nearer counts: the bearing is a line, on either
+/// side of which another share applies, and the odds are one exponential.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Term {
+    position: [f32; 2],
+    sin: f32,
+    cos: f32,
+    /// -1 / (2 sigma^2); for Student's tails 1 / (freedom sigma^2).
+    curvature: f32,
+    /// Zero; for Student's tails (freedom + 1) / 2.
+    power: f32,
+    /// Logarithm of the odds of no error, in front of the receiver and behind it.
+    direct: f32,
+    mirror: f32,
+}
+
+/// Keeps the ratio finite for a particle that sits on the receiver.
+const TINY_M: f32 = 1e-7;
+
+/// What one bearing says of a state.
+pub(super) struct Reading {
+    /// Expected less measured direction of the line, bias included, in radians.
+    pub(super) error: f32,
+    pub(super) mirrored: bool,
+    pub(super) odds: f32,
+    /// What it counts for, beside others, in 1 / rad^2: 1 / sigma^2 if it is sure not to be wild.
+    pub(super) information: f32,
+}
+
+impl Term {
+    pub(super) fn new(observation: &Observation, errors: &Errors) -> Self {
+        let deviation = observation.deviation();
+        Self::of_variance(observation, errors, deviation * deviation)
+    }
+
+    /// With deviations `widening` times as large, of which the bias is a part.
+    pub(super) fn widened(observation: &Observation, errors: &Errors, widening: f32) -> Self {
+        let deviation = widening * observation.deviation();
+        let bias = errors.bias_deviation;
+        Self::of_variance(observation, errors, deviation * deviation + bias * bias)
+    }
+
+    fn of_variance(observation: &Observation, errors: &Errors, variance: f32) -> Self {
+        let (sin, cos) = sin_cos(observation.bearing().radians());
+        let shares = errors.shares;
+        let peak = errors.tails.height() / (sqrt(variance) * shares.wild);
+        let (curvature, power) = match errors.tails {
+            Tails::Normal => (-0.5 / variance, 0.0),
+            Tails::Student { freedom } => {
+                let freedom = f32::from(freedom);
+                (1.0 / (freedom * variance), 0.5 * (freedom + 1.0))
+            }
+        };
+        Self {
+            position: observation.position(),
+            sin,
+            cos,
+            curvature,
+            power,
+            direct: ln(peak * shares.direct),
+            mirror: ln(peak * shares.mirror),
+        }
+    }
+
+    /// Error of the line and which of its sides the state is on, given its bias in radians. Exact up to half a turn,
+    /// beyond which a large bias may push an error: the line's other side is as far then.
+    #[inline(always)]
+    fn fold(&self, &[x, y, _]: &State, bias: f32) -> (f32, bool) {
+        let (dx, dy) = (x - self.position[0], y - self.position[1]);
+        let along = dx * self.cos + dy * self.sin;
+        let across = dy * self.cos - dx * self.sin;
+        let (a, b) = (along.abs() + TINY_M, across.abs());
+        let angle = FRAC_PI_4 + atan_coarse((b - a) / (b + a));
+        let sign = (along.to_bits() ^ across.to_bits()) & 0x8000_0000;
+        let error = f32::from_bits(angle.to_bits() ^ sign) + bias;
+        (error, along < 0.0)
+    }
+
+    #[inline(always)]
+    fn odds_of(&self, error: f32, mirrored: bool) -> f32 {
+        let level = if mirrored { self.mirror } else { self.direct };
+        let square = self.curvature * (error * error);
+        // At most some 1e7, for deviations and shares of a thousandth; next to none are none.
+        exp_of_weight(if self.power == 0.0 {
+            level + square
+        } else {
+            level - self.power * ln(1.0 + square)
+        })
+    }
+
+    #[inline(always)]
+    pub(super) fn odds(&self, state: &State, bias: f32) -> f32 {
+        let (error, mirrored) = self.fold(state, bias);
+        self.odds_of(error, mirrored)
+    }
+
+    /// Up to a constant.
+    #[inline(never)]
+    pub(super) fn log_likelihood(&self, state: &State, bias: f32) -> f32 {
+        ln(1.0 + self.odds(state, bias))
+    }
+
+    #[inline(never)]
+    pub(super) fn read(&self, state: &State, bias: f32) -> Reading {
+        let (error, mirrored) = self.fold(state, bias);
+        self.reading(error, mirrored)
+    }
+
+    /// For a source so far away that its direction is the same from everywhere.
+    pub(super) fn read_far(&self, bearing: f32, direction: f32) -> Reading {
+        let turn = wrap(direction - bearing);
+        self.reading(fold_angle(turn), turn.abs() > FRAC_PI_2)
+    }
+
+    #[inline(never)]
+    fn reading(&self, error: f32, mirrored: bool) -> Reading {
+        let odds = self.odds_of(error, mirrored);
+        let certain = if self.power == 0.0 {
+            -2.0 * self.curvature
+        } else {
+            2.0 * self.power * self.curvature / (1.0 + self.curvature * error * error)
+        };
+        Reading {
+            error,
+            mirrored,
+            odds,
+            information: certain * odds / (1.0 + odds),
+        }
+    }
+
+    /// Derivative of the error by the position, in radians a metre.
+    pub(super) fn gradient(&self, &[x, y, _]: &State) -> [f32; 2] {
+        /// Closer to the receiver, in square metres, the direction turns with every step.
+        const NEAREST: f32 = 1e-6;
+        let (dx, dy) = (x - self.position[0], y - self.position[1]);
+        let square = dx * dx + dy * dy + NEAREST;
+        [-dy / square, dx / square]
+    }
+}
+
+/// The direction of a line, in (-pi/2, pi/2], from any angle within a circle.
+pub(super) fn fold_angle(angle: f32) -> f32 {
+    if angle > FRAC_PI_2 {
+        angle - PI
+    } else if angle <= -FRAC_PI_2 {
+        angle + PI
+    } else {
+        angle
+    }
+}
