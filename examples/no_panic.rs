@@ -18,6 +18,7 @@ mod proof {
             gauss_newton::{self, Errors},
             geodesy::{Geodetic, LocalPlane},
             locator::{self, Answer, Locator},
+            robust::{self, RobustLocator, Tails},
             triangulation,
         },
         estimate::{self, Ellipse},
@@ -82,6 +83,7 @@ mod proof {
         propose(&mut rng);
         bearings(&mut rng);
         locate(&mut rng);
+        locate_robustly(&mut rng);
         fingerprints();
         gateway();
         loop {
@@ -337,6 +339,33 @@ mod proof {
             locator.weights(),
             locator.observations(),
         ));
+        locator.reset();
+    }
+
+    fn locate_robustly(rng: &mut Xoshiro128PlusPlus) {
+        let errors = robust::Errors::new()
+            .tails(any(Tails::Normal))
+            .and_then(|errors| errors.shares(any(0.0), any(0.0)))
+            .and_then(|errors| errors.prior_bearings(any(0.0)))
+            .and_then(|errors| errors.bias_deviation(any(0.0)))
+            .and_then(|errors| errors.correlation(any(0.0), any(0.0), any(0.0)));
+        let settings = robust::Settings::new(errors.unwrap_or_default())
+            .common(any(locator::Settings::new()))
+            .range_m(any(0.0));
+        let mut locator = any(RobustLocator::<50, 16>::new(settings.unwrap_or_default()));
+        for _ in 0..any(100) {
+            let Some(observation) = observation() else {
+                continue;
+            };
+            black_box(locator.push(observation, rng));
+            black_box(locator.push_after(observation, any(0.0), rng));
+            black_box((locator.answer(), locator.bias(), locator.shares()));
+            black_box((locator.columns(), locator.weights()));
+            locator.hypotheses().for_each(|hypothesis| {
+                black_box(hypothesis);
+            });
+            black_box(locator.observations().len());
+        }
         locator.reset();
     }
 

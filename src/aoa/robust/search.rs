@@ -5,7 +5,7 @@ use heapless::Vec;
 use super::density::{BLOCK, Density};
 use super::errors::Errors;
 use super::evidence::Evidence;
-use super::mode::{Mode, Modes, share};
+use super::mode::{MODES, Mode, Modes, share};
 use super::term::{State, Term};
 use crate::aoa::triangulation::crossing;
 use crate::random::{Rng, uniform};
@@ -53,7 +53,9 @@ pub(super) fn search<R: Rng + ?Sized, const B: usize>(
         }
     }
     let mut wide: Vec<Term, B> = Vec::new();
-    wide.extend((evidence.observations()).map(|o| Term::widened(o, errors, WIDENING)));
+    for observation in evidence.observations() {
+        let _ = wide.push(Term::widened(observation, errors, WIDENING));
+    }
     let wide = Density {
         terms: &wide,
         bias_deviation: 0.0,
@@ -111,8 +113,10 @@ fn candidates<R: Rng + ?Sized, const B: usize>(
 
 /// The best candidate that is not near a mode which the widened bearings find at least as good. It is not taken twice.
 fn take_best(candidates: &mut [Candidate], modes: &Modes, wide: &Density<'_>) -> Option<State> {
-    let score = |mode: &Mode| wide.log_density(&[mode.mean[0], mode.mean[1], 0.0]);
-    let known: Vec<f32, { super::mode::MODES }> = modes.iter().map(score).collect();
+    let mut known = [f32::NEG_INFINITY; MODES];
+    for (known, mode) in known.iter_mut().zip(modes) {
+        *known = wide.log_density(&[mode.mean[0], mode.mean[1], 0.0]);
+    }
     let mut best: Option<&mut Candidate> = None;
     for candidate in candidates {
         let above = best.as_ref().map_or(f32::NEG_INFINITY, |best| best.score);
