@@ -1,5 +1,5 @@
-//! What matching by fingerprints costs: a scan of four beacons in a tunnel of 80 points, and a packet for each
-//! particle.
+//! What fingerprints cost: a scan of four beacons in a tunnel of 80 points, a packet for each particle, and updates of the
+//! tracker, there and on a floor of 440 points with twelve beacons.
 //!
 //! Run by the tasks in the emulator like `cost`.
 
@@ -18,6 +18,8 @@ mod board {
 fn main() -> ! {
     target::scans();
     target::particles();
+    target::updates();
+    target::sizes();
     board::semihosting::exit(true)
 }
 
@@ -33,6 +35,7 @@ mod target {
         fingerprint::{
             GaussianMatcher, Matcher, Packet, PacketModel, Posterior, RadioMap, Reading, Settings,
             TableMatcher,
+            tracker::{self, Heard, Site, Tracker, Workspace},
         },
         model::Likelihood,
         random::{SeedableRng, Xoshiro128PlusPlus, uniform},
@@ -110,6 +113,100 @@ mod target {
                 likelihood.log_likelihoods(&[&x, &y], &mut out);
                 black_box(&mut out);
             });
+        }
+    }
+
+    /// Updates of a tracker in the middle of a walk: scans by the half second, of two packets of every beacon.
+    pub fn updates() {
+        let mut floor = [0; FLOOR_BYTES];
+        write_floor(&mut floor);
+        follow::<80>("m4f.tracker.n300.update", open(MOMENTS), [0.5, 0.0]);
+        let floor = RadioMap::new(black_box(&floor)).expect("it was just written");
+        follow::<440>("m4f.tracker.n300.plane.update", floor, [0.2, 0.25]);
+    }
+
+    /// Updates before the cost is taken, and those of which it is.
+    const UPDATES: [u32; 2] = [8, 8];
+
+    fn follow<const P: usize>(name: &str, map: RadioMap<'_>, step: [f32; 2]) {
+        let site = black_box(Site::new(map, tracker::Settings::new()).expect("moments"));
+        let mut workspace = black_box(Workspace::<300, P>::new());
+        let mut tracker = black_box(Tracker::<300, 16>::new());
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+        let lattice = map.lattice();
+        for update in 0..UPDATES[0] + UPDATES[1] {
+            let [column, row] = step.map(|step| (step * update as f32) as usize);
+            let point = (row + 3) % lattice.rows() * lattice.columns() + column + 5;
+            let mut scan = [Heard {
+                beacon: 0,
+                mean_dbm: 0.0,
+                packets: 2,
+            }; 12];
+            for (beacon, heard) in scan.iter_mut().enumerate() {
+                heard.beacon = beacon as u8;
+                let noise = 8.0 * uniform(&mut rng) - 4.0;
+                let there = map.moments(beacon, point);
+                heard.mean_dbm = noise + there.map_or(0.0, |moments| moments.mean_dbm);
+            }
+            let scan = black_box(scan.get(..map.beacons()).expect("twelve at most"));
+            let mut run = || {
+                let led = tracker.scan(500 * update, scan, &site, &mut workspace, &mut rng);
+                assert!(matches!(black_box(led), Ok(Some(_))));
+            };
+            if update < UPDATES[0] {
+                run();
+            } else {
+                region(name, 1, run);
+            }
+        }
+    }
+
+    const COLUMNS: usize = 22;
+    const POINTS: usize = 440;
+    const BEACONS: usize = 12;
+    const FLOOR_BYTES: usize = 34 + 6 * BEACONS + POINTS / 8 + 2 * BEACONS * POINTS + 4;
+
+    /// The map of a floor, 22 by 20 points, whose beacons stand in three rows.
+    fn write_floor(bytes: &mut [u8; FLOOR_BYTES]) {
+        let header = *b"FXRM\x01\x01\x0c\x00\x16\x00\x14\x00";
+        let end = FLOOR_BYTES - 4;
+        let (content, checksum) = bytes.split_at_mut(end);
+        let written = header.into_iter();
+        let written = written
+            .chain([0; 8])
+            .chain(1.0_f32.to_le_bytes())
+            .chain([0; 10])
+            .chain((0..6 * BEACONS).map(|i| if i % 6 == 0 { i as u8 / 6 } else { 0 }))
+            .chain([0xff; POINTS / 8])
+            .chain((0..BEACONS * POINTS).flat_map(|i| {
+                let (beacon, point) = (i / POINTS, i % POINTS);
+                let [x, y] = [point % COLUMNS, point / COLUMNS];
+                let [dx, dy] = [x.abs_diff(beacon % 4 * 7), y.abs_diff(beacon / 4 * 9)];
+                [12 + (point % 7) as u8, 150 - 3 * (dx + dy) as u8]
+            }));
+        content
+            .iter_mut()
+            .zip(written)
+            .for_each(|(to, from)| *to = from);
+        checksum.copy_from_slice(&crc32(content).to_le_bytes());
+    }
+
+    /// As of IEEE 802.3, bit by bit.
+    fn crc32(bytes: &[u8]) -> u32 {
+        !bytes.iter().fold(u32::MAX, |crc, byte| {
+            (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+                (crc >> 1) ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 }
+            })
+        })
+    }
+
+    pub fn sizes() {
+        for (name, bytes) in [
+            ("tracker.n300", size_of::<Tracker<300, 16>>()),
+            ("fingerprint.map.moments", MOMENTS.len()),
+            ("fingerprint.map.levels", LEVELS.len()),
+        ] {
+            hprintln!("figure\t{}.bytes\t{}\tbytes", name, bytes);
         }
     }
 }

@@ -50,10 +50,24 @@ impl<const D: usize, const N: usize> Particles<D, N> {
         weights: &mut [f32; N],
         rng: &mut R,
     ) {
+        self.resample_columns([true; D], scheme, weights, rng);
+    }
+
+    /// The same for some of the columns; the others, which say nothing, stay as they are.
+    #[inline(always)]
+    pub(crate) fn resample_columns<R: Rng + ?Sized>(
+        &mut self,
+        wanted: [bool; D],
+        scheme: Scheme,
+        weights: &mut [f32; N],
+        rng: &mut R,
+    ) {
         // Both columns of weights are about to be equal: until then they serve as memory.
         let ancestors = resample(scheme, weights, &mut self.log_weights, rng);
-        for column in &mut self.columns {
-            ancestors.gather(column, weights);
+        for (column, wanted) in self.columns.iter_mut().zip(wanted) {
+            if wanted {
+                ancestors.gather(column, weights);
+            }
         }
         self.log_weights = [0.0; N];
         *weights = [1.0 / N as f32; N];

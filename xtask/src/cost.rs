@@ -28,12 +28,18 @@ pub struct Options {
 }
 
 /// The most that a figure may be.
-const LIMITS: [(&str, f64); 5] = [
+const LIMITS: [(&str, f64); 11] = [
     ("m4f.step.n200.instructions", 300.0),
     ("m4f.refine.fish.n1000.cycles_modelled", 1500.0),
     ("host.step.n1000.ns", 25.0),
     ("filter.d2.n200.bytes", 16.0 * 200.0 + 256.0),
     ("vehicle.flash.bytes", 65_536.0),
+    ("m4f.fingerprint.match.gaussian.instructions", 6_000.0),
+    ("m4f.fingerprint.match.table.instructions", 6_000.0),
+    ("m4f.tracker.n300.update.instructions", 110_000.0),
+    ("tracker.n300.bytes", 6_656.0),
+    ("fingerprint.map.moments.bytes", 1_024.0),
+    ("fingerprint.map.levels.bytes", 5_427.0),
 ];
 
 /// The firmwares of a vehicle: with the locator's own moves, and with each refinement.
@@ -43,6 +49,9 @@ pub const VEHICLES: [&str; 4] = [
     "vehicle_firefly",
     "vehicle_evolution",
 ];
+
+/// The firmware of a tunnel.
+const BEACONS: &str = "beacon_gateway";
 
 /// Instructions and modelled cycles that short polynomials with errors of about 1e-6 are known to take, per
 /// call in a loop over an array. They are rounded, so a kernel may take half an instruction or cycle more, and a
@@ -89,10 +98,14 @@ pub fn run(options: &Options) -> Result<()> {
 /// The figures that the firmware alone decides: they do not depend on the machine that measures them.
 pub fn firmware() -> Result<Vec<Figure>> {
     let mut figures = phases(regions::measure(&project::firmware("cost")?)?)?;
-    for firmware in VEHICLES {
+    figures.extend(regions::measure(&project::firmware("fingerprint_cost")?)?);
+    for firmware in VEHICLES.into_iter().chain([BEACONS]) {
         let elf = project::firmware(firmware)?;
         let occupied = sections::occupied(&elf)?;
-        let name = firmware.replace('_', ".");
+        let name = match firmware {
+            BEACONS => "beacon".into(),
+            vehicle => vehicle.replace('_', "."),
+        };
         for (what, bytes) in [
             ("flash", occupied.flash as f64),
             ("ram", occupied.ram as f64),

@@ -272,6 +272,7 @@ fn mesh(chart: &mut Chart<'_, '_>, x: &str, y: &str, upside_down: bool) -> Resul
         .axis_desc_style(font(15))
         .x_labels(12)
         .y_labels(if y.is_empty() { 0 } else { 8 })
+        .x_label_formatter(&|v| format!("{}", v + 0.0))
         .y_label_formatter(&down)
         .x_desc(x)
         .y_desc(y);

@@ -21,19 +21,20 @@ pub(super) struct Field<const P: usize> {
     log_likelihoods: [f32; P],
     /// What each point makes of the offset: what is to be added to its mean, if there is one at all.
     shifts: [f32; P],
-    /// By how much each point prefers that there is one: a log-likelihood ratio.
-    odds: [f32; P],
+    /// How probable each point finds it that there is one.
+    probabilities: [f32; P],
     /// Mean over the points of what the scan adds to the precision of the offset, per dB^2.
     pub precision: f32,
     /// The mean over the points of the likelihood, where the best point has one.
     pub mean: f32,
 }
 
-/// A beacon of a scan, ready to be compared.
+/// A beacon of a scan, ready to be compared. Levels are in halves of a dB, as the means of the map.
 struct Comparison<'a> {
     row: &'a [[u8; 2]],
-    mean_dbm: f32,
-    /// What the square of a deviation is multiplied with, for the mean of several packets.
+    /// Above the lowest mean.
+    level: f32,
+    /// What the square of a deviation, in quarters of a dB, is multiplied with: for the mean of several packets.
     share: f32,
 }
 
@@ -42,7 +43,7 @@ impl<const P: usize> Field<P> {
         Self {
             log_likelihoods: [0.0; P],
             shifts: [0.0; P],
-            odds: [0.0; P],
+            probabilities: [0.0; P],
             precision: 0.0,
             mean: 0.0,
         }
@@ -63,8 +64,9 @@ impl<const P: usize> Field<P> {
                 // There are no more than levels.
                 let _ = comparisons.push(Comparison {
                     row: row.as_chunks().0,
-                    mean_dbm: level.mean_dbm - LOWEST_MEAN_DBM,
-                    share: 1.0 / f32::from(level.packets) + 1.0 / f32::from(channel.survey_samples),
+                    level: 2.0 * (level.mean_dbm - LOWEST_MEAN_DBM),
+                    share: 0.25 / f32::from(level.packets)
+                        + 0.25 / f32::from(channel.survey_samples),
                 });
             }
         }
@@ -75,27 +77,19 @@ impl<const P: usize> Field<P> {
             .log_likelihoods
             .iter_mut()
             .zip(&mut self.shifts)
-            .zip(&mut self.odds);
-        for (point, ((log_likelihood, shift), odds)) in each.enumerate().take(points) {
+            .zip(&mut self.probabilities);
+        for (point, ((log_likelihood, shift), probability)) in each.enumerate().take(points) {
             let mut sums = Sums::new(channel, belief);
-            for Comparison {
-                row,
-                mean_dbm,
-                share,
-            } in &comparisons
-            {
+            for Comparison { row, level, share } in &comparisons {
                 if let Some([deviation, mean]) = row.get(point) {
-                    let deviation = 0.25 * f32::from(*deviation);
-                    sums.add(
-                        mean_dbm - 0.5 * f32::from(*mean),
-                        deviation * deviation * share,
-                    );
+                    let deviation = f32::from(*deviation);
+                    sums.add(level - f32::from(*mean), deviation * deviation * share);
                 }
             }
             let found = sums.conclude();
             precision += found.precision;
             *shift = found.shift;
-            *odds = found.odds;
+            *probability = found.probability;
             *log_likelihood = if map.is_surveyed(point) {
                 found.log_likelihood
             } else {
@@ -152,8 +146,7 @@ impl<const P: usize> Field<P> {
         mix(between(first), between(first + lattice.columns()), t)
     }
 
-    /// What the point nearest to a place makes of the offset: the log-likelihood ratio for there being one, and what to add
-    /// to its mean.
+    /// What the point nearest to a place makes of the offset: the probability that there is one, and what to add to its mean.
     #[inline(always)]
     pub fn offset_at(&self, lattice: &Lattice, place: [f32; 2]) -> [f32; 2] {
         let nearest = |x: f32, origin: f32, points: usize| {
@@ -163,10 +156,13 @@ impl<const P: usize> Field<P> {
         };
         let [x0, y0] = lattice.origin();
         let column = nearest(place[0], x0, lattice.columns());
-        let row = nearest(place[1], y0, lattice.rows());
-        let point = row * lattice.columns() + column;
-        match (self.odds.get(point), self.shifts.get(point)) {
-            (Some(odds), Some(shift)) => [*odds, *shift],
+        let point = if lattice.rows() == 1 {
+            column
+        } else {
+            nearest(place[1], y0, lattice.rows()) * lattice.columns() + column
+        };
+        match (self.probabilities.get(point), self.shifts.get(point)) {
+            (Some(probability), Some(shift)) => [*probability, *shift],
             _ => [0.0; 2],
         }
     }
@@ -189,11 +185,14 @@ fn mix(a: f32, b: f32, share: f32) -> f32 {
     }
 }
 
-/// What the beacons of a scan add up to at one point.
+/// What the beacons of a scan add up to at one point, in halves of a dB.
 struct Sums<'a> {
     channel: &'a Channel,
     belief: &'a OffsetBelief,
-    /// The largest cost of a reading.
+    /// Of the offset.
+    mean: f32,
+    variance: f32,
+    /// The largest cost of a reading, doubled as all costs.
     gate: f32,
     mismatch: f32,
     /// Without an offset.
@@ -212,7 +211,7 @@ struct Found {
     log_likelihood: f32,
     precision: f32,
     shift: f32,
-    odds: f32,
+    probability: f32,
 }
 
 impl<'a> Sums<'a> {
@@ -221,8 +220,10 @@ impl<'a> Sums<'a> {
         Self {
             channel,
             belief,
-            gate: 0.5 * channel.gate_deviations * channel.gate_deviations,
-            mismatch: channel.mismatch_db * channel.mismatch_db,
+            mean: 2.0 * belief.mean_db,
+            variance: 4.0 * belief.variance,
+            gate: channel.gate_deviations * channel.gate_deviations,
+            mismatch: 4.0 * channel.mismatch_db * channel.mismatch_db,
             cost: 0.0,
             cost_with: 0.0,
             precision: 0.0,
@@ -231,17 +232,17 @@ impl<'a> Sums<'a> {
         }
     }
 
-    /// Adds a reading that differs by so many dB from the mean of the map, which has this variance.
+    /// Adds a reading that differs so much from the mean of the map, which has this variance.
     #[inline(always)]
     fn add(&mut self, difference: f32, variance: f32) {
         let precision = 1.0 / (variance + self.mismatch);
         let least = |a: f32, b: f32| if a < b { a } else { b };
-        self.cost += least(0.5 * difference * difference * precision, self.gate);
+        self.cost += least(difference * difference * precision, self.gate);
         if self.belief.is_estimated() {
-            let difference = difference - self.belief.mean_db;
-            let cost = 0.5 * difference * difference * precision;
+            let difference = difference - self.mean;
+            let cost = difference * difference * precision;
             // An offset that is not known well leaves room for larger differences.
-            if cost < self.gate * (1.0 + self.belief.variance * precision) {
+            if cost < self.gate * (1.0 + self.variance * precision) {
                 self.cost_with += cost;
                 self.precision += precision;
                 self.weighted += difference * precision;
@@ -251,9 +252,9 @@ impl<'a> Sums<'a> {
         }
         self.product *= precision;
         if self.product < 1e-25 {
-            let half = 0.5 * ln(self.product);
-            self.cost -= half;
-            self.cost_with -= half;
+            let logarithm = ln(self.product);
+            self.cost -= logarithm;
+            self.cost_with -= logarithm;
             self.product = 1.0;
         }
     }
@@ -261,22 +262,23 @@ impl<'a> Sums<'a> {
     #[inline(always)]
     fn conclude(self) -> Found {
         let tempering = self.channel.tempering;
-        let half = 0.5 * ln(self.product);
-        let without = tempering * (half - self.cost);
+        let logarithm = ln(self.product);
+        let half = 0.5 * tempering;
+        let without = half * (logarithm - self.cost);
         if !self.belief.is_estimated() {
             return Found {
                 log_likelihood: without,
                 precision: 0.0,
                 shift: 0.0,
-                odds: 0.0,
+                probability: 0.0,
             };
         }
         let precision = tempering * self.precision;
         let weighted = tempering * self.weighted;
-        let known = 1.0 + self.belief.variance * precision;
-        let gain = self.belief.variance / known;
-        let with = tempering * (half - self.cost_with) + 0.5 * gain * weighted * weighted
-            - 0.5 * ln(known);
+        let known = 1.0 + self.variance * precision;
+        let gain = self.variance / known;
+        let with =
+            half * (logarithm - self.cost_with) + 0.5 * (gain * weighted * weighted - ln(known));
         // The sum of both is at most ln 2 above the larger.
         let (without_prior, with_prior) =
             (without + self.belief.log_none, with + self.belief.log_some);
@@ -286,9 +288,9 @@ impl<'a> Sums<'a> {
             } else {
                 without_prior
             },
-            precision,
-            shift: gain * weighted,
-            odds: with - without,
+            precision: 4.0 * precision,
+            shift: 0.5 * gain * weighted,
+            probability: self.belief.probability_given(with - without),
         }
     }
 }

@@ -29,11 +29,11 @@ use core::fmt;
 
 use super::{Encoding, MapError, RadioMap};
 use crate::estimate::{self, Ellipse};
-use crate::math::{exp, exp_of_weight, ln, sqrt};
+use crate::math::{exp, ln, sqrt};
 use crate::particles::Particles;
 use crate::random::{Rng, normal, uniform};
 use crate::resample::Scheme;
-use crate::weights;
+use crate::weights::{self, Normalised};
 use field::{Field, Level};
 use offset::OffsetBelief;
 use pending::Pending;
@@ -307,8 +307,8 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
     }
 
     /// Takes a packet in: the tag, heard by beacon number `beacon` with so many dBm. Returns the fix if the packet led to an
-    /// update: the packets before it are then as old as [`Settings::with_window_ms`] says, and it waits for the next; with a
-    /// window of 0 each leads to one.
+    /// update: by the packets before it, because it is the first of another window (see [`Settings::with_window_ms`]) and
+    /// waits for the next; with a window of 0 each leads to one.
     ///
     /// # Errors
     /// When the packet cannot be used.
@@ -332,10 +332,8 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         }
         self.check_time(time_ms)?;
         let window = site.settings.window_ms;
-        let is_due = !self.pending.is_empty()
-            && u32::try_from(self.pending.age_ms(time_ms)).is_ok_and(|age| age >= window);
         let mut led = None;
-        if window > 0 && is_due {
+        if window > 0 && self.pending.is_due(time_ms, window) {
             led = self.flush(site, workspace, rng);
         }
         let heard = Heard {
@@ -360,10 +358,8 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         if self.pending.is_empty() || site.map.lattice().points() > P {
             return None;
         }
-        let time_ms = self.pending.time_ms();
-        let pending = self.pending.clone();
-        self.pending.clear();
-        self.update(time_ms, pending.levels(), site, workspace, rng);
+        let pending = self.pending.take();
+        self.update(pending.time_ms(), pending.levels(), site, workspace, rng);
         self.fix
     }
 
@@ -431,7 +427,9 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
                 .field
                 .look_up(&site.map, channel, &self.offset, scan);
             self.draw(1.0, site, &workspace.field, rng);
-            self.conclude(time_ms, site, workspace, rng);
+            let log_weights = self.particles.log_weights_mut();
+            let drawn = weights::normalise(log_weights, &mut workspace.weights);
+            self.conclude(time_ms, drawn, site, workspace, rng);
             return;
         };
         let dt = seconds(time_ms.wrapping_sub(last.time_ms) as i32);
@@ -445,24 +443,34 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         self.recovering_s += dt;
         let lattice = site.map.lattice();
         let [x, y, ..] = self.particles.columns();
-        let mut fit = 0.0;
         for ((weight, &x), &y) in workspace.weights.iter_mut().zip(x).zip(y) {
             *weight += workspace.field.at(lattice, [x, y]);
-            fit += exp_of_weight(*weight);
         }
-        let smoothing = dt * (1.0 / Self::PATIENCE_S);
-        let smoothing = if smoothing < 1.0 { smoothing } else { 1.0 };
-        let evidence = ln(fit / (N as f32 * workspace.field.mean)).clamp(-20.0, 20.0);
-        self.trust += smoothing * (evidence - self.trust);
-
-        let weighed = weights::reweigh(self.particles.log_weights_mut(), &mut workspace.weights);
-        if weighed.is_none() {
-            self.redraw(1.0, site, workspace, rng);
-        } else if self.trust < Self::DOUBT && site.settings.recovery > 0.0 {
-            self.resample(workspace, rng);
-            self.redraw(site.settings.recovery, site, workspace, rng);
+        let log_weights = self.particles.log_weights_mut();
+        let mut weighed = weights::reweigh(log_weights, &mut workspace.weights);
+        if let Some(Normalised { shift, log_sum, .. }) = weighed {
+            let smoothing = dt * (1.0 / Self::PATIENCE_S);
+            let smoothing = if smoothing < 1.0 { smoothing } else { 1.0 };
+            // Against as many particles spread over the whole map.
+            let evidence = shift + log_sum - ln(N as f32 * workspace.field.mean);
+            self.trust += smoothing * (evidence.clamp(-20.0, 20.0) - self.trust);
         }
-        self.conclude(time_ms, site, workspace, rng);
+        let share = if weighed.is_none() {
+            1.0
+        } else if self.trust < Self::DOUBT {
+            site.settings.recovery
+        } else {
+            0.0
+        };
+        if share > 0.0 {
+            if weighed.is_some() {
+                self.resample(site, workspace, rng);
+            }
+            self.redraw(share, site, workspace, rng);
+            let log_weights = self.particles.log_weights_mut();
+            weighed = weights::normalise(log_weights, &mut workspace.weights);
+        }
+        self.conclude(time_ms, weighed, site, workspace, rng);
     }
 
     /// Draws a share of the particles from the match, because the evidence is against where they are.
@@ -479,16 +487,16 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         self.recovering_s = 0.0;
     }
 
-    /// What the cloud says, once its log-weights are what they are to be; then resamples.
+    /// What the cloud says, whose weights are in the workspace if it has any; then resamples.
     fn conclude<const P: usize, R: Rng + ?Sized>(
         &mut self,
         time_ms: u32,
+        weighed: Option<Normalised>,
         site: &Site<'_>,
         workspace: &mut Workspace<N, P>,
         rng: &mut R,
     ) {
-        let log_weights = self.particles.log_weights_mut();
-        let Some(normalised) = weights::normalise(log_weights, &mut workspace.weights) else {
+        let Some(normalised) = weighed else {
             return;
         };
         let [x, y, vx, vy] = self.particles.columns();
@@ -504,13 +512,25 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
             self.offset.learn(field.precision, opinions);
         }
 
-        let [px, py, vx, vy] = estimate::mean(&[x, y, vx, vy], weights);
+        let (position, velocity, covariance);
+        if lattice.rows() == 1 {
+            let [px, pvx] = estimate::mean(&[x, vx], weights);
+            let [[variance]] = estimate::covariance(&[x], weights);
+            position = [px, lattice.origin()[1]];
+            velocity = [pvx, 0.0];
+            covariance = [[variance, 0.0], [0.0; 2]];
+        } else {
+            let [px, py, pvx, pvy] = estimate::mean(&[x, y, vx, vy], weights);
+            position = [px, py];
+            velocity = [pvx, pvy];
+            covariance = estimate::covariance(&[x, y], weights);
+        }
         let mut fix = Fix {
             time_ms,
             state: State::Tracking,
-            position: [px, py],
-            covariance: estimate::covariance(&[x, y], weights),
-            velocity: [vx, vy],
+            position,
+            covariance,
+            velocity,
             offset_db: self.offset.probability() * self.offset.mean_db,
             effective_sample_size: normalised.effective_sample_size,
         };
@@ -524,7 +544,7 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
             State::Tracking
         };
         self.fix = Some(fix);
-        self.resample(workspace, rng);
+        self.resample(site, workspace, rng);
     }
 
     /// Draws a share of the particles from the match: systematically over the points, uniformly within the cell of each.
@@ -631,6 +651,7 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         });
         let [along_x, along_y] = steps;
         let is_line = site.map.lattice().rows() == 1;
+        let is_free = site.walls == Walls::None;
         let [x, y, vx, vy] = self.particles.columns_mut();
         let x = x.iter_mut().zip(vx);
         let y = y.iter_mut().zip(vy);
@@ -640,7 +661,7 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
             if !is_line {
                 along_y.take(y, vy, rng);
             }
-            *mark = if site.walls.allow(from, [*x, *y]) {
+            *mark = if is_free || site.walls.allow(from, [*x, *y]) {
                 0.0
             } else {
                 f32::NEG_INFINITY
@@ -648,13 +669,19 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         }
     }
 
+    #[inline(never)]
     fn resample<const P: usize, R: Rng + ?Sized>(
         &mut self,
+        site: &Site<'_>,
         workspace: &mut Workspace<N, P>,
         rng: &mut R,
     ) {
+        // On a line y is the same for all.
+        let is_plane = site.map.lattice().rows() > 1;
+        let wanted = [true, is_plane, true, is_plane];
+        let weights = &mut workspace.weights;
         self.particles
-            .resample(Scheme::Systematic, &mut workspace.weights, rng);
+            .resample_columns(wanted, Scheme::Systematic, weights, rng);
     }
 }
 

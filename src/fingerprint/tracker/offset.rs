@@ -54,6 +54,12 @@ impl OffsetBelief {
         sigmoid(self.log_odds)
     }
 
+    /// The same where a scan makes it by so much more probable: a log-likelihood ratio.
+    #[inline(always)]
+    pub fn probability_given(&self, ratio: f32) -> f32 {
+        sigmoid(self.log_odds + ratio)
+    }
+
     /// Lets `dt` seconds pass.
     pub fn drift(&mut self, offset: &Offset, dt: f32) {
         if self.is_estimated() {
@@ -63,15 +69,14 @@ impl OffsetBelief {
         }
     }
 
-    /// Learns from what the particles say: weight, log-likelihood ratio for an offset, and what to add to its mean.
+    /// Learns from what the particles say: weight, probability of an offset, and what to add to its mean.
     /// `precision` is what the scan adds to its precision.
     pub fn learn(&mut self, precision: f32, opinions: impl Iterator<Item = (f32, [f32; 2])>) {
         if !self.is_estimated() {
             return;
         }
         let (mut none, mut some, mut first, mut second) = (0.0, 0.0, 0.0, 0.0);
-        for (weight, [odds, shift]) in opinions {
-            let probability = sigmoid(self.log_odds + odds);
+        for (weight, [probability, shift]) in opinions {
             let with = weight * probability;
             none += weight - with;
             some += with;

@@ -7,7 +7,9 @@ use super::field::Level;
 #[derive(Debug, Clone)]
 pub(super) struct Pending<const B: usize> {
     levels: [Level; B],
-    /// When the first came.
+    /// When the window began that the next packets are in; none before the first packet of a walk.
+    window_ms: Option<u32>,
+    /// When the first of them came.
     first_ms: u32,
     /// Sum of the times since then.
     elapsed_ms: u32,
@@ -23,6 +25,7 @@ impl<const B: usize> Pending<B> {
     pub const fn new() -> Self {
         Self {
             levels: [Self::NONE; B],
+            window_ms: None,
             first_ms: 0,
             elapsed_ms: 0,
             packets: 0,
@@ -33,8 +36,24 @@ impl<const B: usize> Pending<B> {
         self.packets == 0
     }
 
+    /// Whether the packets are those of a whole window, because a packet at `time_ms` is in a later one.
+    ///
+    /// Windows follow each other without gaps, from the first packet of a walk on. If each began with its first packet, tags
+    /// that send a little faster than once in a window would be updated by every other packet.
+    pub fn is_due(&mut self, time_ms: u32, length_ms: u32) -> bool {
+        let began = *self.window_ms.get_or_insert(time_ms);
+        // Radios whose packets overtake each other are in the same window.
+        let age = u32::try_from(time_ms.wrapping_sub(began) as i32).unwrap_or(0);
+        if age < length_ms {
+            return false;
+        }
+        let into = age.checked_rem(length_ms).unwrap_or(0);
+        self.window_ms = Some(time_ms.wrapping_sub(into));
+        !self.is_empty()
+    }
+
     /// Milliseconds from the first packet until a time; negative before it.
-    pub fn age_ms(&self, time_ms: u32) -> i32 {
+    fn age_ms(&self, time_ms: u32) -> i32 {
         time_ms.wrapping_sub(self.first_ms) as i32
     }
 
@@ -72,6 +91,16 @@ impl<const B: usize> Pending<B> {
         self.first_ms.wrapping_add(mean)
     }
 
+    /// Those that wait; from now on none does.
+    pub fn take(&mut self) -> Self {
+        let next = Self {
+            window_ms: self.window_ms,
+            ..Self::new()
+        };
+        core::mem::replace(self, next)
+    }
+
+    /// Forgets them, and when windows begin.
     pub fn clear(&mut self) {
         *self = Self::new();
     }

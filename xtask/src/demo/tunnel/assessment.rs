@@ -106,16 +106,18 @@ impl Assessment {
                 points: points(tag),
                 ..Curve::default()
             });
-            curves.collect::<Vec<_>>()
+            // The first colour is the truth's: a tag has the same one in both pictures.
+            let truth = Curve::default();
+            std::iter::once(truth).chain(curves).collect::<Vec<_>>()
         };
         let over_time = Curves {
             title: "distance from the true place".into(),
             horizontal: Axis::linear("seconds"),
             vertical: Axis::logarithmic("metres"),
-            curves: named(&|tag| tag.fine.iter().map(|(t, e)| (*t, e.max(0.03))).collect()),
+            curves: named(&|tag| tag.fine.iter().map(|(t, e)| (*t, e.max(0.1))).collect()),
         };
         let mut shares = named(&|tag| distribution(tag.fine.iter().map(|(_, error)| *error)));
-        if shares.len() > 1 {
+        if self.tags.len() > 1 {
             let all = self.tags.values().flat_map(|tag| &tag.fine);
             shares.push(Curve {
                 name: "all".into(),
