@@ -10,6 +10,7 @@ mod demo;
 mod drive;
 mod expected;
 mod figures;
+mod fuzz;
 mod llvm;
 mod measure;
 mod papers;
@@ -32,6 +33,8 @@ enum Task {
     Cost(cost::Options),
     /// Locate a transmitter with the vehicle firmware in the emulator, and draw it.
     Demo(demo::Options),
+    /// Give the gateways and the reader of maps whatever may come, and look for faults.
+    Fuzz(fuzz::Options),
     /// Simulate the drive of the demo again, from its seed, and write its file.
     Drive,
     /// Simulate the radio map and the packets of the tunnel's demo again, from their seed, and write their files.
@@ -58,6 +61,7 @@ fn run(task: Task) -> Result<()> {
         Task::Demo(options) => demo::run(&options),
         Task::Drive => drive::run(),
         Task::Tunnel => tunnel::run(),
+        Task::Fuzz(options) => fuzz::run(&options),
         Task::Papers(options) => papers::run(&options),
     }
 }

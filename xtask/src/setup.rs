@@ -22,6 +22,10 @@ pub enum Need {
     LlvmTools,
     /// The emulator of the board.
     Qemu,
+    /// A compiler of C++, for the fuzzer's engine.
+    Cxx,
+    /// `cargo fuzz`.
+    CargoFuzz,
 }
 
 /// To build firmware and to run it in the emulator.
@@ -29,6 +33,9 @@ pub const FIRMWARE: &[Need] = &[Need::Target(BOARD), Need::Qemu];
 
 /// To measure firmware.
 pub const COST: &[Need] = &[Need::Target(BOARD), Need::LlvmTools, Need::Qemu];
+
+/// To fuzz.
+pub const FUZZ: &[Need] = &[Need::Cxx, Need::CargoFuzz];
 
 /// To run every check.
 pub const TEST: &[Need] = &[
@@ -39,6 +46,8 @@ pub const TEST: &[Need] = &[
     Need::Clippy,
     Need::LlvmTools,
     Need::Qemu,
+    Need::Cxx,
+    Need::CargoFuzz,
 ];
 
 /// Installs everything that any task needs.
@@ -74,6 +83,8 @@ impl Need {
             Self::Clippy => works(project::cargo().args(["clippy", "--version"])),
             Self::LlvmTools => llvm::tool("llvm-objdump")?.exists(),
             Self::Qemu => works(Command::new("qemu-system-arm").arg("--version")),
+            Self::Cxx => works(Command::new("c++").arg("--version")),
+            Self::CargoFuzz => works(project::cargo().args(["fuzz", "--version"])),
         })
     }
 
@@ -83,7 +94,11 @@ impl Need {
             Self::Rustfmt => rustup(&["component", "add", "rustfmt"]),
             Self::Clippy => rustup(&["component", "add", "clippy"]),
             Self::LlvmTools => rustup(&["component", "add", "llvm-tools"]),
-            Self::Qemu => install_qemu(),
+            Self::Qemu => install_package(|manager| manager.qemu),
+            Self::Cxx => install_package(|manager| manager.cxx),
+            Self::CargoFuzz => {
+                announce(project::cargo().args(["install", "--locked", "cargo-fuzz"]))
+            }
         }
     }
 }
@@ -98,63 +113,84 @@ fn rustup(arguments: &[&str]) -> Result<()> {
     .context("install it by hand if this toolchain does not come from rustup")
 }
 
-/// A package manager of the system and its commands that install the emulator.
+/// A package manager of the system.
 struct PackageManager {
     program: &'static str,
     needs_root: bool,
-    commands: &'static [&'static [&'static str]],
+    /// What comes before an installation.
+    prepare: Option<&'static str>,
+    /// What installs the package whose name follows.
+    install: &'static [&'static str],
+    qemu: &'static str,
+    cxx: &'static str,
 }
 
 const PACKAGE_MANAGERS: [PackageManager; 5] = [
     PackageManager {
         program: "apt-get",
         needs_root: true,
-        commands: &[
-            &["update"],
-            &[
-                "install",
-                "--yes",
-                "--no-install-recommends",
-                "qemu-system-arm",
-            ],
-        ],
+        prepare: Some("update"),
+        install: &["install", "--yes", "--no-install-recommends"],
+        qemu: "qemu-system-arm",
+        cxx: "g++",
     },
     PackageManager {
         program: "dnf",
         needs_root: true,
-        commands: &[&["install", "--assumeyes", "qemu-system-arm"]],
+        prepare: None,
+        install: &["install", "--assumeyes"],
+        qemu: "qemu-system-arm",
+        cxx: "gcc-c++",
     },
     PackageManager {
         program: "pacman",
         needs_root: true,
-        commands: &[&["--sync", "--refresh", "--noconfirm", "qemu-system-arm"]],
+        prepare: None,
+        install: &["--sync", "--refresh", "--noconfirm"],
+        qemu: "qemu-system-arm",
+        cxx: "gcc",
     },
     PackageManager {
         program: "zypper",
         needs_root: true,
-        commands: &[&["--non-interactive", "install", "qemu-arm"]],
+        prepare: None,
+        install: &["--non-interactive", "install"],
+        qemu: "qemu-arm",
+        cxx: "gcc-c++",
     },
     PackageManager {
         program: "brew",
         needs_root: false,
-        commands: &[&["install", "qemu"]],
+        prepare: None,
+        install: &["install"],
+        qemu: "qemu",
+        cxx: "gcc",
     },
 ];
 
-fn install_qemu() -> Result<()> {
+fn install_package(name: fn(&PackageManager) -> &'static str) -> Result<()> {
     let Some(manager) = PACKAGE_MANAGERS
         .iter()
         .find(|manager| works(Command::new(manager.program).arg("--version")))
     else {
-        bail!("qemu-system-arm is missing and no known package manager was found: install QEMU");
+        bail!(
+            "no known package manager was found: install QEMU for Arm and a C++ compiler by hand"
+        );
     };
     let sudo = manager.needs_root && !is_root();
-    for arguments in manager.commands {
+    let package = name(manager);
+    let install = manager.install.iter().copied().chain([package]);
+    for arguments in manager
+        .prepare
+        .map(|prepare| vec![prepare])
+        .into_iter()
+        .chain([install.collect()])
+    {
         let mut command = Command::new(if sudo { "sudo" } else { manager.program });
         if sudo {
             command.arg(manager.program);
         }
-        announce(command.args(*arguments))?;
+        announce(command.args(arguments))?;
     }
     Ok(())
 }

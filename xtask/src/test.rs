@@ -12,6 +12,7 @@ use indicatif::ProgressBar;
 use crate::{
     cost,
     expected::Expected,
+    fuzz,
     project::{self, BARE_METAL, BOARD, cargo},
     qemu::Machine,
     setup, trace,
@@ -55,6 +56,7 @@ const STEPS: &[Step] = &[
         "people in a tunnel, board against host",
         trace::compare_tunnel,
     ),
+    ("whatever comes over a line", fuzz::check),
     ("no panic can happen", || {
         project::firmware("no_panic")
             .map(drop)
@@ -109,7 +111,7 @@ fn timed(name: &str, check: &fn() -> Result<()>) -> Result<()> {
 }
 
 /// Runs a command; its output is shown only if it fails.
-fn run(command: &mut Command) -> Result<()> {
+pub fn run(command: &mut Command) -> Result<()> {
     let line = project::command_line(command);
     let output = command
         .output()

@@ -1,0 +1,6 @@
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let line = foxhunt_fuzz::begun("1795348800");
+    foxhunt_fuzz::vehicle(foxhunt::gateway::Finder::Kraken, data, line);
+});

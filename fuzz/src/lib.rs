@@ -1,0 +1,190 @@
+//! What the fuzzers check: whatever comes over a line, nothing panics, and a message that is rejected changes nothing.
+//!
+//! ```sh
+//! cargo xtask fuzz --seconds 600
+//! ```
+
+use crc::{CRC_32_ISO_HDLC, Crc};
+use foxhunt::{
+    fingerprint::{
+        Encoding, GaussianMatcher, Matcher, Neighbours, Posterior, RadioMap, Reading, TableMatcher,
+        tracker::{self, Heard, Site, Tracker, Workspace},
+    },
+    gateway::{Event, Finder, Settings, Vehicle, beacon},
+    random::{SeedableRng, Xoshiro128PlusPlus},
+};
+
+/// A receiver's first words, so that bearings have a place, a time and a heading.
+const START: &str = "GPRMC,120000,A,4807.038,N,01131.000,E,50.0,090.0,221126,,,A";
+
+/// The most lines of one input: a vehicle with few particles works on so many in a moment.
+const LINES: usize = 64;
+
+/// Adds the frame and the checksum of NMEA.
+fn sentence(payload: &[u8]) -> Vec<u8> {
+    let sum = payload.iter().fold(0, |sum, byte| sum ^ byte);
+    [
+        b"$".as_slice(),
+        payload,
+        format!("*{sum:02X}\r\n").as_bytes(),
+    ]
+    .concat()
+}
+
+/// Gives a vehicle's gateway lines made from those of `data`.
+pub fn vehicle(finder: Finder, data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
+    let settings = Settings::new().with_finder(finder);
+    let mut vehicle = Box::new(Vehicle::<24, 8>::new(settings));
+    let push = |vehicle: &mut Vehicle<24, 8>, bytes: &[u8]| -> Vec<Event> {
+        bytes
+            .iter()
+            .filter_map(|byte| vehicle.push(*byte))
+            .collect()
+    };
+    push(&mut vehicle, &sentence(START.as_bytes()));
+    for text in data.split(|byte| *byte == b'\n').take(LINES) {
+        let state = |vehicle: &Vehicle<24, 8>| {
+            let locator = vehicle.locator();
+            let bearings = vehicle.counters().bearings;
+            (locator.answer(), locator.observations().to_vec(), bearings)
+        };
+        let before = state(&vehicle);
+        let events = push(&mut vehicle, &line(text));
+        if events
+            .iter()
+            .all(|event| matches!(event, Event::Rejected(_) | Event::Queried))
+        {
+            assert_eq!(state(&vehicle), before, "{events:?}");
+        }
+        assert!(vehicle.report().len() <= 320);
+    }
+}
+
+/// A sentence of NMEA with a right checksum, and one with whatever stands there.
+pub fn nmea(text: &[u8]) -> Vec<u8> {
+    [sentence(text), text.to_vec(), b"\r\n".to_vec()].concat()
+}
+
+/// A line that begins as one of a direction finder does.
+pub fn begun(start: &'static str) -> impl Fn(&[u8]) -> Vec<u8> {
+    move |text| [start.as_bytes(), text, b"\r\n"].concat()
+}
+
+/// A map of three points and two beacons.
+fn small_map() -> Vec<u8> {
+    let mut bytes = b"FXRM\x01\x01\x02\x00\x03\x00\x01\x00".to_vec();
+    for number in [0.0f32, 0.0, 1.0] {
+        bytes.extend(number.to_le_bytes());
+    }
+    bytes.extend([0; 10]);
+    for beacon in 0..2u8 {
+        bytes.extend([beacon, 0, 0, 0, 255, -90i8 as u8]);
+    }
+    bytes.push(0b111);
+    bytes.extend([8, 100, 8, 120, 12, 130, 4, 130, 63, 120, 1, 100]);
+    sealed(bytes)
+}
+
+fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
+    let sum = Crc::<u32>::new(&CRC_32_ISO_HDLC).checksum(&bytes);
+    bytes.extend(sum.to_le_bytes());
+    bytes
+}
+
+/// Gives a tunnel's gateway messages made from `data`.
+pub fn beacons(framing: beacon::Framing, data: &[u8], message: impl Fn(&[u8]) -> Vec<u8>) {
+    let map = small_map();
+    let map = RadioMap::new(&map).expect("the map is right");
+    let site = Site::new(map, tracker::Settings::new()).expect("it holds moments");
+    let settings = beacon::Settings::new().with_framing(framing);
+    let mut gateway = Box::new(beacon::BeaconGateway::<2, 24, 4, 2>::new(site, settings));
+    for text in data.split(|byte| *byte == b'\n').take(LINES) {
+        let state = |gateway: &beacon::BeaconGateway<'_, 2, 24, 4, 2>| {
+            let tags = gateway.tags().map(|(tag, tracker)| (tag, tracker.fix()));
+            (tags.collect::<Vec<_>>(), gateway.counters().packets)
+        };
+        let before = state(&gateway);
+        let mut events = Vec::new();
+        for byte in message(text) {
+            events.extend(gateway.push(byte));
+            assert!(gateway.report().len() <= 2560);
+        }
+        let rejected = |event: &beacon::Event| matches!(event, beacon::Event::Rejected(_));
+        if events.iter().all(rejected) {
+            assert_eq!(state(&gateway), before, "{events:?}");
+        }
+    }
+}
+
+/// A packet's sentence with a right checksum, and whatever stands there.
+pub fn beacon_line(text: &[u8]) -> Vec<u8> {
+    [
+        sentence(&[b"PFOXB,", text].concat()),
+        text.to_vec(),
+        b"\r\n".to_vec(),
+    ]
+    .concat()
+}
+
+/// A frame with a right checksum, and whatever stands there.
+pub fn beacon_frame(text: &[u8]) -> Vec<u8> {
+    let content = sealed([b"\xb1", text].concat());
+    let mut frame = vec![0; cobs::max_encoding_length(content.len()) + 1];
+    let length = cobs::encode(&content, &mut frame);
+    frame.truncate(length + 1);
+    [&[0], frame.as_slice(), text, &[0]].concat()
+}
+
+/// Opens a map of any bytes, with a right checksum, and asks it everything.
+pub fn radio_map(data: &[u8]) {
+    let _ = RadioMap::new(data);
+    let bytes = sealed([b"FXRM\x01", data].concat());
+    let Ok(map) = RadioMap::new(&bytes) else {
+        return;
+    };
+    let Ok(map) = map.limited(1024, 64) else {
+        return;
+    };
+    for beacon in 0..=map.beacons() {
+        map.beacon(beacon);
+        for point in [0, 1, map.lattice().points(), usize::MAX] {
+            map.moments(beacon, point);
+            map.log_density(beacon, -60.0, point);
+        }
+    }
+    let settings = foxhunt::fingerprint::Settings::new();
+    let scan = [-60.0, 0.0, -128.0].map(|rssi_dbm| Reading {
+        beacon: 0,
+        rssi_dbm,
+    });
+    let mut posterior = Box::new(Posterior::<1024>::new());
+    if let Ok(matcher) = GaussianMatcher::new(map, &settings) {
+        let _ = matcher.locate(&scan, &mut posterior);
+    }
+    if let Ok(matcher) = TableMatcher::new(map, &settings) {
+        let _ = matcher.locate(&scan, &mut posterior);
+    }
+    if let Ok(matcher) = Neighbours::new(map, 3, &settings) {
+        let _ = matcher.locate(&scan, &mut posterior);
+    }
+    assert_eq!(
+        map.encoding() == Encoding::Moments,
+        Site::new(map, tracker::Settings::new()).is_ok()
+    );
+    if let Ok(site) = Site::new(map, tracker::Settings::new()) {
+        let mut workspace = Box::new(Workspace::<24, 1024>::new());
+        let mut tracker = Tracker::<24, 64>::new();
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+        let heard = [0, 1].map(|beacon| Heard {
+            beacon,
+            mean_dbm: -60.0,
+            packets: 3,
+        });
+        for time in [0, 500, 1_000] {
+            let fix = tracker.scan(time, &heard, &site, &mut workspace, &mut rng);
+            if let Ok(Some(fix)) = fix {
+                assert!(fix.position.iter().all(|x| x.is_finite()), "{fix:?}");
+            }
+        }
+    }
+}
