@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use foxhunt::fingerprint::{Encoding, Lattice, RadioMap};
 
 use super::{
-    field::{Field, nearest, nearest_neighbour},
+    field::{Field, Series, nearest, nearest_neighbour},
     site::SiteSurvey,
 };
 
@@ -40,6 +40,9 @@ impl Default for Options {
         }
     }
 }
+
+/// The fields of all beacons, when they are needed: levels, and logarithms of variances.
+type Fields<F> = LazyCell<[Vec<Option<Field>>; 2], F>;
 
 /// What there is to say about a beacon at a point of the lattice.
 enum Heard<'a> {
@@ -173,8 +176,10 @@ impl SiteSurvey {
                 byte | u8::from(near(position).is_some()) << bit
             })
         }));
+        // A lattice that has all its points in the survey needs none.
+        let fields = LazyCell::new(|| self.fields(options));
         for (beacon, detection) in detections.iter().enumerate() {
-            let heard = self.heard(beacon, &positions, near, 1e-3 * spacing, options);
+            let heard = self.heard(beacon, &positions, near, 1e-3 * spacing, &fields);
             match &levels {
                 None => bytes.extend(moments_rows(&heard, &positions)),
                 Some(levels) => levels.rows(&heard, *detection, sensitivity, options, &mut bytes),
@@ -193,19 +198,10 @@ impl SiteSurvey {
         positions: &[[f64; 2]],
         near: impl Fn(&[f64; 2]) -> Option<(usize, f64)>,
         same: f64,
-        options: &Options,
+        fields: &Fields<impl FnOnce() -> [Vec<Option<Field>>; 2]>,
     ) -> Vec<Heard<'_>> {
         let survey = self.survey();
         let samples = |place: usize| survey.samples[place][beacon].as_slice();
-        // A lattice that has all its points in the survey needs neither.
-        let field = LazyCell::new(|| self.field(beacon, options));
-        let spread = LazyCell::new(|| {
-            let (places, moments) = self.moments(beacon);
-            // Of the variances, the logarithm: it is never negative.
-            let logarithm = |[_, deviation]: &[f64; 2]| deviation.powi(2).max(0.0625).ln();
-            let logarithms: Vec<f64> = moments.iter().map(logarithm).collect();
-            Field::fit(&places, &logarithms, None)
-        });
         let at = |position: &[f64; 2]| {
             let Some((place, distance)) = near(position) else {
                 return Heard::Nothing;
@@ -216,9 +212,10 @@ impl SiteSurvey {
             if distance <= same {
                 return Heard::Samples(samples(place));
             }
-            match (&*field, &*spread) {
-                (Some(field), Some(spread)) => {
-                    let (mean, doubt) = field.at(*position);
+            let [levels, spreads] = &**fields;
+            match (&levels[beacon], &spreads[beacon]) {
+                (Some(level), Some(spread)) => {
+                    let (mean, doubt) = level.at(*position);
                     Heard::Expected(mean, (spread.at(*position).0.exp() + doubt).sqrt())
                 }
                 _ => Heard::Nothing,
@@ -227,35 +224,44 @@ impl SiteSurvey {
         positions.iter().map(at).collect()
     }
 
-    /// The places where a beacon was heard, and the mean and the deviation there.
-    fn moments(&self, beacon: usize) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
-        let survey = self.survey();
-        let each = survey.places.iter().zip(&survey.samples);
-        each.filter_map(|(place, samples)| Some((*place, moments(&samples[beacon])?)))
-            .unzip()
+    /// The means of the beacons anywhere, and the logarithms of their variances.
+    fn fields(&self, options: &Options) -> [Vec<Option<Field>>; 2] {
+        // Of the variances, the logarithm: it is never negative.
+        let logarithm = |deviation: f64| deviation.powi(2).max(0.0625).ln();
+        [
+            Field::fit(&self.series(|[mean, _]| mean, &options.sources)),
+            Field::fit(&self.series(|[_, deviation]| logarithm(deviation), &BTreeMap::new())),
+        ]
     }
 
-    /// The mean of a beacon anywhere.
-    fn field(&self, beacon: usize, options: &Options) -> Option<Field> {
-        let (places, moments) = self.moments(beacon);
-        let means: Vec<f64> = moments.iter().map(|[mean, _]| *mean).collect();
-        let source = options.sources.get(&self.beacons()[beacon]).copied();
-        Field::fit(&places, &means, source)
+    /// A function of mean and deviation, by beacon, where it was heard.
+    fn series(
+        &self,
+        of: impl Fn([f64; 2]) -> f64,
+        sources: &BTreeMap<u32, [f64; 2]>,
+    ) -> Vec<Series> {
+        let survey = self.survey();
+        let one = |(beacon, identifier): (usize, &u32)| {
+            let each = survey.places.iter().zip(&survey.samples);
+            let heard =
+                each.filter_map(|(place, samples)| Some((*place, of(moments(&samples[beacon])?))));
+            let (places, values) = heard.unzip();
+            Series {
+                places,
+                values,
+                source: sources.get(identifier).copied(),
+            }
+        };
+        self.beacons().iter().enumerate().map(one).collect()
     }
 
     /// How well the map is known between the places: the root mean square, in dB, of how far the mean level at each place
     /// is from what all other places predict for it. Of all beacons; not a number without any.
     pub fn left_out(&self, options: &Options) -> f64 {
-        let fields = (0..self.beacons().len()).filter_map(|beacon| self.field(beacon, options));
-        let (mut count, mut sum) = (0.0, 0.0);
-        for field in fields {
-            count += field.left_out().len() as f64;
-            sum += field
-                .left_out()
-                .iter()
-                .map(|error| error * error)
-                .sum::<f64>();
-        }
+        let [levels, _] = self.fields(options);
+        let errors = levels.iter().flatten().flat_map(Field::left_out);
+        let (count, sum) =
+            errors.fold((0.0, 0.0), |(n, sum), error| (n + 1.0, sum + error * error));
         (sum / count).sqrt()
     }
 

@@ -29,7 +29,7 @@ use crate::{
 };
 
 /// Filter seeds of every walk, and of every set of four receivers.
-const SEEDS: u64 = 16;
+const SEEDS: u64 = 40;
 const SEEDS_OF_SETS: u64 = 4;
 /// Receivers that the straight walks do best with, of all sets of four.
 const FOUR: [usize; 4] = [0, 4, 9, 10];
