@@ -52,22 +52,6 @@ impl<const B: usize> Pending<B> {
         !self.is_empty()
     }
 
-    /// Whether the packets are those of a whole window, because a packet at `time_ms` is in a later one.
-    ///
-    /// Windows follow each other without gaps, from the first packet of a walk on. If each began with its first packet, tags
-    /// that send a little faster than once in a window would be updated by every other packet.
-    pub fn is_due(&mut self, time_ms: u32, length_ms: u32) -> bool {
-        let began = *self.window_ms.get_or_insert(time_ms);
-        // Radios whose packets overtake each other are in the same window.
-        let age = u32::try_from(time_ms.wrapping_sub(began) as i32).unwrap_or(0);
-        if age < length_ms {
-            return false;
-        }
-        let into = age.checked_rem(length_ms).unwrap_or(0);
-        self.window_ms = Some(time_ms.wrapping_sub(into));
-        !self.is_empty()
-    }
-
     /// Milliseconds from the first packet until a time; negative before it.
     fn age_ms(&self, time_ms: u32) -> i32 {
         time_ms.wrapping_sub(self.first_ms) as i32
@@ -107,16 +91,6 @@ impl<const B: usize> Pending<B> {
         self.first_ms.wrapping_add(mean)
     }
 
-    /// Those that wait; from now on none does.
-    pub fn take(&mut self) -> Self {
-        let next = Self {
-            window_ms: self.window_ms,
-            ..Self::new()
-        };
-        core::mem::replace(self, next)
-    }
-
-    /// Forgets them, and when windows begin.
     /// Those that wait; from now on none does.
     pub fn take(&mut self) -> Self {
         let next = Self {
