@@ -25,7 +25,7 @@ mod proof {
         filter::ParticleFilter,
         fingerprint::{
             GaussianMatcher, KernelDensity, Lattice, Matcher, Missing, Neighbours, Packet,
-            PacketModel, Posterior, RadioMap, Reading, Samples, TableMatcher,
+            PacketModel, Posterior, RadioMap, Reading, Samples, TableMatcher, tracker,
         },
         gateway::{self, BearingReference, KrakenConfidence, Sense, Vehicle},
         kalman::{Covariance, Gaussian, Unscented},
@@ -85,7 +85,9 @@ mod proof {
         locate(&mut rng);
         locate_robustly(&mut rng);
         fingerprints();
+        track(&mut rng);
         gateway();
+        beacons();
         loop {
             cortex_m::asm::wfi();
         }
@@ -395,6 +397,75 @@ mod proof {
             ));
         }
         vehicle.restart();
+    }
+
+    fn site(bytes: &[u8]) -> Option<tracker::Site<'_>> {
+        use tracker::{Channel, Motion, Offset, Piece, Settings, Walls};
+        let settings = Settings::new()
+            .with_motion(any(Motion::new()))
+            .and_then(|settings| settings.with_channel(any(Channel::new())))
+            .and_then(|settings| settings.with_offset(any(Offset::new())))
+            .and_then(|settings| settings.with_window_ms(any(0)))
+            .and_then(|settings| settings.with_recovery(any(0.5)))
+            .and_then(|settings| settings.with_uncertain_m(any(5.0)));
+        const PIECE: Piece = Piece {
+            from: [0.0; 2],
+            to: [1.0; 2],
+            width: 1.0,
+        };
+        let site = tracker::Site::new(RadioMap::new(bytes).ok()?, settings.ok()?).ok()?;
+        Some(site.with_walls(any(Walls::Corridor(&[PIECE, PIECE]))))
+    }
+
+    fn track(rng: &mut Xoshiro128PlusPlus) {
+        use tracker::{Heard, Tag, Trackers, Workspace};
+        let bytes = any([0; 200]);
+        let Some(site) = site(some(&bytes)) else {
+            return;
+        };
+        let mut workspace = any(Workspace::<50, 64>::new());
+        let mut trackers = any(Trackers::<3, 50, 8>::new());
+        let scan = any([Heard {
+            beacon: 0,
+            mean_dbm: 0.0,
+            packets: 1,
+        }; 8]);
+        for _ in 0..any(100) {
+            let (tracker, _) = trackers.of(Tag(any(0)), any(0));
+            let (time, beacon, rssi) = any((0, 0, 0.0));
+            _ = black_box(tracker.push(time, beacon, rssi, &site, &mut workspace, rng));
+            _ = black_box(tracker.scan(time, some(&scan), &site, &mut workspace, rng));
+            if let Some(fix) = tracker.flush(&site, &mut workspace, rng) {
+                black_box((
+                    fix.ellipse(any(0.0)),
+                    fix.position_at(any(0)),
+                    fix.deviation(),
+                ));
+            }
+            black_box(tracker.particles().get(any(0)));
+            tracker.reset();
+        }
+        black_box(trackers.get(Tag(any(0))).and_then(|tracker| tracker.fix()));
+        trackers.clear();
+    }
+
+    fn beacons() {
+        use gateway::beacon::{BeaconGateway, Framing, Settings};
+        let bytes = any([0; 200]);
+        let Some(site) = site(some(&bytes)) else {
+            return;
+        };
+        let settings = Settings::new()
+            .with_framing(any(Framing::Lines))
+            .with_seed(any(0))
+            .with_silence_ms(any(0));
+        let Ok(settings) = settings else { return };
+        let mut gateway = any(BeaconGateway::<3, 50, 64, 8>::new(site, settings));
+        for _ in 0..any(100) {
+            black_box(gateway.push(any(0)));
+            black_box((gateway.report(), gateway.counters(), gateway.tags().count()));
+        }
+        gateway.restart();
     }
 
     fn fingerprints() {

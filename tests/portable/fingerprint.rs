@@ -2,6 +2,7 @@ use foxhunt::{
     fingerprint::{
         GaussianMatcher, KernelDensity, Lattice, Match, Matcher, Missing, Neighbours, Packet,
         PacketModel, Posterior, RadioMap, Reading, Samples, Settings, TableMatcher,
+        tracker::{self, Site, State, Tracker, Workspace},
     },
     model::Likelihood,
     random::{SeedableRng, Xoshiro128PlusPlus, uniform},
@@ -13,6 +14,7 @@ pub const CASES: &[Case] = &[
     ("fingerprint::scans", scans),
     ("fingerprint::kernel_density", kernel_density),
     ("fingerprint::packets", packets),
+    ("fingerprint::a_walk_is_tracked", a_walk_is_tracked),
 ];
 
 static MOMENTS: &[u8] = include_bytes!("../data/tunnel.moments");
@@ -104,6 +106,52 @@ fn packets() -> Digest {
             likelihood.log_likelihoods(&[&x, &y], &mut out);
             digest.add(&out);
         }
+    }
+    digest
+}
+
+/// Somebody walks the tunnel, is carried off, and walks on with a louder tag; another crosses the hall.
+fn a_walk_is_tracked() -> Digest {
+    let mut digest = Digest::new();
+    // Seconds, and points of the map at their beginning and at their end.
+    for (bytes, seconds, ways) in [
+        (MOMENTS, 20, [(0, 20, 0.0), (60, 79, 0.0), (79, 60, 9.0)]),
+        (HALL, 15, [(2, 16, 0.0), (48, 62, 0.0), (94, 110, 0.0)]),
+    ] {
+        let map = open(bytes);
+        let site = Site::new(map, tracker::Settings::new()).expect("moments");
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+        let mut workspace = Workspace::<300, 256>::new();
+        let mut tracker = Tracker::<300, 4>::new();
+        let mut was_lost = false;
+        let ways = ways.into_iter().enumerate();
+        for (number, (from, to, offset)) in ways {
+            for packet in 0..8 * seconds {
+                let share = packet as f32 / (8 * seconds) as f32;
+                let point = (from as f32 + share * (to as f32 - from as f32)) as usize;
+                let beacon = (packet % 4) as u8;
+                let there = map.moments(beacon.into(), point).expect("surveyed");
+                let noise = 6.0 * uniform(&mut rng) - 3.0;
+                let rssi = (there.mean_dbm + offset + noise) as i8;
+                let time = 125 * (packet + 8 * seconds * number as u32);
+                let led = tracker
+                    .push(time, beacon, rssi.into(), &site, &mut workspace, &mut rng)
+                    .expect("it can be used");
+                let Some(fix) = led else { continue };
+                was_lost |= fix.state == State::Lost;
+                digest.add(&fix.position);
+                digest.add(&fix.velocity);
+                digest.add(fix.covariance.as_flattened());
+                digest.add(&[fix.offset_db, fix.effective_sample_size]);
+                digest.add_bytes(&[fix.state as u8]);
+            }
+        }
+        let [x, y, vx, vy] = tracker.particles().columns();
+        for column in [x, y, vx, vy] {
+            digest.add(column);
+        }
+        // In the hall it is carried no further than it is uncertain.
+        assert!(was_lost || map.lattice().rows() > 1, "it was carried off");
     }
     digest
 }
