@@ -26,8 +26,14 @@ mod target {
 
     use cortex_m_semihosting::hprintln;
     use foxhunt::{
-        aoa::locator::{self, Answer, Moves},
+        aoa::{
+            Bearing, Observation,
+            locator::{self, Answer, Moves},
+            robust::{self, RobustLocator},
+        },
         gateway::{Event, Settings, Vehicle},
+        problems::bearings::Track,
+        random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform},
         refine::{DifferentialEvolution, Firefly, FishSchool, Lengths, Refinement},
     };
     use heapless::String;
@@ -49,6 +55,7 @@ mod target {
         Updates::of_drive(greedy(school()), one).print("vehicle.fish.greedy");
         Updates::of_drive(greedy(swarm()), one).print("vehicle.firefly.greedy");
         Updates::of_drive(greedy(evolved()), one).print("vehicle.evolution.greedy");
+        robust_updates(&stopwatch).print("robust");
         let worst = worst_byte(vehicle(), &stopwatch);
         hprintln!(
             "figure\tvehicle.byte.worst.instructions\t{}\tinstructions",
@@ -117,6 +124,39 @@ mod target {
                 worst
             );
         }
+    }
+
+    /// What a robust locator takes for bearings of which three tenths are wild: along a track, and on a drive towards
+    /// the source, whose first fix comes when the memory of bearings is full, of a vehicle that then turns aside.
+    fn robust_updates(stopwatch: &Stopwatch) -> Updates {
+        let mut updates = Updates::default();
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+        let [x, y] = Track::A2.source();
+        let straight = |i: u32| {
+            let along = if i < 70 { i as f32 } else { 70.0 };
+            let aside = i as f32 - along;
+            [x - 4000.0 + 30.0 * along, y + 60.0 * aside]
+        };
+        let track: fn(u32) -> [f32; 2] = |i| Track::A2.receiver(i);
+        let drives: [(u32, &dyn Fn(u32) -> [f32; 2]); 2] = [(60, &track), (90, &straight)];
+        for (bearings, receiver) in drives {
+            let mut locator = black_box(RobustLocator::<256, 64>::new(robust::Settings::default()));
+            for i in 0..bearings {
+                let [px, py] = receiver(i);
+                let (error, kind) = (0.0195 * normal(&mut rng), uniform(&mut rng));
+                let wild = if kind < 0.3 { 20.0 * kind } else { 0.0 };
+                let bearing = foxhunt::math::atan2(y - py, x - px) + error + wild;
+                let bearing = Bearing::from_radians(bearing);
+                let observation = Observation::new([px, py], bearing, 0.0195).expect("in range");
+                let (_, instructions) =
+                    stopwatch.instructions(|| locator.push(observation, &mut rng));
+                updates.count += 1;
+                updates.sum += instructions;
+                updates.worst = updates.worst.max(instructions);
+            }
+            assert!(matches!(locator.answer(), Answer::Fix(_)));
+        }
+        updates
     }
 
     /// The dearest byte of a drive whose first fix comes when the memory of bearings is full: for a minute the vehicle is

@@ -5,6 +5,7 @@ use foxhunt::{
         gauss_newton::{Errors, solve},
         geodesy::{Geodetic, LocalPlane},
         locator::{Answer, Locator, Settings},
+        robust::{self, Errors as Faulty, RobustLocator, Tails},
     },
     math,
     random::{SeedableRng, Xoshiro128PlusPlus, normal},
@@ -18,6 +19,10 @@ pub const CASES: &[Case] = &[
     ("aoa::locator_with_fish", locator_with_fish),
     ("aoa::locator_with_fireflies", locator_with_fireflies),
     ("aoa::locator_with_evolution", locator_with_evolution),
+    (
+        "aoa::robust_locator_finds_the_source",
+        robust_locator_finds_the_source,
+    ),
     (
         "aoa::gauss_newton_finds_the_source",
         gauss_newton_finds_the_source,
@@ -59,6 +64,43 @@ fn locator_finds_the_source() -> Digest {
     };
     assert!(is_near(fix.position, 40.0), "{:?}", fix.position);
     assert!(fix.ellipse(0.999).contains(SOURCE));
+    digest
+}
+
+/// A third of the bearings wild or mirrored, all of them biased; through a small buffer, with either kind of tails.
+fn robust_locator_finds_the_source() -> Digest {
+    let mut digest = Digest::new();
+    for tails in [Tails::Normal, Tails::Student { freedom: 5 }] {
+        let errors = Faulty::new().tails(tails);
+        let errors = errors.and_then(|errors| errors.bias_deviation(0.05));
+        let mut locator =
+            RobustLocator::<128, 32>::new(robust::Settings::new(errors.expect("in range")));
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
+        for (i, observation) in drive().into_iter().enumerate() {
+            let turn = match i % 6 {
+                2 => core::f32::consts::PI,
+                4 => i as f32,
+                _ => 0.0,
+            };
+            let bearing = Bearing::from_radians(observation.bearing().radians() + turn + 0.03);
+            let spoilt = Observation::new(observation.position(), bearing, observation.deviation());
+            if let Answer::Fix(fix) = locator.push(spoilt.expect("in range"), &mut rng) {
+                digest.add(&fix.position);
+                digest.add(fix.covariance.as_flattened());
+            }
+        }
+        let Answer::Fix(fix) = locator.answer() else {
+            panic!("no fix")
+        };
+        assert!(is_near(fix.position, 100.0), "{:?}", fix.position);
+        assert!(fix.ellipse(0.999).contains(SOURCE));
+        let (bias, shares) = (locator.bias().expect("a fix"), locator.shares());
+        digest.add(&[bias.mean, bias.deviation, shares.wild, shares.mirror]);
+        for hypothesis in locator.hypotheses() {
+            digest.add(&hypothesis.position);
+            digest.add(&[hypothesis.mass]);
+        }
+    }
     digest
 }
 

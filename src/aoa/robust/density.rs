@@ -65,9 +65,7 @@ impl Density<'_> {
         for terms in self.terms.chunks(PRODUCTS) {
             let mut products = [1.0; BLOCK];
             for term in terms {
-                for ((product, state), bias) in products.iter_mut().zip(states).zip(biases) {
-                    *product *= 1.0 + term.odds(state, bias);
-                }
+                term.multiply(states, &biases, &mut products);
             }
             for (sum, product) in sums.iter_mut().zip(products) {
                 *sum += ln(product);

@@ -2,6 +2,7 @@
 
 use core::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
+use super::density::BLOCK;
 use super::errors::{Errors, Tails};
 use crate::aoa::Observation;
 use crate::math::{atan_coarse, exp_of_weight, ln, sin_cos, sqrt, wrap};
@@ -91,27 +92,51 @@ impl Term {
     }
 
     #[inline(always)]
-    fn odds_of(&self, error: f32, mirrored: bool) -> f32 {
+    fn odds_of<const STUDENT: bool>(&self, error: f32, mirrored: bool) -> f32 {
         let level = if mirrored { self.mirror } else { self.direct };
         let square = self.curvature * (error * error);
         // At most some 1e7, for deviations and shares of a thousandth; next to none are none.
-        exp_of_weight(if self.power == 0.0 {
-            level + square
-        } else {
+        exp_of_weight(if STUDENT {
             level - self.power * ln(1.0 + square)
+        } else {
+            level + square
         })
     }
 
     #[inline(always)]
-    pub(super) fn odds(&self, state: &State, bias: f32) -> f32 {
+    fn odds<const STUDENT: bool>(&self, state: &State, bias: f32) -> f32 {
         let (error, mirrored) = self.fold(state, bias);
-        self.odds_of(error, mirrored)
+        self.odds_of::<STUDENT>(error, mirrored)
+    }
+
+    /// Multiplies each product by one plus the odds at a state.
+    #[inline(always)]
+    pub(super) fn multiply(
+        &self,
+        states: &[State; BLOCK],
+        biases: &[f32; BLOCK],
+        products: &mut [f32; BLOCK],
+    ) {
+        // The choice is made outside of the loop, which has no registers to spare.
+        let one = |((product, state), bias): ((&mut f32, &State), &f32)| {
+            *product *= 1.0 + self.odds::<false>(state, *bias);
+        };
+        let student = |((product, state), bias): ((&mut f32, &State), &f32)| {
+            *product *= 1.0 + self.odds::<true>(state, *bias);
+        };
+        let all = products.iter_mut().zip(states).zip(biases);
+        if self.power == 0.0 {
+            all.for_each(one);
+        } else {
+            all.for_each(student);
+        }
     }
 
     /// Up to a constant.
     #[inline(never)]
     pub(super) fn log_likelihood(&self, state: &State, bias: f32) -> f32 {
-        ln(1.0 + self.odds(state, bias))
+        let (error, mirrored) = self.fold(state, bias);
+        ln(1.0 + self.reading(error, mirrored).odds)
     }
 
     #[inline(never)]
@@ -128,11 +153,17 @@ impl Term {
 
     #[inline(never)]
     fn reading(&self, error: f32, mirrored: bool) -> Reading {
-        let odds = self.odds_of(error, mirrored);
-        let certain = if self.power == 0.0 {
-            -2.0 * self.curvature
+        let (odds, certain) = if self.power == 0.0 {
+            (
+                self.odds_of::<false>(error, mirrored),
+                -2.0 * self.curvature,
+            )
         } else {
-            2.0 * self.power * self.curvature / (1.0 + self.curvature * error * error)
+            let square = self.curvature * error * error;
+            (
+                self.odds_of::<true>(error, mirrored),
+                2.0 * self.power * self.curvature / (1.0 + square),
+            )
         };
         Reading {
             error,
