@@ -188,15 +188,15 @@ impl fmt::Display for Summary {
 
 impl fmt::Display for Assessment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "distance from the true place, every {STEP} s")?;
+        write!(f, "distance from the true place, every {STEP} s")?;
         for (number, tag) in &self.tags {
             let offset = tag.fixes.last().map_or(0.0, |fix| fix.offset);
-            writeln!(
-                f,
-                "  tag {number:<4} {}, offset {offset:+.1} dB",
-                Summary::of(&tag.errors)
-            )?;
+            let summary = Summary::of(&tag.errors);
+            write!(f, "\n  tag {number:<4} {summary}, offset {offset:+.1} dB")?;
         }
-        write!(f, "  all      {}", Summary::of(&self.all()))
+        if self.tags.len() > 1 {
+            write!(f, "\n  all      {}", Summary::of(&self.all()))?;
+        }
+        Ok(())
     }
 }
