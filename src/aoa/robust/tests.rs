@@ -329,7 +329,7 @@ fn shares_are_learned_from_the_first_fix_on() {
 fn hypotheses_that_lie_apart_are_no_fix() {
     let mut locator = RobustLocator::<256, 64>::new(Settings::new(Errors::new()));
     let mut rng = generator(6);
-    let false_source = [300.0, 900.0];
+    let false_source = [300.0, -900.0];
     // Every other bearing is on another transmitter.
     for i in 0..8 {
         let target = if i % 2 == 0 { SOURCE } else { false_source };
@@ -346,7 +346,8 @@ fn hypotheses_that_lie_apart_are_no_fix() {
         locator.answer(),
         Answer::NotObservable(NotObservable::NoIntersection)
     );
-    assert!(masses[masses.len() - 2] > 0.1);
+    // As many bearings for each, but the farther is seen less sharply: more room, more mass.
+    assert!(masses[masses.len() - 2] > 0.03);
     // More of one of them decide.
     for i in 0..8 {
         let position = [1500.0, 200.0 * (i + 1) as f32];
