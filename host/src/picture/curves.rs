@@ -31,10 +31,6 @@ pub(super) const COLOURS: [RGBColor; 10] = [
 const WIDTH: u32 = 960;
 const HEIGHT: u32 = 620;
 const MARGIN: i32 = 18;
-/// Room for the numbers below and left of a plot, and for its title.
-const LABELS_BELOW: u32 = 48;
-const LABELS_LEFT: u32 = 64;
-const TITLE: u32 = 30;
 /// Length of a curve's mark in the legend, and height of a line of it.
 const MARK: i32 = 24;
 const LINE: i32 = 24;
@@ -71,8 +67,6 @@ pub struct Axis {
     pub name: String,
     /// Whether equal ratios are equally long.
     pub logarithmic: bool,
-    /// Whether a unit is as long as on the other axis, if that says so as well: for a map.
-    pub to_scale: bool,
 }
 
 impl Axis {
@@ -80,16 +74,7 @@ impl Axis {
     pub fn linear(name: impl Into<String>) -> Self {
         Self {
             name: name.into(),
-            ..Self::default()
-        }
-    }
-
-    /// Of a map.
-    pub fn to_scale(name: impl Into<String>) -> Self {
-        Self {
-            name: name.into(),
-            to_scale: true,
-            ..Self::default()
+            logarithmic: false,
         }
     }
 
@@ -98,7 +83,6 @@ impl Axis {
         Self {
             name: name.into(),
             logarithmic: true,
-            ..Self::default()
         }
     }
 
@@ -199,11 +183,6 @@ impl Curves {
         });
         let y = points().map(|p| p.1).chain(ends);
         let y = self.vertical.range(y, 0.05);
-        let (x, y) = if self.horizontal.to_scale && self.vertical.to_scale {
-            equally_long(x, y, chart.dim_in_pixel())
-        } else {
-            (x, y)
-        };
         let log = |range: Range<f64>| {
             let ticks = ticks(&range);
             range.log_scale().with_key_points(ticks)
@@ -226,8 +205,8 @@ impl Curves {
         let mut chart = ChartBuilder::on(area)
             .caption(&self.title, font(20))
             .margin(MARGIN)
-            .x_label_area_size(LABELS_BELOW)
-            .y_label_area_size(LABELS_LEFT)
+            .x_label_area_size(48)
+            .y_label_area_size(64)
             .build_cartesian_2d(x, y)?;
         chart
             .configure_mesh()
@@ -296,19 +275,6 @@ impl Curves {
         }
         Ok(entries)
     }
-}
-
-/// The ranges, one of them made wider about its middle, so that a unit is as long on both axes of a picture of that size.
-fn equally_long(x: Range<f64>, y: Range<f64>, size: (u32, u32)) -> (Range<f64>, Range<f64>) {
-    let margins = 2 * MARGIN as u32;
-    let width = f64::from(size.0.saturating_sub(LABELS_LEFT + margins).max(1));
-    let height = f64::from(size.1.saturating_sub(LABELS_BELOW + margins + TITLE).max(1));
-    let of_pixel = ((x.end - x.start) / width).max((y.end - y.start) / height);
-    let about = |range: Range<f64>, length: f64| {
-        let middle = 0.5 * (range.start + range.end);
-        middle - 0.5 * length..middle + 0.5 * length
-    };
-    (about(x, of_pixel * width), about(y, of_pixel * height))
 }
 
 /// Places of the numbers along a logarithmic axis: fewer in a decade, the more decades there are.

@@ -230,7 +230,6 @@ impl Panel {
             vertical: Axis {
                 name: "RMSE / floor".into(),
                 logarithmic: highest > 5.0,
-                ..Axis::default()
             },
             curves,
         }

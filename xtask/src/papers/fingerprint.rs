@@ -9,6 +9,7 @@ use super::Study;
 
 mod errors;
 mod measured;
+mod pictures;
 mod simulated;
 mod windows;
 
@@ -16,6 +17,7 @@ mod windows;
 pub fn run(study: &Study) -> Result<()> {
     let mut figures = simulated::run(study)?;
     figures.extend(windows::run(study)?);
+    pictures::simulated(study.seed)?;
     figures.extend(measured::run(study)?);
     study.conclude(&figures)
 }

@@ -178,6 +178,9 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
         all.straight.quantile(0.9),
     );
     draw(&rows)?;
+    for walk in office.walks.iter().filter(|walk| !walk.is_straight).take(1) {
+        super::pictures::measured(&office, walk, study.seed)?;
+    }
 
     let figure = |name: &str, value: f64, unit: &str| {
         Figure::new(format!("papers.fingerprint.measured.{name}"), value, unit)

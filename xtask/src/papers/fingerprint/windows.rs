@@ -24,9 +24,9 @@ use crate::{
 };
 
 /// Metres a second, and packets a second of every beacon.
-const SPEED: f64 = 2.5;
-const RATE: f64 = 2.0;
-const NOISE: f64 = 4.0;
+pub const SPEED: f64 = 2.5;
+pub const RATE: f64 = 2.0;
+pub const NOISE: f64 = 4.0;
 /// Milliseconds of packets that make one update.
 const WINDOWS: [u32; 4] = [250, 500, 1000, 2000];
 
