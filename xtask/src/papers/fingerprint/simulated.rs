@@ -349,7 +349,9 @@ fn print(columns: &[Vec<Errors>]) {
         "The paper prints errors below 4 m, 90 % of them below 2 m. What others found for its particle filters is not \
          what they come to here: for a linear model with normal errors a filter that starts around the first match has to \
          come near the Kalman filter, as it does here; how theirs started and what it did beyond the ends of the tunnel is \
-         not known. A uniform start here is between the walls and knows the first match.\n"
+         not known. A uniform start here is between the walls and knows the first match. \
+         Of the filter that is weighed by the map the RMSE with means of 10 hangs on the few steps that are lost; the share \
+         of near steps is as others found.\n"
     );
 }
 
