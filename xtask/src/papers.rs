@@ -22,6 +22,7 @@ mod instructions;
 mod methods;
 mod scalar;
 mod statistics;
+mod wild;
 
 /// The options of `cargo xtask papers`.
 #[derive(clap::Args)]
@@ -44,6 +45,9 @@ enum Paper {
     /// Track a person in a tunnel by radio fingerprints: Cui, Wu, He and Wu (2017), and the tracker, simulated and
     /// measured.
     Fingerprint(Study),
+    /// Locate a transmitter by bearings of which some are wild, mirrored or biased: the robust locator, simulated and
+    /// measured.
+    Bearings(Study),
     /// What each method of these is worth beside the bootstrap filter that costs as much.
     Cost(Study),
 }
@@ -81,6 +85,7 @@ pub fn run(options: &Options) -> Result<()> {
         Paper::Firefly(study) => firefly::run(study),
         Paper::Evolution(study) => evolution::run(study),
         Paper::Fingerprint(study) => fingerprint::run(study),
+        Paper::Bearings(study) => wild::run(study),
         Paper::Cost(study) => cost::run(study),
     }
 }

@@ -22,6 +22,8 @@ const LABELS: u32 = 58;
 const BEARING: RGBColor = RGBColor(240, 140, 40);
 const PARTICLE: RGBColor = RGBColor(0, 137, 150);
 const FIX: RGBColor = RGBColor(200, 30, 70);
+const HYPOTHESIS: RGBColor = RGBColor(94, 53, 177);
+const REJECTED: RGBColor = RGBColor(144, 153, 158);
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
@@ -34,10 +36,14 @@ pub struct Map {
     pub caption: String,
     /// The bearings, in order of time.
     pub sights: Vec<Sight>,
+    /// Bearings that the estimate does not rest on.
+    pub rejected: Vec<Sight>,
     /// Whether the places of the bearings are those of one drive: a line then joins them.
     pub joined: bool,
     /// The cloud.
     pub particles: Vec<[f64; 2]>,
+    /// Where the source may be, each a region and its share of the probability.
+    pub hypotheses: Vec<(Ellipse, f64)>,
     /// The region that holds the source with 95 % probability.
     pub ellipse: Option<Ellipse>,
     /// The estimate.
@@ -79,9 +85,13 @@ impl Map {
         Ok(svg)
     }
 
+    fn all_sights(&self) -> impl Iterator<Item = &Sight> + Clone {
+        self.sights.iter().chain(&self.rejected)
+    }
+
     /// The box of everything.
     fn whole(&self) -> Frame {
-        let places = self.sights.iter().map(|sight| sight.position);
+        let places = self.all_sights().map(|sight| sight.position);
         let ellipse = self.ellipse.iter().flat_map(outline).map(|(x, y)| [x, y]);
         Frame::round(places.chain(ellipse).chain(self.truth).chain(self.fix)).widened(1.12)
     }
@@ -133,10 +143,9 @@ impl Map {
         self.draw_cloud(&mut chart, whole)?;
         if whole {
             let track = self
-                .sights
-                .iter()
+                .all_sights()
                 .map(|sight| (sight.position[0], sight.position[1]));
-            if self.joined {
+            if self.joined && self.rejected.is_empty() {
                 chart.draw_series(LineSeries::new(track.clone(), INK.stroke_width(2)))?;
             }
             chart.draw_series(track.map(|place| Circle::new(place, 3, INK.filled())))?;
@@ -150,9 +159,12 @@ impl Map {
     }
 
     fn draw_bearings(&self, chart: &mut Chart, frame: &Frame, whole: bool) -> Result<()> {
-        let rays = self.sights.iter().filter_map(|sight| frame.ray(sight));
-        let style = BEARING.mix(if whole { 0.35 } else { 0.5 }).stroke_width(1);
-        chart.draw_series(rays.map(|[from, to]| PathElement::new([from, to], style)))?;
+        let opacity = if whole { 0.35 } else { 0.5 };
+        for (sights, colour) in [(&self.rejected, REJECTED), (&self.sights, BEARING)] {
+            let rays = sights.iter().filter_map(|sight| frame.ray(sight));
+            let style = colour.mix(opacity).stroke_width(1);
+            chart.draw_series(rays.map(|[from, to]| PathElement::new([from, to], style)))?;
+        }
         Ok(())
     }
 
@@ -169,6 +181,10 @@ impl Map {
     }
 
     fn draw_answer(&self, chart: &mut Chart, whole: bool) -> Result<()> {
+        for (ellipse, share) in &self.hypotheses {
+            let style = HYPOTHESIS.mix(0.4 + 0.6 * share).stroke_width(2);
+            chart.draw_series([PathElement::new(outline(ellipse), style)])?;
+        }
         if let Some(ellipse) = &self.ellipse {
             chart.draw_series([PathElement::new(
                 outline(ellipse),
@@ -206,6 +222,11 @@ impl Map {
         entry("bearings", &|x| {
             Ok(line(x, BEARING.mix(0.7).stroke_width(2))?)
         })?;
+        if !self.rejected.is_empty() {
+            entry("bearings that do not fit", &|x| {
+                Ok(line(x, REJECTED.stroke_width(2))?)
+            })?;
+        }
         if !self.particles.is_empty() {
             entry("particles", &|x| {
                 for (dx, dy) in [(4, 24), (12, 17), (20, 23)] {
@@ -213,6 +234,9 @@ impl Map {
                 }
                 Ok(())
             })?;
+        }
+        if !self.hypotheses.is_empty() {
+            entry("hypotheses", &|x| Ok(line(x, HYPOTHESIS.stroke_width(2))?))?;
         }
         if self.ellipse.is_some() {
             entry("95 % ellipse", &|x| Ok(line(x, FIX.stroke_width(3))?))?;

@@ -96,6 +96,7 @@ impl Assessment {
             ellipse: Some(self.ellipse),
             fix: Some(self.fix),
             truth: Some(self.truth),
+            ..Map::default()
         };
         picture::save(&map.svg()?, stem)
     }

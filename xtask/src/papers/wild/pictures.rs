@@ -1,0 +1,94 @@
+//! One drive with many wild bearings: while hypotheses compete, and at its end.
+
+use anyhow::Result;
+use foxhunt::{
+    aoa::{
+        locator::Answer,
+        robust::{RobustLocator, Settings},
+    },
+    estimate::Ellipse,
+    random::{SeedableRng, Xoshiro128PlusPlus},
+};
+use foxhunt_host::{
+    Sight,
+    faults::Faults,
+    picture::{Map, save},
+    simulate,
+    tracks::Track,
+};
+
+use super::super::picture;
+
+/// Draws the pictures.
+pub fn draw(seed: u64) -> Result<()> {
+    let track = Track::a2();
+    let mut sights = simulate::bearings(&track, &mut simulate::generator(seed, 0));
+    let faults = Faults {
+        wild: 0.3,
+        mirror: 0.1,
+        bias: 0.0,
+    };
+    faults.spoil(&mut sights, &mut simulate::generator(!seed, 0));
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+    let mut locator = Box::new(RobustLocator::<256, 64>::new(Settings::default()));
+    let mut competing = false;
+    for (k, sight) in sights.iter().enumerate() {
+        locator.push((*sight).try_into()?, &mut rng);
+        let heavy = locator.hypotheses().filter(|h| h.mass > 0.02).count();
+        let last = k + 1 == sights.len();
+        if last || (heavy > 1 && !competing && matches!(locator.answer(), Answer::Fix(_))) {
+            competing = true;
+            let name = if last { "end" } else { "hypotheses" };
+            let stem = picture(&format!("bearings-{name}"));
+            let map = map(&track, &sights[..=k], &locator);
+            save(&map.svg()?, &stem)?;
+            println!("picture: {}", stem.with_extension("svg").display());
+        }
+    }
+    println!();
+    Ok(())
+}
+
+fn map(track: &Track, sights: &[Sight], locator: &RobustLocator<256, 64>) -> Map {
+    let fix = match locator.answer() {
+        Answer::Fix(fix) => Some(fix),
+        Answer::NotObservable(_) => None,
+    };
+    // As lines: a mirrored bearing says as much as a direct one.
+    let off = |sight: &Sight, place: [f32; 2]| {
+        let residual = sight.residual(place.map(f64::from)).abs();
+        residual.min(std::f64::consts::PI - residual) / sight.deviation
+    };
+    let (kept, rejected) = sights
+        .iter()
+        .partition(|sight| fix.is_none_or(|fix| off(sight, fix.position) < 3.0));
+    let [x, y, _] = locator.columns();
+    let shares = locator.shares();
+    Map {
+        title: format!("Track {}: {} bearings", track.name, sights.len()),
+        caption: format!(
+            "30 % of the bearings are wild and 10 % mirrored, which it does not know; learned so far: {:.0} % and {:.0} %",
+            100.0 * shares.wild,
+            100.0 * shares.mirror,
+        ),
+        sights: kept,
+        rejected,
+        joined: true,
+        particles: (x.iter().zip(y))
+            .map(|(x, y)| [f64::from(*x), f64::from(*y)])
+            .collect(),
+        hypotheses: locator
+            .hypotheses()
+            .filter(|h| h.mass > 1e-3)
+            .map(|h| {
+                (
+                    Ellipse::of_normal(h.position, h.covariance, 0.95),
+                    h.mass.into(),
+                )
+            })
+            .collect(),
+        ellipse: fix.map(|fix| fix.ellipse(0.95)),
+        fix: fix.map(|fix| fix.position.map(f64::from)),
+        truth: Some(track.source),
+    }
+}
