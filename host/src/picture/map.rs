@@ -160,9 +160,12 @@ impl Map {
 
     fn draw_bearings(&self, chart: &mut Chart, frame: &Frame, whole: bool) -> Result<()> {
         let opacity = if whole { 0.35 } else { 0.5 };
-        for (sights, colour) in [(&self.rejected, REJECTED), (&self.sights, BEARING)] {
+        for (sights, colour) in [
+            (&self.rejected, REJECTED.mix(0.8)),
+            (&self.sights, BEARING.mix(opacity)),
+        ] {
             let rays = sights.iter().filter_map(|sight| frame.ray(sight));
-            let style = colour.mix(opacity).stroke_width(1);
+            let style = colour.stroke_width(1);
             chart.draw_series(rays.map(|[from, to]| PathElement::new([from, to], style)))?;
         }
         Ok(())

@@ -72,6 +72,11 @@ pub fn run(orders: u32, seed: u64) -> Result<Vec<Figure>> {
                 (f64::NAN, f64::NAN)
             };
             let covered = fixes().filter(|o| o.covered).count();
+            // A maximum at infinity.
+            let metres = |error: f64| match error {
+                lost if lost > 1000.0 => "lost".to_owned(),
+                near => format!("{near:.2}"),
+            };
             let holds = |o: &Outcome| if o.covered { "yes" } else { "no" }.to_owned();
             table.add_row([
                 format!("{set} {transmitter}"),
@@ -79,10 +84,10 @@ pub fn run(orders: u32, seed: u64) -> Result<Vec<Figure>> {
                 format!("{worst:.2}"),
                 format!("{covered} of {count}"),
                 format!("{} of {orders}", one.ours.len() - count),
-                format!("{:.2}", one.gauss_newton.error),
+                metres(one.gauss_newton.error),
                 holds(&one.gauss_newton),
-                format!("{:.2}", one.least_squares),
-                format!("{:.2}", one.huber.error),
+                metres(one.least_squares),
+                metres(one.huber.error),
                 holds(&one.huber),
             ]);
             let name = |what: &str| format!("papers.bearings.measured.{set}.{transmitter}.{what}");

@@ -32,16 +32,17 @@ pub fn draw(seed: u64) -> Result<()> {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
     let mut locator = Box::new(RobustLocator::<256, 64>::new(Settings::default()));
     let mut competing = false;
-    for (k, sight) in sights.iter().enumerate() {
-        locator.push((*sight).try_into()?, &mut rng);
+    for k in 1..=sights.len() {
+        locator.push(sights[k - 1].try_into()?, &mut rng);
+        let last = k == sights.len();
+        // Early on, when a few bearings cross here and there.
         let heavy = locator.hypotheses().filter(|h| h.mass > 0.02).count();
-        let last = k + 1 == sights.len();
-        if last || (heavy > 1 && !competing && matches!(locator.answer(), Answer::Fix(_))) {
+        let compete = k > 8 && heavy > 1 && !competing;
+        if last || compete {
             competing = true;
             let name = if last { "end" } else { "hypotheses" };
             let stem = picture(&format!("bearings-{name}"));
-            let map = map(&track, &sights[..=k], &locator);
-            save(&map.svg()?, &stem)?;
+            save(&map(&track, &sights[..k], &locator).svg()?, &stem)?;
             println!("picture: {}", stem.with_extension("svg").display());
         }
     }
@@ -75,6 +76,7 @@ fn map(track: &Track, sights: &[Sight], locator: &RobustLocator<256, 64>) -> Map
         rejected,
         joined: true,
         particles: (x.iter().zip(y))
+            .filter(|_| fix.is_some())
             .map(|(x, y)| [f64::from(*x), f64::from(*y)])
             .collect(),
         hypotheses: locator
