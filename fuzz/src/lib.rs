@@ -168,7 +168,7 @@ pub fn radio_map(data: &[u8]) {
         let _ = matcher.locate(&scan, &mut posterior);
     }
     assert_eq!(
-        map.encoding() == Encoding::Moments,
+        map.encoding() == Encoding::Moments && map.lattice().columns() > 1,
         Site::new(map, tracker::Settings::new()).is_ok()
     );
     if let Ok(site) = Site::new(map, tracker::Settings::new()) {

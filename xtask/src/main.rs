@@ -12,6 +12,7 @@ mod expected;
 mod figures;
 mod fuzz;
 mod llvm;
+mod map;
 mod measure;
 mod papers;
 mod project;
@@ -33,6 +34,8 @@ enum Task {
     Cost(cost::Options),
     /// Locate a transmitter with the vehicle firmware in the emulator, and draw it.
     Demo(demo::Options),
+    /// Make a radio map of a survey, for the flash of a tunnel's gateway.
+    Map(map::Options),
     /// Give the gateways and the reader of maps whatever may come, and look for faults.
     Fuzz(fuzz::Options),
     /// Simulate the drive of the demo again, from its seed, and write its file.
@@ -61,6 +64,7 @@ fn run(task: Task) -> Result<()> {
         Task::Demo(options) => demo::run(&options),
         Task::Drive => drive::run(),
         Task::Tunnel => tunnel::run(),
+        Task::Map(options) => map::run(&options),
         Task::Fuzz(options) => fuzz::run(&options),
         Task::Papers(options) => papers::run(&options),
     }

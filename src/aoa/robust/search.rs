@@ -120,13 +120,10 @@ fn take_best(candidates: &mut [Candidate], modes: &Modes, wide: &Density<'_>) ->
     let mut best: Option<&mut Candidate> = None;
     for candidate in candidates {
         let above = best.as_ref().map_or(f32::NEG_INFINITY, |best| best.score);
-        if !(candidate.score > above) {
-            continue;
-        }
         let near = |(mode, known): (&Mode, &f32)| {
             *known >= candidate.score && mode.distance_of_position(&candidate.state) < NEAR
         };
-        if !modes.iter().zip(&known).any(near) {
+        if candidate.score > above && !modes.iter().zip(&known).any(near) {
             best = Some(candidate);
         }
     }

@@ -54,8 +54,12 @@ impl<'a> Site<'a> {
     /// With no walls but the edges of the map.
     ///
     /// # Errors
-    /// [`MapError::Encoding`] unless the map holds [`Encoding::Moments`].
+    /// [`MapError::Encoding`] unless the map holds [`Encoding::Moments`], [`MapError::Lattice`] for a single column of
+    /// points: a line has to be a row.
     pub const fn new(map: RadioMap<'a>, settings: Settings) -> Result<Self, MapError> {
+        if map.lattice().columns() < 2 {
+            return Err(MapError::Lattice);
+        }
         if !matches!(map.encoding(), Encoding::Moments) {
             return Err(MapError::Encoding);
         }

@@ -15,11 +15,11 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// A person on foot, who stops and turns: 0.5 m/s, 0.07 (m/s)^2 / s, 7 s.
+    /// A person on foot, who stops and turns: 0.5 m/s, 0.09 (m/s)^2 / s, 7 s.
     pub const fn new() -> Self {
         Self {
             velocity_m_s: 0.5,
-            agility: 0.07,
+            agility: 0.09,
             memory_s: 7.0,
         }
     }

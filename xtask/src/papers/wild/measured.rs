@@ -222,7 +222,8 @@ fn huber(sights: &[Sight], limit: f64) -> (Vector2<f64>, Matrix2<f64>) {
                 step *= 0.5;
             }
             place += step;
-            if !(step.norm() > 1e-7) {
+            let length = step.norm();
+            if length <= 1e-7 || length.is_nan() {
                 break;
             }
         }
