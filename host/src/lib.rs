@@ -7,8 +7,8 @@
 //! - [`tunnel`]: a tunnel with beacons, its survey and walks through it; [`survey`]: what a survey is;
 //! - [`radio_map`]: from the readings of a survey to a radio map in flash;
 //! - [`tetam`]: a survey and walks measured in an office floor; [`walks`]: those, and simulated ones, tracked;
-//! - [`simulate`]: noisy bearings along a track; [`faults`]: what goes wrong with them; [`drive`]: a whole drive of a vehicle, as the bytes
-//!   that its receiver and its direction finder put on the line;
+//! - [`simulate`]: noisy bearings along a track; [`faults`]: what goes wrong with them; [`drive`]: a whole drive
+//!   of a vehicle, as the bytes that its receiver and its direction finder put on the line;
 //! - [`mod@reference`]: exact answers, to measure the library against;
 //! - [`measured`]: bearings from the field, turned into such bytes;
 //! - [`replay`]: those bytes through the library's gateway, as the firmware does it;

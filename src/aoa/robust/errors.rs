@@ -166,7 +166,7 @@ impl Errors {
     /// # Errors
     /// Below 1.
     pub const fn prior_bearings(mut self, bearings: f32) -> Result<Self, SettingsError> {
-        if !(bearings >= 1.0) {
+        if !(bearings >= 1.0 && bearings <= f32::INFINITY) {
             return Err(SettingsError::PriorBearings);
         }
         self.prior_bearings = bearings;
@@ -188,7 +188,7 @@ impl Errors {
 
     /// Correlation of the errors of two bearings: `at_rest` if taken one after the other at one place, less by a
     /// factor of e every `distance_m` metres and every `time_s` seconds. 0.9, 5 m and infinitely long unless set;
-    /// zero at rest is none.
+    /// zero at rest is none. Readings from within a quarter of that distance that agree become one.
     ///
     /// # Errors
     /// When `at_rest` is outside 0 to 0.99, `distance_m` outside 0.001 to 1e6, or `time_s` below 0.001.
@@ -204,7 +204,7 @@ impl Errors {
         if !(distance_m >= 0.001 && distance_m <= 1e6) {
             return Err(SettingsError::CorrelationDistance);
         }
-        if !(time_s >= 0.001) {
+        if !(time_s >= 0.001 && time_s <= f32::INFINITY) {
             return Err(SettingsError::CorrelationTime);
         }
         self.correlation = Correlation {
