@@ -132,17 +132,18 @@ mod target {
         let mut updates = Updates::default();
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
         let [x, y] = Track::A2.source();
-        let straight = |i: u32| {
+        let straight = move |i: u32| {
             let along = if i < 70 { i as f32 } else { 70.0 };
             let aside = i as f32 - along;
             [x - 4000.0 + 30.0 * along, y + 60.0 * aside]
         };
-        let track: fn(u32) -> [f32; 2] = |i| Track::A2.receiver(i);
-        let drives: [(u32, &dyn Fn(u32) -> [f32; 2]); 2] = [(60, &track), (90, &straight)];
-        for (bearings, receiver) in drives {
+        let drives = [
+            (0..60).map(|i| Track::A2.receiver(i)).collect(),
+            (0..90).map(straight).collect(),
+        ];
+        for places in drives as [heapless::Vec<[f32; 2], 90>; 2] {
             let mut locator = black_box(RobustLocator::<256, 64>::new(robust::Settings::default()));
-            for i in 0..bearings {
-                let [px, py] = receiver(i);
+            for [px, py] in places {
                 let (error, kind) = (0.0195 * normal(&mut rng), uniform(&mut rng));
                 let wild = if kind < 0.3 { 20.0 * kind } else { 0.0 };
                 let bearing = foxhunt::math::atan2(y - py, x - px) + error + wild;
