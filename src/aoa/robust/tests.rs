@@ -268,6 +268,31 @@ fn a_search_finds_the_source_among_wild_bearings() {
 }
 
 #[test]
+fn a_search_finds_the_source_behind_a_bias() {
+    // The bias throws crossings many deviations off the place of the source, and off each other.
+    let errors = Errors::new().bias_deviation(0.1).unwrap();
+    for seed in 0..50 {
+        let mut rng = generator(seed);
+        let observations: Vec<Observation> = (0..40)
+            .map(|i| {
+                let error = 0.1 + 0.003 * normal(&mut rng);
+                let wild = if i % 3 == 2 {
+                    6.0 * uniform(&mut rng)
+                } else {
+                    0.0
+                };
+                let position = Track::A2.receiver(i);
+                towards(position, SOURCE, error + wild, 0.003)
+            })
+            .collect();
+        let evidence = evidence(&errors, 20_000.0, &observations);
+        let modes = search(&evidence, &errors, &Modes::new(), &mut generator(seed));
+        let near = |mode: &Mode| (mode.mean[0] - SOURCE[0]).hypot(mode.mean[1] - SOURCE[1]) < 20.0;
+        assert!(modes.iter().any(near), "seed {seed}: {modes:?}");
+    }
+}
+
+#[test]
 fn a_mode_along_a_ray_does_not_swallow_what_lies_on_it() {
     let (errors, evidence) = two_hypotheses();
     let density = evidence.density(&errors);
