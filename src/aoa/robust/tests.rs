@@ -269,27 +269,31 @@ fn a_search_finds_the_source_among_wild_bearings() {
 
 #[test]
 fn a_search_finds_the_source_behind_a_bias() {
-    // The bias throws crossings many deviations off the place of the source, and off each other.
-    let errors = Errors::new().bias_deviation(0.1).unwrap();
-    for seed in 0..50 {
+    // The bias throws crossings a hundred deviations off the place of the source, and off each other.
+    const BIAS: f32 = 0.2;
+    const SHARP: f32 = 0.003;
+    let errors = Errors::new().bias_deviation(BIAS).unwrap();
+    let found = (0..300).filter(|&seed| {
         let mut rng = generator(seed);
-        let observations: Vec<Observation> = (0..40)
+        let observations: Vec<Observation> = (0..60)
             .map(|i| {
-                let error = 0.1 + 0.003 * normal(&mut rng);
-                let wild = if i % 3 == 2 {
+                let error = BIAS + SHARP * normal(&mut rng);
+                let wild = if uniform(&mut rng) < 0.3 {
                     6.0 * uniform(&mut rng)
                 } else {
                     0.0
                 };
-                let position = Track::A2.receiver(i);
-                towards(position, SOURCE, error + wild, 0.003)
+                towards(Track::A1.receiver(i), SOURCE, error + wild, SHARP)
             })
             .collect();
         let evidence = evidence(&errors, 20_000.0, &observations);
         let modes = search(&evidence, &errors, &Modes::new(), &mut generator(seed));
-        let near = |mode: &Mode| (mode.mean[0] - SOURCE[0]).hypot(mode.mean[1] - SOURCE[1]) < 20.0;
-        assert!(modes.iter().any(near), "seed {seed}: {modes:?}");
-    }
+        let off = |mode: &Mode| (mode.mean[0] - SOURCE[0]).hypot(mode.mean[1] - SOURCE[1]);
+        modes.iter().any(|mode| off(mode) < 60.0)
+    });
+    let found = found.count();
+    // 294 of these; by their own deviations, without a bias in them, candidates give 268. One search of many.
+    assert!(found > 283, "{found}");
 }
 
 #[test]

@@ -72,16 +72,17 @@ pub fn run(orders: u32, seed: u64) -> Result<Vec<Figure>> {
                 (f64::NAN, f64::NAN)
             };
             let covered = fixes().filter(|o| o.covered).count();
-            // A maximum at infinity.
+            // A maximum at infinity, or no fix.
             let metres = |error: f64| match error {
                 lost if lost > 1000.0 => "lost".to_owned(),
+                none if none.is_nan() => String::new(),
                 near => format!("{near:.2}"),
             };
             let holds = |o: &Outcome| if o.covered { "yes" } else { "no" }.to_owned();
             table.add_row([
                 format!("{set} {transmitter}"),
-                format!("{middle:.2}"),
-                format!("{worst:.2}"),
+                metres(middle),
+                metres(worst),
                 format!("{covered} of {count}"),
                 format!("{} of {orders}", one.ours.len() - count),
                 metres(one.gauss_newton.error),

@@ -37,7 +37,7 @@ pub fn draw(seed: u64) -> Result<()> {
         let last = k == sights.len();
         // Early on, when a few bearings cross here and there.
         let heavy = locator.hypotheses().filter(|h| h.mass > 0.02).count();
-        let compete = k > 8 && heavy > 1 && !competing;
+        let compete = k > 5 && heavy > 1 && !competing;
         if last || compete {
             competing = true;
             let name = if last { "end" } else { "hypotheses" };
