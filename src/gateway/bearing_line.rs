@@ -2,6 +2,7 @@
 
 use super::clock::TimeOfDay;
 use super::decimal::{decimal, fixed};
+use super::sentence::columns;
 use super::{KrakenConfidence, Rejected, Sense, Settings};
 use crate::aoa::geodesy::Geodetic;
 
@@ -68,10 +69,9 @@ impl BearingLine {
     pub fn from_kraken(line: &[u8], settings: &Settings) -> Result<Self, Rejected> {
         /// 360 values of which all but one are zero.
         const LARGEST_DECIBELS: f32 = 25.563_025;
-        let mut fields: [&[u8]; 13] = [&[]; 13];
-        let mut columns = line.split(|byte| *byte == b',');
+        let mut fields: [&[u8]; 13] = columns(line).ok_or(Rejected::Unparsable)?;
         for field in &mut fields {
-            *field = columns.next().ok_or(Rejected::Unparsable)?.trim_ascii();
+            *field = trim(field);
         }
         let [
             time,
@@ -138,6 +138,15 @@ impl BearingLine {
             ..Self::new(degrees, quality)?
         })
     }
+}
+
+/// Takes the blanks off both ends of a field. Once in flash is enough, and not unrolled.
+#[inline(never)]
+fn trim(mut field: &[u8]) -> &[u8] {
+    while let [b' ', rest @ ..] | [rest @ .., b' '] = field {
+        field = rest;
+    }
+    field
 }
 
 #[cfg(test)]

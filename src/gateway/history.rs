@@ -42,43 +42,46 @@ impl Between for Compass {
 
 impl Between for Geodetic {
     fn towards(self, other: Self, share: f32) -> Self {
+        /// A turn does not fit an i32, half of it does.
         const TURN: i64 = 3_600_000_000;
-        let step = |difference: i64| (difference as f32 * share) as i64;
-        let latitude = i64::from(self.latitude_e7());
-        let latitude = latitude + step(i64::from(other.latitude_e7()) - latitude);
-        let longitude = i64::from(self.longitude_e7());
-        let difference = i64::from(other.longitude_e7()) - longitude;
-        // The short way round, and back into range.
         let wrapped = |x: i64| {
-            if x > TURN / 2 {
+            let x = if x > TURN / 2 {
                 x - TURN
             } else if x < -TURN / 2 {
                 x + TURN
             } else {
                 x
-            }
+            };
+            x as i32
         };
-        let longitude = wrapped(longitude + step(wrapped(difference)));
-        let place = i32::try_from(latitude)
-            .ok()
-            .zip(i32::try_from(longitude).ok());
+        let along = |from: i32, to: i32| {
+            let way = wrapped(i64::from(to) - i64::from(from));
+            // Saturates.
+            wrapped(i64::from(from) + i64::from((way as f32 * share) as i32))
+        };
+        let latitude = along(self.latitude_e7(), other.latitude_e7());
+        let longitude = along(self.longitude_e7(), other.longitude_e7());
         // Beyond a pole there is no place; nobody drives there.
-        place
-            .and_then(|(latitude, longitude)| Geodetic::new(latitude, longitude).ok())
-            .unwrap_or(other)
+        Geodetic::new(latitude, longitude).unwrap_or(other)
     }
 }
 
-/// The last few samples of something, each with its time.
+/// How many samples are kept.
+const KEPT: usize = 8;
+
+/// The last few samples of something, each with its time; the newest first.
 #[derive(Debug, Clone)]
 pub(super) struct History<T> {
-    /// The newest first.
-    samples: [Option<(TimeOfDay, T)>; 8],
+    times: [Option<TimeOfDay>; KEPT],
+    values: [Option<T>; KEPT],
 }
 
 impl<T: Between> History<T> {
     pub const fn new() -> Self {
-        Self { samples: [None; 8] }
+        Self {
+            times: [None; KEPT],
+            values: [None; KEPT],
+        }
     }
 
     pub fn clear(&mut self) {
@@ -87,74 +90,92 @@ impl<T: Between> History<T> {
 
     /// Whether there ever was a sample.
     pub fn is_empty(&self) -> bool {
-        self.samples[0].is_none()
+        self.times[0].is_none()
     }
 
     /// Takes a sample. One of the time of the last replaces it; if time has run backwards, the clock was set, and those
     /// before it mean nothing.
     pub fn push(&mut self, time: TimeOfDay, value: T) {
-        let since = self.samples[0].map(|(newest, _)| time.since(newest));
-        match since {
+        match self.times[0].map(|newest| time.since(newest)) {
             Some(..0) => self.clear(),
             Some(0) => {}
             _ => {
-                let [.., newest] = &mut self.samples;
-                *newest = None;
-                self.samples.rotate_right(1);
+                self.times.rotate_right(1);
+                self.values.rotate_right(1);
             }
         }
-        self.samples[0] = Some((time, value));
+        self.times[0] = Some(time);
+        self.values[0] = Some(value);
     }
 
     /// What it was at a time, by samples no further from it than so many milliseconds: between two of them, or as it
     /// went on from the last two, or as the nearest one says.
     pub fn at(&self, time: TimeOfDay, maximum_age_ms: u32) -> Option<T> {
-        let mut after = None;
-        let mut before = None;
-        let mut earlier = None;
-        for (taken, value) in self.samples.iter().flatten() {
-            let age = time.since(*taken);
-            if age < 0 {
-                after = Some((age, *value));
-            } else if before.is_none() {
-                before = Some((age, *value));
+        let (from, to, share) = around(&self.times, time, maximum_age_ms)?;
+        let [from, to] = [from, to].map(|sample| self.values.get(sample).copied().flatten());
+        Some(from?.towards(to?, share))
+    }
+}
+
+/// Which two samples say what it was at a time, and where between them, or beyond the second, that is.
+// Apart from the values, so that it is in flash once.
+#[inline(never)]
+fn around(
+    times: &[Option<TimeOfDay>],
+    time: TimeOfDay,
+    maximum_age_ms: u32,
+) -> Option<(usize, usize, f32)> {
+    let mut after = None;
+    let mut before = None;
+    let mut earlier = None;
+    for (sample, taken) in times.iter().enumerate() {
+        let Some(taken) = taken else {
+            break;
+        };
+        let age = time.since(*taken);
+        if age < 0 {
+            after = Some((age, sample));
+        } else if before.is_none() {
+            before = Some((age, sample));
+        } else {
+            earlier = Some((age, sample));
+            break;
+        }
+    }
+    let is_fresh = |age: i32| age.unsigned_abs() <= maximum_age_ms;
+    let before = before.filter(|(age, _)| is_fresh(*age));
+    let after = after.filter(|(age, _)| is_fresh(*age));
+    match (before, after) {
+        (Some((age, sample)), Some((ahead, next))) => {
+            Some((sample, next, age as f32 / (age - ahead) as f32))
+        }
+        (Some((age, sample)), None) => {
+            let (oldest, last) = earlier.unwrap_or((age, sample));
+            let interval = oldest - age;
+            // Not from before an outage, and no further ahead than it goes back.
+            if interval > 0 && is_fresh(interval) {
+                let ahead = age.min(interval) as f32 / interval as f32;
+                Some((last, sample, 1.0 + ahead))
             } else {
-                earlier = Some((age, *value));
-                break;
+                Some((sample, sample, 0.0))
             }
         }
-        let is_fresh = |age: i32| age.unsigned_abs() <= maximum_age_ms;
-        let before = before.filter(|(age, _)| is_fresh(*age));
-        let after = after.filter(|(age, _)| is_fresh(*age));
-        match (earlier, before, after) {
-            (_, Some((age, value)), Some((ahead, next))) => {
-                Some(value.towards(next, age as f32 / (age - ahead) as f32))
-            }
-            (Some((oldest, last)), Some((age, value)), None) => {
-                let interval = oldest - age;
-                // Not from before an outage, and no further ahead than it goes back.
-                if interval > 0 && interval.unsigned_abs() <= maximum_age_ms {
-                    let ahead = age.min(interval) as f32 / interval as f32;
-                    Some(last.towards(value, 1.0 + ahead))
-                } else {
-                    Some(value)
-                }
-            }
-            (None, Some((_, value)), None) | (_, None, Some((_, value))) => Some(value),
-            (_, None, None) => None,
-        }
+        (None, Some((_, next))) => Some((next, next, 0.0)),
+        (None, None) => None,
     }
 }
 
 impl History<Compass> {
     /// Degrees a second between the last two samples; 0 if there are none.
     pub fn turn_rate(&self) -> f32 {
-        let [Some((now, heading)), Some((then, before)), ..] = self.samples else {
+        let [Some(now), Some(then), ..] = self.times else {
+            return 0.0;
+        };
+        let [Some(heading), Some(before), ..] = self.values else {
             return 0.0;
         };
         // The times differ.
-        let turn = before.to(heading);
-        1000.0 * turn.abs() / now.since(then) as f32
+        1000.0 * before.to(heading).abs() / now.since(then) as f32
     }
 }
 

@@ -21,12 +21,24 @@ pub(super) fn checksum(payload: &[u8]) -> u8 {
 
 /// The first `C` fields, if there are so many.
 pub(super) fn columns<const C: usize>(fields: &[u8]) -> Option<[&[u8]; C]> {
-    let mut rest = fields.split(|byte| *byte == b',');
     let mut columns = [&[] as &[u8]; C];
-    for column in &mut columns {
-        *column = rest.next()?;
-    }
-    Some(columns)
+    split(fields, &mut columns).then_some(columns)
+}
+
+/// Splits at commas that are not within quotes; whether there are as many fields as columns.
+// Called for every kind of line: once in flash is enough.
+#[inline(never)]
+fn split<'a>(fields: &'a [u8], columns: &mut [&'a [u8]]) -> bool {
+    let mut is_quoted = false;
+    let mut rest = fields.split(|byte| {
+        is_quoted ^= *byte == b'"';
+        *byte == b',' && !is_quoted
+    });
+    columns.iter_mut().all(|column| {
+        let field = rest.next();
+        *column = field.unwrap_or_default();
+        field.is_some()
+    })
 }
 
 /// How finely a number is written.

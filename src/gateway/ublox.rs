@@ -2,6 +2,7 @@
 
 use super::bearing_line::BearingLine;
 use super::decimal::fixed;
+use super::sentence::columns;
 use super::{Rejected, Sense, Settings};
 
 impl BearingLine {
@@ -12,21 +13,13 @@ impl BearingLine {
     #[inline(never)]
     pub fn from_ublox(line: &[u8], settings: &Settings) -> Result<Self, Rejected> {
         let fields = line.strip_prefix(b"+UUDF:").ok_or(Rejected::Unparsable)?;
-        let mut is_quoted = false;
-        // A comma within quotes is part of the text.
-        let mut columns = fields.split(|byte| {
-            is_quoted ^= *byte == b'"';
-            *byte == b',' && !is_quoted
-        });
-        let mut next = || columns.next().ok_or(Rejected::Unparsable);
-        let [tag, _rssi, azimuth, _elevation] = [next()?, next()?, next()?, next()?];
-        let [_rssi, _channel, _anchor, _text] = [next()?, next()?, next()?, next()?];
-        let counts = [Some(next()?), columns.next()];
-        let are_counts = counts
-            .iter()
-            .flatten()
-            .all(|count| !count.is_empty() && count.iter().all(u8::is_ascii_digit));
-        if columns.next().is_some() || !are_counts {
+        let columns: [&[u8]; 9] = columns(fields).ok_or(Rejected::Unparsable)?;
+        let [tag, _rssi, azimuth, .., time] = columns;
+        let known: usize = columns.iter().map(|column| column.len() + 1).sum();
+        // What is left after the time and its comma.
+        let counter = fields.get(known..);
+        let are_digits = |text: &[u8]| !text.is_empty() && text.iter().all(u8::is_ascii_digit);
+        if !are_digits(time) || !counter.is_none_or(are_digits) {
             return Err(Rejected::Unparsable);
         }
         let tag = identifier(tag).ok_or(Rejected::Unparsable)?;
@@ -53,11 +46,13 @@ impl BearingLine {
 }
 
 /// Twelve hexadecimal digits.
+#[inline(never)]
 fn identifier(text: &[u8]) -> Option<u64> {
-    let digits: &[u8; 12] = text.try_into().ok()?;
-    digits.iter().try_fold(0, |sum, digit| {
-        Some(sum << 4 | u64::from(char::from(*digit).to_digit(16)?))
-    })
+    let digit = |digit: &u8| char::from(*digit).to_digit(16);
+    let value = text
+        .iter()
+        .try_fold(0, |sum, next| Some(sum << 4 | u64::from(digit(next)?)));
+    value.filter(|_| text.len() == 12)
 }
 
 #[cfg(test)]

@@ -231,6 +231,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
         Ok(None)
     }
 
+    #[inline(never)]
     fn bearing_line(&self, kind: Kind) -> Result<BearingLine, Rejected> {
         let finder = self.settings.finder();
         let is = |wanted| finder == Finder::Any || finder == wanted;
@@ -306,6 +307,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
 
     /// The plane for a bearing that was taken at `place`: another than before where that was too far away and
     /// nothing has come of it.
+    #[inline(never)]
     fn plane_for(&mut self, place: Geodetic) -> Result<LocalPlane, Rejected> {
         let round = |origin| LocalPlane::new(origin).map_err(|_| Rejected::OutOfRange);
         let Some(plane) = self.plane else {
@@ -327,6 +329,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
         }
     }
 
+    #[inline(never)]
     fn place_at(&self, time: TimeOfDay) -> Result<Geodetic, Rejected> {
         if self.places.is_empty() {
             return Err(Rejected::NoPosition);
@@ -337,6 +340,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
 
     /// What the direction finder takes for the heading, in degrees clockwise from true north: not the course of a vehicle
     /// that has hardly moved since its last line.
+    #[inline(never)]
     fn own_heading(&mut self, time: TimeOfDay, pose: &Pose) -> Option<f32> {
         let last = self.own_place.replace((time, pose.place));
         let moves = || {
@@ -349,6 +353,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
     }
 
     /// Degrees clockwise from true north.
+    #[inline(never)]
     fn heading_at(&self, time: TimeOfDay) -> Result<f32, Rejected> {
         let age = self.settings.maximum_age_ms();
         if let Some(Compass(degrees)) = self.headings.at(time, age) {
