@@ -98,8 +98,9 @@ fn check<const P: usize>(map: &RadioMap<'_>, scan: &[Reading]) -> Result<(), Mat
     if map.lattice().points() > P {
         return Err(MatchError::Points);
     }
-    // Points are left out where nobody has been: there must be another.
-    if !map.is_complete() && map.surveyed().iter().all(|bits| *bits == 0) {
+    // Points are left out where nobody has been: there must be another. Bits beyond the last point mean nothing.
+    let mut points = 0..map.lattice().points();
+    if !map.is_complete() && !points.any(|point| map.is_surveyed(point)) {
         return Err(MatchError::Survey);
     }
     check_beacons(map.beacons(), scan)

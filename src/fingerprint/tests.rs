@@ -230,6 +230,31 @@ fn exercise(bytes: &[u8], scan: &[Reading], x: f32, y: f32) {
     }
 }
 
+#[test]
+fn bits_beyond_the_last_point_are_no_survey() {
+    let mut bytes = header([1, 1, 0, 3, 1]);
+    bytes.extend([7, 0, 0, 0, 255, -90i8 as u8]);
+    bytes.push(0b1111_1000);
+    bytes.extend([8, 100, 8, 120, 12, 130]);
+    let bytes = sealed(bytes);
+    let map = RadioMap::new(&bytes).unwrap();
+    let scan = [Reading {
+        beacon: 0,
+        rssi_dbm: -60.0,
+    }];
+    let mut posterior = Posterior::<3>::new();
+    let settings = Settings::new();
+    let found = [
+        GaussianMatcher::new(map, &settings)
+            .unwrap()
+            .locate(&scan, &mut posterior),
+        Neighbours::new(map, 3, &settings)
+            .unwrap()
+            .locate(&scan, &mut posterior),
+    ];
+    assert_eq!(found, [Err(MatchError::Survey); 2]);
+}
+
 fn scans() -> impl Strategy<Value = Vec<Reading>> {
     let reading = (0u8..8, prop_oneof![-130.0f32..10.0, any::<f32>()])
         .prop_map(|(beacon, rssi_dbm)| Reading { beacon, rssi_dbm });
