@@ -85,6 +85,7 @@ impl<const N: usize> Track<N> {
 
 #[cfg(target_os = "none")]
 mod board {
+    pub mod region;
     pub mod semihosting;
 }
 
@@ -99,8 +100,6 @@ fn main() -> ! {
 
 #[cfg(target_os = "none")]
 mod target {
-    use core::sync::atomic::{Ordering, compiler_fence};
-
     use cortex_m_semihosting::hprintln;
     use foxhunt::{
         model::Likelihood,
@@ -110,27 +109,12 @@ mod target {
     };
 
     use super::*;
+    use crate::board::region::region;
 
     const N: usize = 200;
     /// Steps until the cloud has taken its usual shape.
     const WARM_UP: usize = 4;
     const STEPS: usize = 8;
-
-    /// Marks the beginning and the end of a region.
-    #[inline(never)]
-    fn region_edge() {
-        compiler_fence(Ordering::SeqCst);
-        cortex_m::asm::nop();
-    }
-
-    /// A region whose cost is divided by `items`. Regions of one name are added up.
-    fn region<T>(name: &str, items: usize, work: impl FnOnce() -> T) -> T {
-        hprintln!("region\t{}\t{}", name, items);
-        region_edge();
-        let result = black_box(work());
-        region_edge();
-        result
-    }
 
     /// Whole steps, then each phase of as many others.
     pub fn steps() {

@@ -10,6 +10,7 @@ fn main() {}
 
 #[cfg(target_os = "none")]
 mod board {
+    pub mod region;
     pub mod semihosting;
 }
 
@@ -25,10 +26,7 @@ fn main() -> ! {
 
 #[cfg(target_os = "none")]
 mod target {
-    use core::{
-        hint::black_box,
-        sync::atomic::{Ordering, compiler_fence},
-    };
+    use core::hint::black_box;
 
     use cortex_m_semihosting::hprintln;
     use foxhunt::{
@@ -41,25 +39,11 @@ mod target {
         random::{SeedableRng, Xoshiro128PlusPlus, uniform},
     };
 
+    use crate::board::region::region;
+
     static MOMENTS: &[u8] = include_bytes!("../tests/data/tunnel.moments");
     static LEVELS: &[u8] = include_bytes!("../tests/data/tunnel.levels");
     static HALL: &[u8] = include_bytes!("../tests/data/hall.moments");
-
-    /// Marks the beginning and the end of a region.
-    #[inline(never)]
-    fn region_edge() {
-        compiler_fence(Ordering::SeqCst);
-        cortex_m::asm::nop();
-    }
-
-    /// A region whose cost is divided by `items`. Regions of one name are added up.
-    fn region<T>(name: &str, items: usize, work: impl FnOnce() -> T) -> T {
-        hprintln!("region\t{}\t{}", name, items);
-        region_edge();
-        let result = black_box(work());
-        region_edge();
-        result
-    }
 
     fn open(bytes: &'static [u8]) -> RadioMap<'static> {
         RadioMap::new(black_box(bytes)).expect("the map is whole")

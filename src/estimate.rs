@@ -134,6 +134,12 @@ pub struct Ellipse {
     pub orientation: f32,
 }
 
+/// The variance along the longest axis of a distribution: the larger eigenvalue of its covariance.
+pub(crate) fn largest_variance(&[[a, b], [_, c]]: &[[f32; 2]; 2]) -> f32 {
+    let half_difference = 0.5 * (a - c);
+    0.5 * (a + c) + sqrt(half_difference * half_difference + b * b)
+}
+
 impl Ellipse {
     /// The smallest region that a normal distribution gives the probability `probability`: from 0, a point, up to
     /// all but 1e-7.
@@ -142,13 +148,10 @@ impl Ellipse {
     /// freedom, `-2 ln(1 - probability)`: 5.99 for 95 %.
     pub fn of_normal(centre: [f32; 2], covariance: [[f32; 2]; 2], probability: f32) -> Self {
         let [[a, b], [_, c]] = covariance;
-        let middle = 0.5 * (a + c);
-        let half_difference = 0.5 * (a - c);
-        let reach = sqrt(half_difference * half_difference + b * b);
         let radius_squared = -2.0 * ln(1.0 - probability.clamp(0.0, 1.0 - 1e-7));
         // Rounding may push the small eigenvalue of a flat ellipse below zero; by the determinant it loses
         // fewer digits than by the difference.
-        let major = middle + reach;
+        let major = largest_variance(&covariance);
         let determinant = a * c - b * b;
         let minor = if determinant > 0.0 {
             determinant / major
@@ -159,7 +162,7 @@ impl Ellipse {
             centre,
             semi_major: sqrt(radius_squared * major),
             semi_minor: sqrt(radius_squared * minor),
-            orientation: 0.5 * atan2(b, half_difference),
+            orientation: 0.5 * atan2(b, 0.5 * (a - c)),
         }
     }
 

@@ -3,10 +3,13 @@
 //! Two variables of the environment, whose defaults are in `.cargo/config.toml`: `FOXHUNT_MAP`, the full path of the map,
 //! and `FOXHUNT_WALKS`, how people walk and radios hear there: `tunnel` or `floor`.
 
+#[path = "walks.rs"]
+mod walks;
+
 use foxhunt::{
     fingerprint::{
         RadioMap,
-        tracker::{Channel, Motion, Settings, Site},
+        tracker::{Settings, Site},
     },
     gateway::beacon::{self, BeaconGateway, Framing},
 };
@@ -32,31 +35,9 @@ pub const fn gateway(framed: Framing) -> Gateway {
 
 const fn settings() -> Settings {
     match env!("FOXHUNT_WALKS").as_bytes() {
-        b"tunnel" => tunnel(),
+        b"tunnel" => walks::tunnel(),
         // Slowly, with turns, in the reach of a dozen radios.
         b"floor" => Settings::new(),
         _ => panic!("FOXHUNT_WALKS is neither tunnel nor floor"),
-    }
-}
-
-/// At any pace up to that of a bicycle, past few radios, whose packets are nearly independent.
-const fn tunnel() -> Settings {
-    let motion = Motion {
-        velocity_m_s: 1.5,
-        agility: 0.2,
-        memory_s: f32::INFINITY,
-    };
-    let channel = Channel {
-        mismatch_db: 2.0,
-        tempering: 0.5,
-        gate_deviations: f32::INFINITY,
-        ..Channel::new()
-    };
-    match Settings::new().with_motion(motion) {
-        Ok(settings) => match settings.with_channel(channel) {
-            Ok(settings) => settings,
-            Err(_) => panic!("a field of the channel is out of range"),
-        },
-        Err(_) => panic!("a field of the motion is out of range"),
     }
 }

@@ -1,14 +1,10 @@
 //! The vehicle's sentences out.
 
 use super::clock::TimeOfDay;
-use super::sentence::{Text, Unit};
+use super::sentence::{DEGREES, ONE_SIGMA, Text, Unit};
 use super::{Counters, Rejected};
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
 use crate::aoa::locator::{Fix, NotObservable};
-
-/// The probability of the ellipse whose semi-axes are one standard deviation: 1 - exp(-1/2).
-const ONE_SIGMA: f32 = 0.393_469_34;
-const DEGREES: f32 = 180.0 / core::f32::consts::PI;
 
 /// Has room for a fix and a status.
 pub(super) type Report = Text<320>;

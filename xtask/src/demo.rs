@@ -11,12 +11,12 @@ use std::{
     time::Duration,
 };
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use foxhunt_host::{drive, geodesy::Place, measured::Measured, replay::Replay};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use self::{assessment::Assessment, report::Report};
-use crate::{project, qemu::Machine, setup};
+use crate::{project, qemu::Machine, setup, trace};
 
 /// The options of `cargo xtask demo`.
 #[derive(clap::Args)]
@@ -87,10 +87,7 @@ pub fn run(options: &Options) -> Result<()> {
 
     let mut replay = Replay::of(&scene.bytes);
     replay.push(QUERY);
-    ensure!(
-        replay.output() == output,
-        "the firmware's reports are not those of the same gateway on this machine"
-    );
+    trace::ensure_same(&output, replay.output())?;
     println!("the gateway on this machine gives the same reports, byte for byte");
 
     let reports = report::parse(&output);

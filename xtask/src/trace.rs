@@ -139,7 +139,8 @@ fn lines(output: &[u8]) -> String {
     String::from_utf8_lossy(output).into_owned()
 }
 
-fn ensure_same(board: &[u8], host: &[u8]) -> Result<()> {
+/// Fails unless the board has sent what the host says, and then names the first line that differs.
+pub fn ensure_same(board: &[u8], host: &[u8]) -> Result<()> {
     let (board, host) = (lines(board), lines(host));
     for (number, (board, host)) in board.lines().zip(host.lines()).enumerate() {
         let line = number + 1;

@@ -70,11 +70,7 @@ pub fn scene() -> Result<Scene> {
 /// Simulates both and writes their files.
 pub fn run() -> Result<()> {
     let Scene { map, recording, .. } = example(EXAMPLE_SEED);
-    let lines: Vec<u8> = recording
-        .lines()
-        .into_iter()
-        .flat_map(|(_, line)| line)
-        .collect();
+    let lines = recording.line_bytes();
     for (file, bytes) in [(MAP, map), (PACKETS, lines)] {
         fs::write(project::root().join(file), &bytes)
             .with_context(|| format!("cannot write {file}"))?;

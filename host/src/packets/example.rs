@@ -174,11 +174,7 @@ mod tests {
     #[test]
     fn the_shipped_files_are_those_of_the_seed() {
         let Scene { map, recording, .. } = example(EXAMPLE_SEED);
-        let lines: Vec<u8> = recording
-            .lines()
-            .into_iter()
-            .flat_map(|(_, line)| line)
-            .collect();
+        let lines = recording.line_bytes();
         let same = map == include_bytes!("../../../examples/data/tunnel.map")
             && lines == include_bytes!("../../../examples/data/tunnel.packets");
         assert!(same, "remake them: cargo xtask tunnel");

@@ -4,6 +4,9 @@ mod example;
 mod measured;
 mod path;
 mod replay;
+// The source of the firmware.
+#[path = "../../../examples/gateways/walks.rs"]
+mod settings;
 
 pub use example::{EXAMPLE_SEED, example};
 pub use measured::measured;
@@ -13,10 +16,7 @@ pub use replay::{Gateway, Replay};
 use std::collections::BTreeMap;
 
 use anyhow::{Context, Result};
-use foxhunt::{
-    fingerprint::tracker::{self, Channel, Motion},
-    gateway::beacon::Packet,
-};
+use foxhunt::{fingerprint::tracker, gateway::beacon::Packet};
 
 /// A place with a radio map, and what was heard there.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,25 +50,10 @@ impl Walks {
     }
 
     /// The settings that the firmware then takes.
-    fn settings(self) -> tracker::Settings {
-        let motion = Motion {
-            velocity_m_s: 1.5,
-            agility: 0.2,
-            memory_s: f32::INFINITY,
-        };
-        let channel = Channel {
-            mismatch_db: 2.0,
-            tempering: 0.5,
-            gate_deviations: f32::INFINITY,
-            ..Channel::new()
-        };
-        let settings = tracker::Settings::new();
+    pub(crate) fn settings(self) -> tracker::Settings {
         match self {
-            Self::Tunnel => settings
-                .with_motion(motion)
-                .and_then(|settings| settings.with_channel(channel))
-                .expect("within the ranges"),
-            Self::Floor => settings,
+            Self::Tunnel => settings::tunnel(),
+            Self::Floor => tracker::Settings::new(),
         }
     }
 }
@@ -89,6 +74,14 @@ pub struct Recording {
 pub type Message = (u32, Vec<u8>);
 
 impl Recording {
+    /// All sentences, one after the other.
+    pub fn line_bytes(&self) -> Vec<u8> {
+        self.lines()
+            .into_iter()
+            .flat_map(|(_, line)| line)
+            .collect()
+    }
+
     /// As sentences, where the tags are first.
     pub fn lines(&self) -> Vec<Message> {
         let truth = self.truth.iter().flat_map(|(tag, path)| {

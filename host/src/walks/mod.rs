@@ -17,6 +17,7 @@ use foxhunt::{
 pub use office::{Office, Walk};
 
 use crate::{
+    packets::Walks,
     radio_map::{Options, SiteSurvey},
     survey::Survey,
     tunnel::{
@@ -64,25 +65,16 @@ pub fn of_simulated_scans() -> Result<Settings, SettingsError> {
         .with_offset(offset)
 }
 
-/// The same for packets that come one by one while the person walks: those that follow each other err alike.
+/// What it is to know of packets that come one by one while the person walks: as the firmware, but for a radio that is that
+/// of the survey.
 ///
 /// # Errors
 /// Never, unless the ranges of the settings change.
 pub fn of_simulated_packets() -> Result<Settings, SettingsError> {
-    let scans = of_simulated_scans()?;
-    scans
-        .with_motion(Motion {
-            velocity_m_s: 1.5,
-            agility: 0.2,
-            memory_s: f32::INFINITY,
-        })?
-        .with_channel(Channel {
-            mismatch_db: MISMATCH.sqrt() as f32,
-            survey_samples: SAMPLES as u16,
-            tempering: 0.5,
-            gate_deviations: f32::INFINITY,
-            ..Channel::new()
-        })
+    Walks::Tunnel.settings().with_offset(Offset {
+        probability: 0.0,
+        ..Offset::new()
+    })
 }
 
 /// The radio map of a survey along the middle of the simulated tunnel, every metre: the bytes that go to flash.

@@ -21,7 +21,7 @@ use core::fmt;
 
 use super::triangulation::random_intersection;
 use super::{BearingLikelihood, Observation};
-use crate::estimate::Ellipse;
+use crate::estimate::{Ellipse, largest_variance};
 use crate::filter::ParticleFilter;
 use crate::math::sqrt;
 use crate::random::Rng;
@@ -375,8 +375,8 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locator<N, B, M> {
         };
         let gain = misfit_at_infinity - self.evidence.misfit(mode.mean());
         let gain = if gain > 0.0 { gain } else { 0.0 };
-        let relative_error =
-            mode.largest_deviation() / self.evidence.distance_to_latest(mode.mean());
+        let relative_error = sqrt(largest_variance(&mode.covariance()))
+            / self.evidence.distance_to_latest(mode.mean());
         if gain * limit * limit < 1.0 || relative_error > limit {
             return Err(crossing(2.0 * sqrt(gain / information)));
         }
@@ -417,15 +417,6 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locator<N, B, M> {
             n,
             self.evidence.count(),
         )
-    }
-}
-
-impl Proposal {
-    /// Standard deviation along the longest axis of the distribution, in metres.
-    fn largest_deviation(&self) -> f32 {
-        let [[a, b], [_, c]] = self.covariance();
-        let half = 0.5 * (a - c);
-        sqrt(0.5 * (a + c) + sqrt(half * half + b * b))
     }
 }
 

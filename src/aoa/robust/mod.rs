@@ -35,6 +35,7 @@ use core::f32::consts::LN_2;
 
 use super::Observation;
 use super::locator::{self, Answer, Fix, NotObservable};
+use crate::estimate::largest_variance;
 use crate::filter::ParticleFilter;
 use crate::math::{exp, sqrt};
 use crate::random::Rng;
@@ -398,12 +399,6 @@ fn position(&[x, y, _]: &State) -> [f32; 2] {
 /// Of place and bias, the part of the place.
 fn plane(&[[xx, xy, _], [yx, yy, _], _]: &[[f32; 3]; 3]) -> [[f32; 2]; 2] {
     [[xx, xy], [yx, yy]]
-}
-
-/// Variance along the longest axis of a distribution, in square metres.
-fn largest_variance(&[[a, b], [_, c]]: &[[f32; 2]; 2]) -> f32 {
-    let half = 0.5 * (a - c);
-    0.5 * (a + c) + sqrt(half * half + b * b)
 }
 
 #[cfg(test)]

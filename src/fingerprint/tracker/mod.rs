@@ -19,73 +19,32 @@
 //! One [`Site`] and one [`Workspace`] serve any number of trackers: see [`Trackers`] for many tags.
 
 mod field;
+mod fix;
 mod offset;
 mod pending;
 mod settings;
+mod site;
 mod tags;
 mod walls;
 
 use core::fmt;
 
-use super::{Encoding, MapError, RadioMap};
-use crate::estimate::{self, Ellipse};
+use crate::estimate;
 use crate::math::{exp, ln, sqrt};
 use crate::particles::Particles;
 use crate::random::{Rng, normal, uniform};
 use crate::resample::Scheme;
 use crate::weights::{self, Normalised};
 use field::{Field, Level};
+use fix::seconds;
 use offset::OffsetBelief;
 use pending::Pending;
 
+pub use fix::{Fix, State};
 pub use settings::{Channel, Motion, Offset, Settings, SettingsError};
+pub use site::Site;
 pub use tags::{Tag, Trackers};
 pub use walls::{Piece, Walls};
-
-/// Where tags are tracked, and how: what all trackers share and none changes.
-#[derive(Debug, Clone, Copy)]
-pub struct Site<'a> {
-    map: RadioMap<'a>,
-    walls: Walls<'a>,
-    settings: Settings,
-}
-
-impl<'a> Site<'a> {
-    /// With no walls but the edges of the map.
-    ///
-    /// # Errors
-    /// [`MapError::Encoding`] unless the map holds [`Encoding::Moments`], [`MapError::Lattice`] for a single column of
-    /// points: a line has to be a row.
-    pub const fn new(map: RadioMap<'a>, settings: Settings) -> Result<Self, MapError> {
-        if map.lattice().columns() < 2 {
-            return Err(MapError::Lattice);
-        }
-        if !matches!(map.encoding(), Encoding::Moments) {
-            return Err(MapError::Encoding);
-        }
-        Ok(Self {
-            map,
-            walls: Walls::None,
-            settings,
-        })
-    }
-
-    /// Particles do not pass them.
-    pub const fn with_walls(mut self, walls: Walls<'a>) -> Self {
-        self.walls = walls;
-        self
-    }
-
-    /// As given.
-    pub const fn map(&self) -> &RadioMap<'a> {
-        &self.map
-    }
-
-    /// As given.
-    pub const fn settings(&self) -> &Settings {
-        &self.settings
-    }
-}
 
 /// What an update of `N` particles works in, with a map of up to `P` points: 12 P + 4 N + 8 bytes, which hold nothing of use
 /// between updates. One serves all trackers.
@@ -111,70 +70,11 @@ impl<const N: usize, const P: usize> Default for Workspace<N, P> {
     }
 }
 
-/// How far a place is to be trusted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum State {
-    /// It is where the fix says.
-    Tracking,
-    /// The fix is the mean of places too far apart: the deviation is above [`Settings::with_uncertain_m`].
-    #[default]
-    Uncertain,
-    /// The evidence has gone against all particles, and some or all were just drawn anew.
-    Lost,
-    /// It was lost, and the evidence has been for the particles since, but not for long.
-    Recovered,
-}
-
-/// Where a tag is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Fix {
-    /// When it was there: the mean time of the packets of the last update.
-    pub time_ms: u32,
-    /// How far it is to be trusted.
-    pub state: State,
-    /// Posterior mean in metres. A map of one row knows nothing of y.
-    pub position: [f32; 2],
-    /// Posterior covariance in square metres.
-    pub covariance: [[f32; 2]; 2],
-    /// Posterior mean in metres a second.
-    pub velocity: [f32; 2],
-    /// By how many dB the tag reads stronger than the one of the survey: the posterior mean.
-    pub offset_db: f32,
-    /// How many equally weighted particles the cloud was worth.
-    pub effective_sample_size: f32,
-}
-
-impl Fix {
-    /// The ellipse that holds the tag with the given probability (0 to 1), if the posterior is normal.
-    pub fn ellipse(&self, probability: f32) -> Ellipse {
-        Ellipse::of_normal(self.position, self.covariance, probability)
-    }
-
-    /// Where it is at another time, if it goes on as it did.
-    pub fn position_at(&self, time_ms: u32) -> [f32; 2] {
-        let seconds = seconds(time_ms.wrapping_sub(self.time_ms) as i32);
-        [
-            self.position[0] + seconds * self.velocity[0],
-            self.position[1] + seconds * self.velocity[1],
-        ]
-    }
-
-    /// Standard deviation along the longest axis, in metres.
-    pub fn deviation(&self) -> f32 {
-        let [[a, b], [_, c]] = self.covariance;
-        let half = 0.5 * (a - c);
-        sqrt(0.5 * (a + c) + sqrt(half * half + b * b))
-    }
-}
-
 /// One beacon of a scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Heard {
-    /// Its number, see [`RadioMap::beacon_index`].
+    /// Its number, see [`super::RadioMap::beacon_index`].
     pub beacon: u8,
     /// Mean strength of its packets, in dBm.
     pub mean_dbm: f32,
@@ -711,10 +611,6 @@ impl<const N: usize, const B: usize> Default for Tracker<N, B> {
     fn default() -> Self {
         Self::new()
     }
-}
-
-fn seconds(milliseconds: i32) -> f32 {
-    1e-3 * milliseconds as f32
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 extern crate std;
 use super::*;
 use crate::checksum::crc32;
+use crate::fingerprint::RadioMap;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 use std::vec::Vec;
 

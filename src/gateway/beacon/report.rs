@@ -2,14 +2,10 @@
 
 use super::{Counters, Rejected};
 use crate::fingerprint::tracker::{Fix, State, Tag};
-use crate::gateway::sentence::{Text, Unit};
+use crate::gateway::sentence::{DEGREES, ONE_SIGMA, Text, Unit};
 
 /// Has room for the fixes of [`super::MAX_TAGS`] tags and a status.
 pub(super) type Report = Text<2560>;
-
-/// The probability of the ellipse whose semi-axes are one standard deviation: 1 - exp(-1/2).
-const ONE_SIGMA: f32 = 0.393_469_34;
-const DEGREES: f32 = 180.0 / core::f32::consts::PI;
 
 impl Report {
     /// `$PFOXT`

@@ -20,7 +20,7 @@ use foxhunt_host::{
 use indicatif::{ProgressBar, ProgressStyle};
 
 use self::{assessment::Assessment, report::Report, screen::Screen};
-use crate::{project, qemu::Machine, setup, tunnel::Framed};
+use crate::{project, qemu::Machine, setup, trace, tunnel::Framed};
 
 /// The options of `cargo xtask demo tunnel`.
 #[derive(clap::Args)]
@@ -77,10 +77,7 @@ pub fn run(options: &Options) -> Result<()> {
 
     let mut replay = Replay::new(&scene, framed.framing())?;
     replay.push(&framed.bytes(&scene.recording));
-    ensure!(
-        replay.output() == output,
-        "the firmware's reports are not those of the same gateway on this machine"
-    );
+    trace::ensure_same(&output, replay.output())?;
     println!("the gateway on this machine gives the same reports, byte for byte");
 
     let reports = report::parse(&output);

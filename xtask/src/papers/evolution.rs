@@ -311,15 +311,7 @@ fn report(experiment: &Experiment, omega: f64, variance: f64) -> Vec<Figure> {
                 over
             },
         ]);
-        if method.key != scalar::FLOOR {
-            figures.push(figure("calls", method.calls(), "per run"));
-            figures.push(figure("instructions", method.instructions, "per run"));
-        }
-        figures.extend(
-            method
-                .coverage()
-                .map(|share| figure("coverage", share, "of steps")),
-        );
+        figures.extend(method.cost_and_coverage(figure));
     }
     println!("{table}");
     println!(

@@ -108,15 +108,7 @@ fn growth(study: &Study) -> Result<Vec<Figure>> {
             },
             figure("pooled_rmse_over_floor_error", over_floor.error, ""),
         ]);
-        if method.key != scalar::FLOOR {
-            figures.push(figure("calls", method.calls(), "per run"));
-            figures.push(figure("instructions", method.instructions, "per run"));
-        }
-        figures.extend(
-            method
-                .coverage()
-                .map(|share| figure("coverage", share, "of steps")),
-        );
+        figures.extend(method.cost_and_coverage(figure));
     }
     println!("{table}");
     let rmses = experiment.floor().rmses();

@@ -20,6 +20,7 @@ use super::{
     methods::scalar::{self as methods, Visit},
     statistics::{Estimate, bootstrap, median},
 };
+use crate::figures::Figure;
 
 /// Steps of a run, in both papers.
 pub const STEPS: usize = 50;
@@ -324,6 +325,21 @@ impl Outcomes {
     pub fn coverage(&self) -> Option<f64> {
         let steps = self.squares.len() * self.squares[0].len();
         (self.calls > 0).then(|| self.covered as f64 / steps as f64)
+    }
+
+    /// What a run takes, and the coverage, as figures; of the exact filter there are none.
+    pub fn cost_and_coverage(
+        &self,
+        figure: impl Fn(&str, f64, &'static str) -> Figure,
+    ) -> Vec<Figure> {
+        let mut figures = Vec::new();
+        if self.key != FLOOR {
+            figures.push(figure("calls", self.calls(), "per run"));
+            figures.push(figure("instructions", self.instructions, "per run"));
+        }
+        let coverage = self.coverage();
+        figures.extend(coverage.map(|share| figure("coverage", share, "of steps")));
+        figures
     }
 
     /// Mean squared error of each run.
