@@ -9,6 +9,7 @@ pub mod correction;
 pub mod gauss_newton;
 pub mod geodesy;
 mod likelihood;
+mod locate;
 pub mod locator;
 mod observation;
 pub mod robust;
@@ -16,4 +17,5 @@ pub mod triangulation;
 
 pub use bearing::Bearing;
 pub use likelihood::BearingLikelihood;
+pub use locate::{Locate, Motion, Source};
 pub use observation::{Observation, ObservationError};

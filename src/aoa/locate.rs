@@ -1,0 +1,127 @@
+//! What locators have in common.
+
+use super::Observation;
+use super::locator::{Answer, Fix, Locator, Moves};
+use super::robust::{Bias, Hypothesis, RobustLocator, Shares};
+use crate::random::Rng;
+
+/// What takes bearings and says where sources are.
+///
+/// A [`Locator`] and a [`RobustLocator`] know of one source that stays where it is. What one of them does not estimate is
+/// `None` here, at no cost.
+pub trait Locate {
+    /// Takes one bearing, `seconds` after the one before, and says what is known with it.
+    fn push_after<R: Rng + ?Sized>(
+        &mut self,
+        observation: Observation,
+        seconds: f32,
+        rng: &mut R,
+    ) -> Answer;
+
+    /// What is known of the source; of the best known, where there are several.
+    fn answer(&self) -> Answer;
+
+    /// Forgets everything but the settings.
+    fn reset(&mut self);
+
+    /// The sources that have a fix, the best known first; `None` beyond the last.
+    fn source(&self, index: usize) -> Option<Source> {
+        match self.answer() {
+            Answer::Fix(fix) if index == 0 => Some(Source {
+                identity: 0,
+                fix,
+                motion: None,
+            }),
+            _ => None,
+        }
+    }
+
+    /// The places where the source may be, in no particular order; `None` beyond the last.
+    fn hypothesis(&self, _index: usize) -> Option<Hypothesis> {
+        None
+    }
+
+    /// What all bearings are off by alike.
+    fn bias(&self) -> Option<Bias> {
+        None
+    }
+
+    /// The shares of direct, mirrored and wild bearings.
+    fn shares(&self) -> Option<Shares> {
+        None
+    }
+}
+
+/// One of the sources on a channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Source {
+    /// A number that it keeps for as long as it is tracked, and that no other had before.
+    pub identity: u16,
+    /// Where it is.
+    pub fix: Fix,
+    /// How it moves; `None` from a locator for sources that do not.
+    pub motion: Option<Motion>,
+}
+
+/// How a source moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Motion {
+    /// Probability that it moves now, rather than being parked.
+    pub moving: f32,
+    /// Posterior mean of its velocity if it moves, in metres a second east and north.
+    pub velocity: [f32; 2],
+    /// Standard deviation of either of these, in metres a second.
+    pub deviation: f32,
+}
+
+impl<const N: usize, const B: usize, M: Moves<N>> Locate for Locator<N, B, M> {
+    fn push_after<R: Rng + ?Sized>(
+        &mut self,
+        observation: Observation,
+        _seconds: f32,
+        rng: &mut R,
+    ) -> Answer {
+        self.push(observation, rng)
+    }
+
+    fn answer(&self) -> Answer {
+        self.answer()
+    }
+
+    fn reset(&mut self) {
+        self.reset();
+    }
+}
+
+impl<const N: usize, const B: usize> Locate for RobustLocator<N, B> {
+    fn push_after<R: Rng + ?Sized>(
+        &mut self,
+        observation: Observation,
+        seconds: f32,
+        rng: &mut R,
+    ) -> Answer {
+        self.push_after(observation, seconds, rng)
+    }
+
+    fn answer(&self) -> Answer {
+        self.answer()
+    }
+
+    fn reset(&mut self) {
+        self.reset();
+    }
+
+    fn hypothesis(&self, index: usize) -> Option<Hypothesis> {
+        self.hypotheses().nth(index)
+    }
+
+    fn bias(&self) -> Option<Bias> {
+        self.bias()
+    }
+
+    fn shares(&self) -> Option<Shares> {
+        Some(self.shares())
+    }
+}
