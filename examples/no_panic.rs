@@ -350,6 +350,7 @@ mod proof {
             .and_then(|errors| errors.shares(any(0.0), any(0.0)))
             .and_then(|errors| errors.prior_bearings(any(0.0)))
             .and_then(|errors| errors.bias_deviation(any(0.0)))
+            .and_then(|errors| errors.position_deviation(any(0.0)))
             .and_then(|errors| errors.correlation(any(0.0), any(0.0), any(0.0)));
         let settings = robust::Settings::new(errors.unwrap_or_default())
             .common(any(locator::Settings::new()))

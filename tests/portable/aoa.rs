@@ -24,6 +24,10 @@ pub const CASES: &[Case] = &[
         robust_locator_finds_the_source,
     ),
     (
+        "aoa::robust_locator_of_inexact_places",
+        robust_locator_of_inexact_places,
+    ),
+    (
         "aoa::gauss_newton_finds_the_source",
         gauss_newton_finds_the_source,
     ),
@@ -101,6 +105,27 @@ fn robust_locator_finds_the_source() -> Digest {
             digest.add(&[hypothesis.mass]);
         }
     }
+    digest
+}
+
+/// From places that are off by ten metres.
+fn robust_locator_of_inexact_places() -> Digest {
+    let errors = Faulty::new().position_deviation(10.0).expect("in range");
+    let mut locator = RobustLocator::<128, 32>::new(robust::Settings::new(errors));
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
+    let mut digest = Digest::new();
+    for observation in drive() {
+        let place = observation.position().map(|x| x + 10.0 * normal(&mut rng));
+        let moved = Observation::new(place, observation.bearing(), observation.deviation());
+        if let Answer::Fix(fix) = locator.push(moved.expect("in range"), &mut rng) {
+            digest.add(&fix.position);
+            digest.add(fix.covariance.as_flattened());
+        }
+    }
+    let Answer::Fix(fix) = locator.answer() else {
+        panic!("no fix")
+    };
+    assert!(is_near(fix.position, 100.0), "{:?}", fix.position);
     digest
 }
 

@@ -3,6 +3,8 @@
 use core::f32::consts::{PI, TAU};
 use core::fmt;
 
+use super::term::State;
+use crate::aoa::Observation;
 use crate::math::sqrt;
 
 /// What bearings are: straight at the source, turned by half a circle, or unrelated to it. They sum to one.
@@ -49,6 +51,7 @@ pub struct Errors {
     pub(super) shares: Shares,
     pub(super) prior_bearings: f32,
     pub(super) bias_deviation: f32,
+    pub(super) position_deviation: f32,
     pub(super) correlation: Correlation,
 }
 
@@ -76,6 +79,8 @@ pub enum SettingsError {
     PriorBearings,
     /// `bias_deviation` is not within 0 and 0.5.
     BiasDeviation,
+    /// `position_deviation` is not within 0 and 1000.
+    PositionDeviation,
     /// `at_rest` is not within 0 and 0.99.
     CorrelationAtRest,
     /// `distance_m` is not within 0.001 and 1e6.
@@ -94,6 +99,7 @@ impl fmt::Display for SettingsError {
             Self::Wild => "wild is not within 0.001 and 0.9, or leaves too few direct",
             Self::PriorBearings => "prior_bearings is less than 1",
             Self::BiasDeviation => "bias_deviation is not within 0 and 0.5",
+            Self::PositionDeviation => "position_deviation is not within 0 and 1000",
             Self::CorrelationAtRest => "at_rest is not within 0 and 0.99",
             Self::CorrelationDistance => "distance_m is not within 0.001 and 1e6",
             Self::CorrelationTime => "time_s is less than 0.001",
@@ -117,6 +123,7 @@ impl Errors {
             },
             prior_bearings: 10.0,
             bias_deviation: 0.0,
+            position_deviation: 0.0,
             correlation: Correlation {
                 at_rest: 0.9,
                 distance_m: 5.0,
@@ -186,6 +193,23 @@ impl Errors {
         Ok(self)
     }
 
+    /// Standard deviation, in metres, of each coordinate of the places where bearings are taken: 0 unless set, which is
+    /// exact.
+    ///
+    /// Seen from a source at a range r, a place that is off by p across the line of sight turns the bearing by p / r: the
+    /// variances add. The range is that of the source as it was when the particles last moved; before the first fix, that
+    /// of the best hypothesis. Errors of places count as independent where those of the bearings do.
+    ///
+    /// # Errors
+    /// Outside 0 to 1000.
+    pub const fn position_deviation(mut self, metres: f32) -> Result<Self, SettingsError> {
+        if !(metres >= 0.0 && metres <= 1000.0) {
+            return Err(SettingsError::PositionDeviation);
+        }
+        self.position_deviation = metres;
+        Ok(self)
+    }
+
     /// Correlation of the errors of two bearings: `at_rest` if taken one after the other at one place, less by a
     /// factor of e every `distance_m` metres and every `time_s` seconds. 0.9, 5 m and infinitely long unless set;
     /// zero at rest is none. Readings from within a quarter of that distance that agree become one.
@@ -213,6 +237,27 @@ impl Errors {
             time_s,
         };
         Ok(self)
+    }
+
+    /// Of the error of a bearing, in square radians, with that of its place, if the bearing is worth so many independent
+    /// ones, on a source thought to be at a state.
+    pub(super) fn variance(
+        &self,
+        observation: &Observation,
+        worth: f32,
+        source: Option<&State>,
+    ) -> f32 {
+        let own = observation.deviation() * observation.deviation();
+        let square = self.position_deviation * self.position_deviation;
+        match source {
+            Some(&[x, y, _]) if square > 0.0 => {
+                let [px, py] = observation.position();
+                let range = worth * ((x - px) * (x - px) + (y - py) * (y - py));
+                // No more than a radian, about the source itself.
+                own + square / if range > square { range } else { square }
+            }
+            _ => own,
+        }
     }
 
     /// One step of expectation maximisation: the shares become the mean of the Dirichlet distribution of `prior` and

@@ -15,6 +15,8 @@ pub(super) struct Evidence<const B: usize> {
     /// Of the sights, in the same order.
     terms: Vec<Term, B>,
     region: Region,
+    /// Where the source was thought to be when the terms were made.
+    source: Option<State>,
     latest: [f32; 2],
     count: u32,
 }
@@ -36,6 +38,7 @@ impl<const B: usize> Evidence<B> {
                 centre: [0.0; 2],
                 inverse_square: 1.0 / (range_m * range_m),
             },
+            source: None,
             latest: [0.0; 2],
             count: 0,
         }
@@ -44,6 +47,7 @@ impl<const B: usize> Evidence<B> {
     pub(super) fn clear(&mut self) {
         self.sights.clear();
         self.terms.clear();
+        self.source = None;
         self.count = 0;
     }
 
@@ -73,6 +77,15 @@ impl<const B: usize> Evidence<B> {
         }
     }
 
+    /// Of the error of a bearing, with that of its place.
+    pub(super) fn variance(&self, sight: &Sight, errors: &Errors) -> f32 {
+        errors.variance(&sight.observation, sight.worth, self.source.as_ref())
+    }
+
+    fn term(&self, sight: &Sight, errors: &Errors) -> Term {
+        Term::new(&sight.observation, errors, self.variance(sight, errors))
+    }
+
     /// Takes a bearing, `seconds` after the one before. `source` is where the source is thought to be, if anywhere.
     pub(super) fn push(
         &mut self,
@@ -85,6 +98,10 @@ impl<const B: usize> Evidence<B> {
             self.region.centre = observation.position();
         }
         self.latest = observation.position();
+        // Before a fix, the range is that of the best hypothesis.
+        if source.is_some() {
+            self.source = source.copied();
+        }
         self.count = self.count.saturating_add(1);
         for sight in &mut self.sights {
             sight.age_s += seconds;
@@ -92,8 +109,8 @@ impl<const B: usize> Evidence<B> {
         let mut observation = observation;
         let correlation = errors.correlation;
         if correlation.at_rest > 0.0
-            && let Some((place, distance)) = self.nearest_alike(&observation, source)
-            && let Some((sight, term)) = (self.sights.get_mut(place)).zip(self.terms.get_mut(place))
+            && let Some((place, distance)) = self.nearest_alike(&observation, source, errors)
+            && let Some(sight) = self.sights.get_mut(place)
         {
             let lengths = distance / correlation.distance_m + sight.age_s / correlation.time_s;
             let r = correlation.at_rest * exp(-lengths);
@@ -101,14 +118,17 @@ impl<const B: usize> Evidence<B> {
             let worth = (1.0 - r) / (1.0 + r);
             if distance < 0.25 * correlation.distance_m {
                 sight.join(&observation, worth, source);
-                let old = core::mem::replace(term, Term::new(&sight.observation, errors));
-                let old = Some(old);
-                return Change { new: *term, old };
+                let sight = *sight;
+                let new = self.term(&sight, errors);
+                let old = self.terms.get_mut(place);
+                let old = old.map(|term| core::mem::replace(term, new));
+                return Change { new, old };
             }
             observation = tempered(observation, worth);
         }
-        let new = Term::new(&observation, errors);
-        self.add(Sight::new(observation), new, source, errors);
+        let sight = Sight::new(observation);
+        let new = self.term(&sight, errors);
+        self.add(sight, new, source, errors);
         Change { new, old: None }
     }
 
@@ -117,7 +137,7 @@ impl<const B: usize> Evidence<B> {
             let _ = self.terms.push(term);
             return;
         }
-        let Some(Pair { i, j, agree }) = self.most_alike(source) else {
+        let Some(Pair { i, j, agree }) = self.most_alike(source, errors) else {
             return;
         };
         let Some((a, b)) = self.sights.get(i).zip(self.sights.get(j)) else {
@@ -130,7 +150,7 @@ impl<const B: usize> Evidence<B> {
         } else if !self.likelier(i, j, source, errors) {
             one = *b;
         }
-        self.replace(i, one, Term::new(&one.observation, errors));
+        self.replace(i, one, self.term(&one, errors));
         self.replace(j, new, term);
     }
 
@@ -141,12 +161,17 @@ impl<const B: usize> Evidence<B> {
     }
 
     /// The nearest bearing that says the same, and how far away it was taken, in metres.
-    fn nearest_alike(&self, new: &Observation, source: Option<&State>) -> Option<(usize, f32)> {
+    fn nearest_alike(
+        &self,
+        new: &Observation,
+        source: Option<&State>,
+        errors: &Errors,
+    ) -> Option<(usize, f32)> {
         let mut best = None;
         let mut least = f32::INFINITY;
         for (i, old) in self.observations().enumerate() {
             let square = square_of_distance(old.position(), new.position());
-            if square < least && agree(old, new, source) {
+            if square < least && agree(old, new, source, errors) {
                 least = square;
                 best = Some(i);
             }
@@ -169,7 +194,7 @@ impl<const B: usize> Evidence<B> {
     /// The pair that was taken from places nearest to each other, in metres, or as seen from the source; pairs that say
     /// the same are preferred, but not at any price: the others would fill the buffer.
     #[inline(never)]
-    fn most_alike(&self, source: Option<&State>) -> Option<Pair> {
+    fn most_alike(&self, source: Option<&State>, errors: &Errors) -> Option<Pair> {
         /// How many times as far, squared, a pair that disagrees counts as.
         const PENALTY: f32 = 4.0;
         /// Its least squared distance, so that this holds at one place, too.
@@ -181,7 +206,7 @@ impl<const B: usize> Evidence<B> {
             for (j, b) in self.observations().enumerate().skip(i + 1) {
                 let difference = square_of_distance(a.position(), b.position()) / range;
                 if difference < least {
-                    let agree = agree(a, b, source);
+                    let agree = agree(a, b, source, errors);
                     let difference = if agree {
                         difference
                     } else {
@@ -197,10 +222,12 @@ impl<const B: usize> Evidence<B> {
         best
     }
 
-    /// After the errors have been learned.
-    pub(super) fn refresh(&mut self, errors: &Errors) {
+    /// After the errors have been learned, or where the source is.
+    pub(super) fn refresh(&mut self, errors: &Errors, source: &State) {
+        self.source = Some(*source);
         for (sight, term) in self.sights.iter().zip(&mut self.terms) {
-            *term = Term::new(&sight.observation, errors);
+            let variance = errors.variance(&sight.observation, sight.worth, Some(source));
+            *term = Term::new(&sight.observation, errors, variance);
         }
     }
 

@@ -1,5 +1,6 @@
 //! Two bearings as one.
 
+use super::errors::Errors;
 use super::term::{State, fold_angle};
 use crate::aoa::gauss_newton::linearise;
 use crate::aoa::{Bearing, Observation};
@@ -12,7 +13,7 @@ pub(super) struct Sight {
     /// How many readings it is the mean of,
     readings: f32,
     /// and how many independent ones these are worth.
-    worth: f32,
+    pub(super) worth: f32,
     /// Seconds since the last of them.
     pub(super) age_s: f32,
 }
@@ -62,10 +63,15 @@ impl Sight {
 /// Whether two bearings may well be of the same direction: within three deviations of their difference.
 ///
 /// Once it is known where the source is, a mirrored bearing says what a direct one does: they are lines.
-pub(super) fn agree(a: &Observation, b: &Observation, source: Option<&State>) -> bool {
+pub(super) fn agree(
+    a: &Observation,
+    b: &Observation,
+    source: Option<&State>,
+    errors: &Errors,
+) -> bool {
     let turn = turn(a, b, source);
-    let (s, t) = (a.deviation(), b.deviation());
-    turn * turn < 9.0 * (s * s + t * t)
+    let [s, t] = [a, b].map(|o| errors.variance(o, 1.0, source));
+    turn * turn < 9.0 * (s + t)
 }
 
 /// From one bearing to the other, as errors at the source if that is known.

@@ -19,6 +19,7 @@
 //!   maximisation at a time.
 //! * Readings of one place are one bearing, their mean, which is worth as many independent ones as their correlation
 //!   leaves.
+//! * A receiver that does not know exactly where it is may say how well it does: [`Errors::position_deviation`].
 //! * A full buffer averages the two bearings that say most nearly the same, and forgets the less likely of two that
 //!   contradict each other at nearly the same place.
 
@@ -318,13 +319,17 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
             return Err(NotObservable::TooFewBearings { have });
         }
         self.find_modes(rng);
+        if self.errors.position_deviation > 0.0
+            && let Some(best) = mode::best(&self.modes)
+        {
+            self.evidence.refresh(&self.errors, &best.mean);
+        }
         let (at_infinity, information) = self.evidence.at_infinity();
         let limit = self.settings.common.relative_range_error;
         // As the other locator says it: two halves of the bearings that differ by this angle.
         let needed = 2.0 / (limit * sqrt(information));
         let crossing = |radians| NotObservable::CrossingAngle { radians, needed };
-        let best = self.modes.iter().max_by(|a, b| a.share.total_cmp(&b.share));
-        let best = best.ok_or(crossing(0.0))?;
+        let best = mode::best(&self.modes).ok_or(crossing(0.0))?;
         let gain = self.evidence.density(&self.errors).log_density(&best.mean) - at_infinity;
         let gain = if gain > 0.0 { 2.0 * gain } else { 0.0 };
         let deviation = largest_variance(&plane(&best.covariance.matrix()));
@@ -363,7 +368,7 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
             density.count(&mode.mean, mode.share, &mut counts);
         }
         self.errors.learn(&self.settings.errors, &counts);
-        self.evidence.refresh(&self.errors);
+        self.evidence.refresh(&self.errors, &self.filter.mean());
     }
 
     fn sweep<R: Rng + ?Sized>(&mut self, moves: u8, rng: &mut R) {

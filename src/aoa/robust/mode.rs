@@ -97,6 +97,11 @@ pub(super) fn share(modes: &mut Modes) {
     }
 }
 
+/// The one with the largest share.
+pub(super) fn best(modes: &[Mode]) -> Option<&Mode> {
+    modes.iter().max_by(|a, b| a.share.total_cmp(&b.share))
+}
+
 /// The largest logarithm of a mass.
 pub(super) fn largest(modes: &[Mode]) -> f32 {
     let masses = modes.iter().map(|mode| mode.log_mass);

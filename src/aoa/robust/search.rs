@@ -8,6 +8,7 @@ use super::evidence::Evidence;
 use super::mode::{MODES, Mode, Modes, share};
 use super::term::{State, Term};
 use crate::aoa::triangulation::crossing;
+use crate::math::sqrt;
 use crate::random::{Rng, uniform};
 
 /// How many times as large the deviations are while candidates are compared: crossings are scattered much more widely
@@ -53,8 +54,11 @@ pub(super) fn search<R: Rng + ?Sized, const B: usize>(
         }
     }
     let mut wide: Vec<Term, B> = Vec::new();
-    for observation in evidence.observations() {
-        let _ = wide.push(Term::widened(observation, errors, WIDENING));
+    let bias = errors.bias_deviation;
+    for sight in evidence.sights() {
+        let deviation = WIDENING * sqrt(evidence.variance(sight, errors));
+        let variance = deviation * deviation + bias * bias;
+        let _ = wide.push(Term::new(&sight.observation, errors, variance));
     }
     let wide = Density {
         terms: &wide,

@@ -43,19 +43,8 @@ pub(super) struct Reading {
 }
 
 impl Term {
-    pub(super) fn new(observation: &Observation, errors: &Errors) -> Self {
-        let deviation = observation.deviation();
-        Self::of_variance(observation, errors, deviation * deviation)
-    }
-
-    /// With deviations `widening` times as large, of which the bias is a part.
-    pub(super) fn widened(observation: &Observation, errors: &Errors, widening: f32) -> Self {
-        let deviation = widening * observation.deviation();
-        let bias = errors.bias_deviation;
-        Self::of_variance(observation, errors, deviation * deviation + bias * bias)
-    }
-
-    fn of_variance(observation: &Observation, errors: &Errors, variance: f32) -> Self {
+    /// Of an error with this variance, in square radians.
+    pub(super) fn new(observation: &Observation, errors: &Errors, variance: f32) -> Self {
         let (sin, cos) = sin_cos(observation.bearing().radians());
         let shares = errors.shares;
         let peak = errors.tails.height() / (sqrt(variance) * shares.wild);

@@ -75,6 +75,10 @@ fn evidence(errors: &Errors, range_m: f32, observations: &[Observation]) -> Evid
     evidence
 }
 
+fn term(observation: &Observation, errors: &Errors) -> Term {
+    Term::new(observation, errors, errors.variance(observation, 1.0, None))
+}
+
 fn independent() -> Errors {
     Errors::new().correlation(0.0, 1.0, 1.0).unwrap()
 }
@@ -99,7 +103,7 @@ fn a_term_is_the_mixture_over_what_a_bearing_is() {
             let errors = Errors::new().tails(tails).unwrap();
             let bearing = Bearing::from_radians(2.0);
             let observation = Observation::new([3.0, -2.0], bearing, sigma).unwrap();
-            let term = Term::new(&observation, &errors);
+            let term = term(&observation, &errors);
             for step in 0..500 {
                 let angle = f64::from(step) * 0.0126 - PI;
                 let radius = 10f64.powi(step % 5);
@@ -127,7 +131,7 @@ fn a_term_is_the_mixture_over_what_a_bearing_is() {
 fn a_line_says_the_same_at_infinity() {
     let errors = Errors::new();
     let observation = towards([10.0, 20.0], [-700.0, 300.0], 0.0, 0.05);
-    let term = Term::new(&observation, &errors);
+    let term = term(&observation, &errors);
     for step in -30..30 {
         let direction = step as f32 * 0.1;
         let far = 1e5;
@@ -677,3 +681,5 @@ fn the_density_of_many_states_is_that_of_each() {
         assert!((log - density.log_density(state)).abs() < 1e-4);
     }
 }
+
+mod position;
