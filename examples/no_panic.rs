@@ -374,7 +374,6 @@ mod proof {
 
     fn gateway() {
         let settings = gateway::Settings::new()
-            .with_locator(any(locator::Settings::new()))
             .with_reference(any(BearingReference::Relative))
             .with_seed(any(0))
             .with_undated_bearings(any(0))
@@ -387,7 +386,10 @@ mod proof {
             .and_then(|settings| settings.with_minimum_speed_m_s(any(0.0)))
             .and_then(|settings| settings.with_report_interval_ms(any(0)));
         let Ok(settings) = settings else { return };
-        let mut vehicle = any(Vehicle::<50, 16>::new(settings));
+        let mut vehicle = any(Vehicle::<Locator<50, 16>>::new(
+            settings,
+            any(Locator::new(locator::Settings::new())),
+        ));
         for _ in 0..any(100) {
             black_box(vehicle.push(any(0)));
             black_box((

@@ -27,8 +27,8 @@ mod target {
     use cortex_m_semihosting::hprintln;
     use foxhunt::{
         aoa::{
-            Bearing, Observation,
-            locator::{self, Answer, Moves},
+            Bearing, Locate, Observation,
+            locator::{self, Answer, Locator},
             robust::{self, RobustLocator},
         },
         gateway::{Event, Settings, Vehicle},
@@ -46,7 +46,12 @@ mod target {
     #[cortex_m_rt::entry]
     fn main() -> ! {
         let stopwatch = Stopwatch::start();
-        let vehicle = || black_box(Vehicle::<200, 64>::new(Settings::new()));
+        let vehicle = || {
+            black_box(Vehicle::new(
+                Settings::new(),
+                Locator::<200, 64>::new(locator::Settings::new()),
+            ))
+        };
         let one = &stopwatch;
         Updates::of_drive(vehicle(), one).print("vehicle");
         Updates::of_drive(black_box(fish::gateway()), one).print("vehicle.fish");
@@ -65,10 +70,10 @@ mod target {
     }
 
     /// A gateway whose particles move as published, after every bearing.
-    fn greedy<F: Refinement<2>>(refinement: F) -> Vehicle<200, 64, F> {
+    fn greedy<F: Refinement<2>>(refinement: F) -> Vehicle<Locator<200, 64, F>> {
         let settings = locator::Settings::new().resample_share(1.0);
-        let settings = Settings::new().with_locator(settings.expect("one is a share"));
-        black_box(Vehicle::with_refinement(settings, refinement))
+        let locator = Locator::with_refinement(settings.expect("one is a share"), refinement);
+        black_box(Vehicle::new(Settings::new(), locator))
     }
 
     /// Steps of ten metres, five tries.
@@ -94,10 +99,7 @@ mod target {
     }
 
     impl Updates {
-        fn of_drive<M: Moves<200>>(
-            mut gateway: Vehicle<200, 64, M>,
-            stopwatch: &Stopwatch,
-        ) -> Self {
+        fn of_drive<L: Locate>(mut gateway: Vehicle<L>, stopwatch: &Stopwatch) -> Self {
             let mut updates = Self::default();
             for byte in DRIVE {
                 let (event, instructions) = stopwatch.instructions(|| gateway.push(*byte));
@@ -162,7 +164,7 @@ mod target {
 
     /// The dearest byte of a drive whose first fix comes when the memory of bearings is full: for a minute the vehicle is
     /// parked, then it is 400 m further north.
-    fn worst_byte(mut gateway: Vehicle<200, 64>, stopwatch: &Stopwatch) -> u64 {
+    fn worst_byte(mut gateway: Vehicle<Locator<200, 64>>, stopwatch: &Stopwatch) -> u64 {
         let mut worst = 0;
         let mut push = |text: &str| {
             for byte in text.bytes() {

@@ -17,13 +17,16 @@
 
 mod board;
 
-use foxhunt::gateway::{Settings, Vehicle};
+use foxhunt::{
+    aoa::locator::{self, Locator},
+    gateway::{Settings, Vehicle},
+};
 
 /// Two hundred particles, a memory of 64 bearings, the settings for a car.
-type Gateway = Vehicle<200, 64>;
+type Gateway = Vehicle<Locator<200, 64>>;
 
 const fn gateway() -> Gateway {
-    Vehicle::new(Settings::new())
+    Vehicle::new(Settings::new(), Locator::new(locator::Settings::new()))
 }
 
 #[cfg(not(target_os = "none"))]

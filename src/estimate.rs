@@ -141,6 +141,9 @@ pub(crate) fn largest_variance(&[[a, b], [_, c]]: &[[f32; 2]; 2]) -> f32 {
 }
 
 impl Ellipse {
+    /// The probability of the ellipse whose semi-axes are one standard deviation: 1 - exp(-1/2).
+    pub const ONE_SIGMA: f32 = 0.393_469_34;
+
     /// The smallest region that a normal distribution gives the probability `probability`: from 0, a point, up to
     /// all but 1e-7.
     ///

@@ -1,10 +1,14 @@
 //! Whatever the line carries, the gateway stands, and what it rejects leaves no trace.
 
-use foxhunt::aoa::locator::Locator;
+use foxhunt::aoa::locator::{self, Locator};
 use foxhunt::gateway::{Event, Settings, Vehicle};
 use proptest::prelude::*;
 
-type Gateway = Vehicle<50, 16>;
+type Gateway = Vehicle<Locator<50, 16>>;
+
+fn gateway(settings: Settings) -> Gateway {
+    Vehicle::new(settings, Locator::new(locator::Settings::new()))
+}
 
 fn sentence(payload: &str) -> String {
     let checksum = payload.bytes().fold(0, |sum, byte| sum ^ byte);
@@ -70,7 +74,7 @@ fn check(output: &str) {
 
 #[test]
 fn the_drive_is_located() {
-    let mut gateway = Gateway::new(Settings::default());
+    let mut gateway = gateway(Settings::default());
     let output = run(&mut gateway, &drive());
     check(&output);
     let fix = output.lines().rev().nth(1).unwrap();
@@ -83,7 +87,7 @@ fn the_drive_is_located() {
 proptest! {
     #[test]
     fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..20_000)) {
-        check(&run(&mut Gateway::new(Settings::default()), &bytes));
+        check(&run(&mut gateway(Settings::default()), &bytes));
     }
 
     /// Closer to real lines than random bytes.
@@ -91,7 +95,7 @@ proptest! {
     fn any_text(lines in prop::collection::vec(
         "(\\$(GP|HE|PF)(RMC|GGA|VTG|HDT|THS|OXQ|OXR),|%|1[0-9]{12},)[-+.,0-9ANSEWTKM/*]{0,100}[\r\n]", 0..100)
     ) {
-        check(&run(&mut Gateway::new(Settings::default()), lines.concat().as_bytes()));
+        check(&run(&mut gateway(Settings::default()), lines.concat().as_bytes()));
     }
 
     #[test]
@@ -103,7 +107,7 @@ proptest! {
             let index = index.index(bytes.len());
             bytes[index] ^= 1u8 << bit;
         }
-        let mut gateway = Gateway::new(Settings::default());
+        let mut gateway = gateway(Settings::default());
         let mut output = String::new();
         let mut known = state(gateway.locator());
         for byte in bytes {
@@ -128,15 +132,15 @@ proptest! {
         let lines = drive.split(['\r', '\n']).filter(|line| !line.is_empty());
         let other: String = lines.zip(&ends).flat_map(|(line, end)| [line, end.as_str()]).collect();
         prop_assert_eq!(
-            run(&mut Gateway::new(Settings::default()), other.as_bytes()),
-            run(&mut Gateway::new(Settings::default()), drive.as_bytes())
+            run(&mut gateway(Settings::default()), other.as_bytes()),
+            run(&mut gateway(Settings::default()), drive.as_bytes())
         );
     }
 
     /// What was on the line before costs at most the line that it runs into.
     #[test]
     fn noise_before_a_drive(noise in prop::collection::vec(any::<u8>(), 0..500)) {
-        let mut gateway = Gateway::new(Settings::default());
+        let mut gateway = gateway(Settings::default());
         run(&mut gateway, &noise);
         gateway.restart();
         run(&mut gateway, &drive());

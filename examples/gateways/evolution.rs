@@ -1,20 +1,22 @@
 //! The gateway of a vehicle whose particles are moved by differential evolution, with the posterior kept exact.
 
 use foxhunt::{
+    aoa::locator::{self, Locator},
     gateway::{Settings, Vehicle},
     refine::{Acceptance, DifferentialEvolution},
 };
 
 /// Two hundred particles, a memory of 64 bearings.
-pub type Gateway = Vehicle<200, 64, DifferentialEvolution>;
+pub type Gateway = Vehicle<Locator<200, 64, DifferentialEvolution>>;
 
 /// Four generations.
 pub const fn gateway() -> Gateway {
     let Ok(evolution) = DifferentialEvolution::new().generations(4) else {
         panic!("four are some");
     };
-    Vehicle::with_refinement(
-        Settings::new(),
+    let locator = Locator::with_refinement(
+        locator::Settings::new(),
         evolution.acceptance(Acceptance::Metropolis),
-    )
+    );
+    Vehicle::new(Settings::new(), locator)
 }

@@ -1,12 +1,13 @@
 //! The gateway of a vehicle whose particles are moved by a school of fish, with the posterior kept exact.
 
 use foxhunt::{
+    aoa::locator::{self, Locator},
     gateway::{Settings, Vehicle},
     refine::{Acceptance, FishSchool, Lengths},
 };
 
 /// Two hundred fish, a memory of 64 bearings.
-pub type Gateway = Vehicle<200, 64, FishSchool>;
+pub type Gateway = Vehicle<Locator<200, 64, FishSchool>>;
 
 /// Each fish is offered four places: steps of up to three deviations of the cloud, and past the centre of four mates.
 pub const fn gateway() -> Gateway {
@@ -16,5 +17,9 @@ pub const fn gateway() -> Gateway {
     let Ok(school) = school.iterations(2) else {
         panic!("two are some");
     };
-    Vehicle::with_refinement(Settings::new(), school.acceptance(Acceptance::Metropolis))
+    let locator = Locator::with_refinement(
+        locator::Settings::new(),
+        school.acceptance(Acceptance::Metropolis),
+    );
+    Vehicle::new(Settings::new(), locator)
 }

@@ -6,6 +6,7 @@
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use foxhunt::{
+    aoa::locator::{self, Locator},
     fingerprint::{
         Encoding, GaussianMatcher, Matcher, Neighbours, Posterior, RadioMap, Reading, TableMatcher,
         tracker::{self, Heard, Site, Tracker, Workspace},
@@ -19,6 +20,8 @@ const START: &str = "GPRMC,120000,A,4807.038,N,01131.000,E,50.0,090.0,221126,,,A
 
 /// The most lines of one input: a vehicle with few particles works on so many in a moment.
 const LINES: usize = 64;
+
+type Gateway = Vehicle<Locator<24, 8>>;
 
 /// Adds the frame and the checksum of NMEA.
 fn sentence(payload: &[u8]) -> Vec<u8> {
@@ -34,8 +37,8 @@ fn sentence(payload: &[u8]) -> Vec<u8> {
 /// Gives a vehicle's gateway lines made from those of `data`.
 pub fn vehicle(finder: Finder, data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
     let settings = Settings::new().with_finder(finder);
-    let mut vehicle = Box::new(Vehicle::<24, 8>::new(settings));
-    let push = |vehicle: &mut Vehicle<24, 8>, bytes: &[u8]| -> Vec<Event> {
+    let mut vehicle = Box::new(Gateway::new(settings, Locator::new(locator::Settings::new())));
+    let push = |vehicle: &mut Gateway, bytes: &[u8]| -> Vec<Event> {
         bytes
             .iter()
             .filter_map(|byte| vehicle.push(*byte))
@@ -43,7 +46,7 @@ pub fn vehicle(finder: Finder, data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
     };
     push(&mut vehicle, &sentence(START.as_bytes()));
     for text in data.split(|byte| *byte == b'\n').take(LINES) {
-        let state = |vehicle: &Vehicle<24, 8>| {
+        let state = |vehicle: &Gateway| {
             let locator = vehicle.locator();
             let bearings = vehicle.counters().bearings;
             (locator.answer(), locator.observations().to_vec(), bearings)

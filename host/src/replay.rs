@@ -1,7 +1,7 @@
 //! A stream of bytes through the gateway of the firmware, on the host.
 
 use foxhunt::{
-    aoa::locator::{Answer, Fix, NotObservable},
+    aoa::locator::{self, Answer, Fix, Locator, NotObservable},
     gateway::{Event, Settings, Vehicle},
     random::{SeedableRng, Xoshiro128PlusPlus},
     resample::{Scheme, resample},
@@ -10,7 +10,7 @@ use foxhunt::{
 use crate::Sight;
 
 /// The gateway of the firmware `vehicle`, with as many particles and bearings.
-pub type Gateway = Vehicle<200, 64>;
+pub type Gateway = Vehicle<Locator<200, 64>>;
 
 /// A gateway and all that it has said so far.
 #[derive(Debug)]
@@ -32,7 +32,10 @@ impl Replay {
     /// A gateway that has read nothing yet.
     pub fn new(settings: Settings) -> Self {
         Self {
-            gateway: Box::new(Gateway::new(settings)),
+            gateway: Box::new(Gateway::new(
+                settings,
+                Locator::new(locator::Settings::new()),
+            )),
             output: Vec::new(),
             events: Vec::new(),
             sights: Vec::new(),

@@ -1,6 +1,7 @@
 //! What locators have in common.
 
 use super::Observation;
+use super::advice::Advice;
 use super::locator::{Answer, Fix, Locator, Moves};
 use super::robust::{Bias, Hypothesis, RobustLocator, Shares};
 use crate::random::Rng;
@@ -48,6 +49,11 @@ pub trait Locate {
 
     /// The shares of direct, mirrored and wild bearings.
     fn shares(&self) -> Option<Shares> {
+        None
+    }
+
+    /// Where to drive, so that the next bearings tell most.
+    fn advice(&self) -> Option<Advice> {
         None
     }
 }
@@ -123,5 +129,9 @@ impl<const N: usize, const B: usize> Locate for RobustLocator<N, B> {
 
     fn shares(&self) -> Option<Shares> {
         Some(self.shares())
+    }
+
+    fn advice(&self) -> Option<Advice> {
+        self.advice()
     }
 }

@@ -4,6 +4,7 @@
 //! pulled together by a [`correction`]; a [`locator`] collects them and says where the source is, or why that
 //! cannot be said yet. Where bearings may be wild, mirrored or biased, it is a [`robust`] one that does.
 
+pub mod advice;
 mod bearing;
 pub mod correction;
 pub mod gauss_newton;

@@ -74,5 +74,6 @@ mod ublox;
 mod vehicle;
 
 pub use counters::{Counters, Rejected};
+pub use report::LONG_REPORT;
 pub use settings::{BearingReference, Finder, KrakenConfidence, Sense, Settings, SettingsError};
 pub use vehicle::{Event, Vehicle};

@@ -41,8 +41,6 @@ fn split<'a>(fields: &'a [u8], columns: &mut [&'a [u8]]) -> bool {
     })
 }
 
-/// The probability of the ellipse whose semi-axes are one standard deviation: 1 - exp(-1/2).
-pub(super) const ONE_SIGMA: f32 = 0.393_469_34;
 /// In a radian.
 pub(super) const DEGREES: f32 = 180.0 / core::f32::consts::PI;
 

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::aoa::{Observation, locator};
+use crate::aoa::Observation;
 
 /// What the angles of bearing lines count from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -71,7 +71,6 @@ pub enum KrakenConfidence {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settings {
-    locator: locator::Settings,
     seed: u64,
     reference: BearingReference,
     sense: Sense,
@@ -138,7 +137,6 @@ impl Settings {
     pub const fn new() -> Self {
         const RADIANS: f32 = core::f32::consts::PI / 180.0;
         Self {
-            locator: locator::Settings::new(),
             seed: 1,
             reference: BearingReference::Relative,
             sense: Sense::Clockwise,
@@ -155,12 +153,6 @@ impl Settings {
             maximum_turn_rate_deg_s: 10.0,
             report_interval_ms: 1_000,
         }
-    }
-
-    /// Of the locator.
-    pub const fn with_locator(mut self, locator: locator::Settings) -> Self {
-        self.locator = locator;
-        self
     }
 
     /// Seeds the particles; the same bytes with the same seed give the same reports. Initially 1.
@@ -297,11 +289,6 @@ impl Settings {
         }
         self.report_interval_ms = interval;
         Ok(self)
-    }
-
-    /// See [`Self::with_locator`].
-    pub const fn locator(&self) -> locator::Settings {
-        self.locator
     }
 
     /// See [`Self::with_seed`].

@@ -5,14 +5,13 @@ use super::clock::{Clock, TimeOfDay};
 use super::history::{Compass, History};
 use super::line::{Kind, LineReader};
 use super::nmea::{self, Motion, Sentence};
-use super::report::Report;
+use super::report::{Context, Report, SHORT_REPORT};
 use super::{BearingReference, Counters, Finder, Rejected, Settings};
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
-use crate::aoa::locator::{Answer, Fix, Locator, ModeMoves, Moves, NotObservable};
-use crate::aoa::{Bearing, Observation};
+use crate::aoa::locator::{Answer, Fix, NotObservable};
+use crate::aoa::{Bearing, Locate, Observation};
 use crate::math::sqrt;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
-use crate::refine::Refinement;
 
 /// What a line led to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,21 +30,26 @@ pub enum Event {
     Restarted,
 }
 
-/// Bytes of a receiver and of a direction finder in, fixes out, with `N` particles and a memory of `B`
-/// bearings. See the [module](super) for the lines it takes and gives.
+/// Bytes of a receiver and of a direction finder in, fixes out, by the locator `L`. See the [module](super) for the
+/// lines it takes and gives.
 ///
 /// ```
+/// use foxhunt::aoa::locator::{self, Locator};
 /// use foxhunt::gateway::{Event, Rejected, Settings, Vehicle};
 ///
-/// let mut vehicle = Vehicle::<100, 64>::new(Settings::default());
+/// let locator = Locator::<100>::new(locator::Settings::new());
+/// let mut vehicle: Vehicle<_> = Vehicle::new(Settings::new(), locator);
 /// let mut events = b"%045/7\r\n$PFOXQ*50\r\n".iter().filter_map(|byte| vehicle.push(*byte));
 /// assert_eq!(events.next(), Some(Event::Rejected(Rejected::NoPosition)));
 /// assert_eq!(events.next(), Some(Event::Queried));
 /// drop(events);
 /// assert!(vehicle.report().starts_with("$PFOXN,,FEW,0,,*"));
 /// ```
+///
+/// `REPORT` bytes are there for what one line is answered by. The default is enough for one source; a locator with more to
+/// say needs [`LONG_REPORT`](super::LONG_REPORT).
 #[derive(Debug)]
-pub struct Vehicle<const N: usize, const B: usize = 64, M: Moves<N> = ModeMoves> {
+pub struct Vehicle<L, const REPORT: usize = SHORT_REPORT> {
     settings: Settings,
     reader: LineReader,
     counters: Counters,
@@ -60,7 +64,7 @@ pub struct Vehicle<const N: usize, const B: usize = 64, M: Moves<N> = ModeMoves>
     /// Consecutive bearings that are near each other but too far from the origin: where the first was taken,
     /// and how many there are.
     strays: Option<(Geodetic, u8)>,
-    locator: Locator<N, B, M>,
+    locator: L,
     generator: Option<Xoshiro128PlusPlus>,
     /// Bearings that the locator was given since it began anew.
     given: u32,
@@ -68,40 +72,12 @@ pub struct Vehicle<const N: usize, const B: usize = 64, M: Moves<N> = ModeMoves>
     latest: Option<(TimeOfDay, Observation)>,
     /// The time of the bearing that was reported last.
     reported: Option<TimeOfDay>,
-    report: Report,
+    report: Report<REPORT>,
 }
 
-impl<const N: usize, const B: usize> Vehicle<N, B> {
-    /// Knows nothing yet. Fit for a `static`.
-    pub const fn new(settings: Settings) -> Self {
-        Self::of(settings, Locator::new(settings.locator()))
-    }
-}
-
-impl<const N: usize, const B: usize, F: Refinement<2>> Vehicle<N, B, F> {
-    /// Knows nothing yet; `refinement` is to move the particles, as in [`Locator::with_refinement`]. Fit for a `static`.
-    ///
-    /// ```
-    /// use foxhunt::gateway::{Settings, Vehicle};
-    /// use foxhunt::refine::{Acceptance, DifferentialEvolution};
-    ///
-    /// let evolution = DifferentialEvolution::new().acceptance(Acceptance::Metropolis).generations(4)?;
-    /// let vehicle = Vehicle::<200, 64, DifferentialEvolution>::with_refinement(Settings::new(), evolution);
-    /// # Ok::<(), foxhunt::refine::evolution::ConfigurationError>(())
-    /// ```
-    pub const fn with_refinement(settings: Settings, refinement: F) -> Self {
-        Self::of(
-            settings,
-            Locator::with_refinement(settings.locator(), refinement),
-        )
-    }
-}
-
-impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
-    /// Strays that move the origin: one wild position is not to blind the gateway.
-    const STRAYS: u8 = 3;
-
-    const fn of(settings: Settings, locator: Locator<N, B, M>) -> Self {
+impl<L, const REPORT: usize> Vehicle<L, REPORT> {
+    /// Knows nothing yet, and nor should the locator. Fit for a `static`.
+    pub const fn new(settings: Settings, locator: L) -> Self {
         Self {
             settings,
             reader: LineReader::new(),
@@ -122,6 +98,11 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
             report: Report::new(),
         }
     }
+}
+
+impl<L: Locate, const REPORT: usize> Vehicle<L, REPORT> {
+    /// Strays that move the origin: one wild position is not to blind the gateway.
+    const STRAYS: u8 = 3;
 
     /// Forgets the source and the origin, to look for another; keeps the vehicle's own state and the counts.
     pub fn restart(&mut self) {
@@ -184,7 +165,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
     }
 
     /// The locator, with its particles and bearings.
-    pub fn locator(&self) -> &Locator<N, B, M> {
+    pub fn locator(&self) -> &L {
         &self.locator
     }
 
@@ -214,7 +195,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
             }
             Sentence::Query => {
                 self.write_answer();
-                self.report.status(&self.counters);
+                self.report.counts(&self.counters);
                 return Ok(Some(Event::Queried));
             }
             Sentence::Restart => {
@@ -290,7 +271,9 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
         let generator = self
             .generator
             .get_or_insert_with(|| Xoshiro128PlusPlus::seed_from_u64(seed));
-        let answer = self.locator.push(observation, generator);
+        let elapsed = self.latest.map_or(0, |(latest, _)| time.since(latest));
+        let seconds = 1e-3 * elapsed.max(0) as f32;
+        let answer = self.locator.push_after(observation, seconds, generator);
         self.plane = Some(plane);
         self.latest = Some((time, observation));
         self.given = self.given.saturating_add(1);
@@ -382,13 +365,12 @@ impl<const N: usize, const B: usize, M: Moves<N>> Vehicle<N, B, M> {
     // Called for queries and bearings: once in flash is enough.
     #[inline(never)]
     fn write_answer(&mut self) {
-        let time = self.latest.map(|(time, _)| time);
-        match self.locator.answer() {
-            Answer::Fix(fix) => self.report.fix(time, &fix, self.plane.as_ref()),
-            Answer::NotObservable(reason) => {
-                self.report.not_observable(time, reason, self.given);
-            }
-        }
+        let context = Context {
+            time: self.latest.map(|(time, _)| time),
+            bearings: self.given,
+            plane: self.plane.as_ref(),
+        };
+        self.report.answer(&self.locator, context);
     }
 }
 

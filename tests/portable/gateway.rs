@@ -1,3 +1,4 @@
+use foxhunt::aoa::locator::{self, Locator};
 use foxhunt::gateway::{BearingReference, Settings, Vehicle};
 
 use crate::{Case, digest::Digest};
@@ -36,7 +37,8 @@ fn a_drive_leads_to_a_fix() -> Digest {
     let settings = Settings::new()
         .with_seed(1)
         .with_reference(BearingReference::TrueNorth);
-    let mut vehicle = Vehicle::<100, 32>::new(settings);
+    let mut vehicle =
+        Vehicle::<Locator<100, 32>>::new(settings, Locator::new(locator::Settings::new()));
     let mut digest = Digest::new();
     let mut last_is_fix = false;
     for (sentence, bearing) in DRIVE {

@@ -11,6 +11,7 @@ use panic_probe as _;
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
     use cortex_m::peripheral::syst::SystClkSource;
+    use foxhunt::aoa::locator::{self, Locator};
     use foxhunt::gateway::{Event, Settings, Vehicle};
     use heapless::Vec;
     use heapless::spsc::{Consumer, Producer, Queue};
@@ -114,7 +115,8 @@ mod app {
     // A byte of every port a turn: the work between two feedings of the watchdog is bounded.
     #[idle(local = [
         lines, to_send, watchdog,
-        gateway: Vehicle<200, 64> = Vehicle::new(Settings::new()),
+        gateway: Vehicle<Locator<200, 64>> =
+            Vehicle::new(Settings::new(), Locator::new(locator::Settings::new())),
     ])]
     fn idle(context: idle::Context) -> ! {
         let idle::LocalResources {

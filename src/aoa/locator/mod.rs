@@ -131,6 +131,24 @@ pub enum Answer {
     Fix(Fix),
 }
 
+impl Answer {
+    /// How much farther the bearings must turn before there can be a fix, in radians; zero where that is not what is
+    /// missing.
+    pub(super) fn missing_angle(&self) -> f32 {
+        /// What two bearings must differ by, at the least, where that is not known.
+        const SOME: f32 = 0.1;
+        match self {
+            Self::NotObservable(NotObservable::TooFewBearings { .. }) => SOME,
+            Self::NotObservable(NotObservable::CrossingAngle { radians, needed })
+                if needed > radians =>
+            {
+                needed - radians
+            }
+            _ => 0.0,
+        }
+    }
+}
+
 /// Why there is no fix yet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

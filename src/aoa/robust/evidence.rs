@@ -17,7 +17,7 @@ pub(super) struct Evidence<const B: usize> {
     region: Region,
     /// Where the source was thought to be when the terms were made.
     source: Option<State>,
-    latest: [f32; 2],
+    latest: Option<Observation>,
     count: u32,
 }
 
@@ -39,7 +39,7 @@ impl<const B: usize> Evidence<B> {
                 inverse_square: 1.0 / (range_m * range_m),
             },
             source: None,
-            latest: [0.0; 2],
+            latest: None,
             count: 0,
         }
     }
@@ -48,6 +48,7 @@ impl<const B: usize> Evidence<B> {
         self.sights.clear();
         self.terms.clear();
         self.source = None;
+        self.latest = None;
         self.count = 0;
     }
 
@@ -64,9 +65,15 @@ impl<const B: usize> Evidence<B> {
         self.count
     }
 
+    /// The latest bearing.
+    pub(super) fn latest(&self) -> Option<&Observation> {
+        self.latest.as_ref()
+    }
+
     /// Square of the distance of a point from where the latest bearing was taken.
     pub(super) fn range_squared(&self, x: f32, y: f32) -> f32 {
-        square_of_distance([x, y], self.latest)
+        let latest = self.latest().map_or([0.0; 2], Observation::position);
+        square_of_distance([x, y], latest)
     }
 
     pub(super) fn density(&self, errors: &Errors) -> Density<'_> {
@@ -97,11 +104,11 @@ impl<const B: usize> Evidence<B> {
         if self.count == 0 {
             self.region.centre = observation.position();
         }
-        self.latest = observation.position();
         // Before a fix, the range is that of the best hypothesis.
         if source.is_some() {
             self.source = source.copied();
         }
+        self.latest = Some(observation);
         self.count = self.count.saturating_add(1);
         for sight in &mut self.sights {
             sight.age_s += seconds;

@@ -35,8 +35,9 @@ mod term;
 use core::f32::consts::LN_2;
 
 use super::Observation;
+use super::advice::{Advice, Belief};
 use super::locator::{self, Answer, Fix, NotObservable};
-use crate::estimate::largest_variance;
+use crate::estimate::{Ellipse, largest_variance};
 use crate::filter::ParticleFilter;
 use crate::math::{exp, sqrt};
 use crate::random::Rng;
@@ -114,6 +115,13 @@ pub struct Hypothesis {
     pub covariance: [[f32; 2]; 2],
     /// Its share of the mass of all hypotheses, by Laplace's approximation.
     pub mass: f32,
+}
+
+impl Hypothesis {
+    /// The ellipse that holds the source with the given probability (0 to 1), if it is this one.
+    pub fn ellipse(&self, probability: f32) -> Ellipse {
+        Ellipse::of_normal(self.position, self.covariance, probability)
+    }
 }
 
 /// Locates one source that does not move, with `N` particles and a buffer of `B` bearings, some of which may be wrong.
@@ -263,6 +271,21 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
             covariance: plane(&mode.covariance.matrix()),
             mass: mass(mode) / total,
         })
+    }
+
+    /// Where to drive, so that the next bearings tell most; `None` before the first bearing.
+    #[inline(never)]
+    pub fn advice(&self) -> Option<Advice> {
+        let latest = self.evidence.latest()?;
+        let belief = match self.answer {
+            Answer::Fix(_) => {
+                let [east, north, _] = self.columns();
+                Belief::of_particles([east, north], self.weights())
+            }
+            _ if self.modes.is_empty() => Belief::of_ray(latest, self.settings.range_m),
+            _ => Belief::of_hypotheses(self.hypotheses()),
+        };
+        belief.advice(latest, self.answer.missing_angle())
     }
 
     /// The particles' coordinates: metres east, metres north, and the bias in its prior deviations.

@@ -1,8 +1,9 @@
 //! The sentences out.
 
 use super::{Counters, Rejected};
+use crate::estimate::Ellipse;
 use crate::fingerprint::tracker::{Fix, State, Tag};
-use crate::gateway::sentence::{DEGREES, ONE_SIGMA, Text, Unit};
+use crate::gateway::sentence::{DEGREES, Text, Unit};
 
 /// Has room for the fixes of [`super::MAX_TAGS`] tags and a status.
 pub(super) type Report = Text<2560>;
@@ -10,7 +11,7 @@ pub(super) type Report = Text<2560>;
 impl Report {
     /// `$PFOXT`
     pub fn tag(&mut self, tag: Tag, fix: &Fix) {
-        let ellipse = fix.ellipse(ONE_SIGMA);
+        let ellipse = fix.ellipse(Ellipse::ONE_SIGMA);
         self.begin("PFOXT");
         self.field(fix.time_ms);
         self.field(tag.0);

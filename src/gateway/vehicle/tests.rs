@@ -2,10 +2,15 @@
 
 extern crate std;
 use super::*;
+use crate::aoa::locator::{self, Locator};
 use crate::gateway::sentence::checksum;
 use std::{format, string::String, vec::Vec};
 
-type Gateway = Vehicle<60, 16>;
+type Gateway = Vehicle<Locator<60, 16>>;
+
+fn gateway(settings: Settings) -> Gateway {
+    Vehicle::new(settings, Locator::new(locator::Settings::new()))
+}
 
 fn sentence(payload: &str) -> String {
     format!("${payload}*{:02X}\r\n", checksum(payload.as_bytes()))
@@ -32,12 +37,12 @@ fn push(gateway: &mut Gateway, text: &str) -> Vec<Event> {
 
 /// The events of all lines.
 fn events(settings: Settings, text: &str) -> Vec<Event> {
-    push(&mut Gateway::new(settings), text)
+    push(&mut gateway(settings), text)
 }
 
 /// What the last line leads to, if it is a bearing: degrees clockwise from north, or the reason.
 fn last_bearing(settings: Settings, text: &str) -> Result<f32, Rejected> {
-    let mut gateway = Gateway::new(settings);
+    let mut gateway = gateway(settings);
     match push(&mut gateway, text).last() {
         Some(Event::Rejected(reason)) => Err(*reason),
         _ => Ok(gateway.observation().unwrap().bearing().compass_degrees()),
@@ -204,7 +209,7 @@ fn positions_must_be_fresh() {
 #[test]
 fn a_silent_receiver_becomes_stale() {
     let settings = Settings::default().with_undated_bearings(3);
-    let mut gateway = Gateway::new(settings);
+    let mut gateway = gateway(settings);
     push(&mut gateway, &rmc("120000"));
     for _ in 0..2 {
         push(&mut gateway, &"%010/9\r".repeat(1_000));
@@ -260,7 +265,7 @@ fn rejected_with_the_reason() {
 fn a_wild_first_position_does_not_last() {
     let place = |latitude: &str| kraken(NOON, 10.0, &format!("{latitude}, 11.5, 0, 0, GPS"));
     let (wild, wilder, here) = (place("58.1"), place("68.1"), place("48.1"));
-    let mut gateway = Gateway::new(Settings::default());
+    let mut gateway = gateway(Settings::default());
     let mut run = |text: &str| push(&mut gateway, text).pop().unwrap();
     let first = Event::NotObservable(NotObservable::TooFewBearings { have: 1 });
     let far = Event::Rejected(Rejected::OutOfRange);
@@ -278,7 +283,7 @@ fn a_wild_first_position_does_not_last() {
 
 #[test]
 fn strays_do_not_move_the_origin_of_a_fix() {
-    let mut gateway = Gateway::new(Settings::default());
+    let mut gateway = gateway(Settings::default());
     push(&mut gateway, &drive(10));
     assert!(gateway.report().starts_with("$PFOXF"));
     let plane = *gateway.plane().unwrap();
@@ -310,7 +315,7 @@ fn drive(lines: i32) -> String {
 
 #[test]
 fn reports_a_fix_and_its_status() {
-    let mut gateway = Gateway::new(Settings::default());
+    let mut gateway = gateway(Settings::default());
     push(&mut gateway, &drive(1));
     assert!(
         gateway.report().starts_with("$PFOXN,120000.000,FEW,1,,*"),
@@ -353,7 +358,7 @@ fn reports_a_fix_and_its_status() {
 #[test]
 fn reports_are_rare() {
     let fix = rmc("120000");
-    let mut gateway = Gateway::new(Settings::default());
+    let mut gateway = gateway(Settings::default());
     push(&mut gateway, &fix);
     let mut reports = 0;
     for k in 0..20 {
@@ -367,7 +372,7 @@ fn reports_are_rare() {
 #[test]
 fn a_heading_before_any_time_is_not_used() {
     let text = sentence("HEHDT,300.0,T") + &sentence("GPVTG,090.0,T,,M,050.0,N,92.6,K,A");
-    let mut gateway = Gateway::new(Settings::default());
+    let mut gateway = gateway(Settings::default());
     let none = Event::Rejected(Rejected::NoFix);
     assert_eq!(push(&mut gateway, &text), [none, none]);
     assert_eq!(gateway.counters().sentences, 0);
@@ -384,7 +389,7 @@ fn sentences_are_counted() {
         sentence("GPGSV,1,1,00"),
         sentence("GPRMC,120001,A,0000.0,N,00000.0,E,0,,221126,,,A"),
     );
-    let mut gateway = Gateway::new(settings);
+    let mut gateway = gateway(settings);
     push(&mut gateway, &text);
     let counters = gateway.counters();
     assert_eq!(
