@@ -56,6 +56,44 @@ pub trait Locate {
     fn advice(&self) -> Option<Advice> {
         None
     }
+
+    /// The probabilities that a bearing is direct, mirrored or wild, by what is known of the sources; `None` without a fix,
+    /// or where every bearing is taken for direct.
+    fn classify(&self, _observation: &Observation) -> Option<Shares> {
+        None
+    }
+
+    /// The particles of the source with this index.
+    fn cloud(&self, _index: usize) -> Option<Cloud<'_>> {
+        None
+    }
+}
+
+/// Particles that stand for where a source may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cloud<'a> {
+    /// Their places, in metres.
+    pub east: &'a [f32],
+    /// In metres, too.
+    pub north: &'a [f32],
+    /// Their weights, which sum to one.
+    pub weights: &'a [f32],
+}
+
+impl<'a> Cloud<'a> {
+    /// That of the first source, where a locator has a fix.
+    fn of(
+        answer: Answer,
+        index: usize,
+        [east, north]: [&'a [f32]; 2],
+        weights: &'a [f32],
+    ) -> Option<Self> {
+        (index == 0 && matches!(answer, Answer::Fix(_))).then_some(Self {
+            east,
+            north,
+            weights,
+        })
+    }
 }
 
 /// One of the sources on a channel.
@@ -99,6 +137,10 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Locator<N, B, M> {
     fn reset(&mut self) {
         self.reset();
     }
+
+    fn cloud(&self, index: usize) -> Option<Cloud<'_>> {
+        Cloud::of(self.answer(), index, self.columns(), self.weights())
+    }
 }
 
 impl<const N: usize, const B: usize> Locate for RobustLocator<N, B> {
@@ -133,5 +175,14 @@ impl<const N: usize, const B: usize> Locate for RobustLocator<N, B> {
 
     fn advice(&self) -> Option<Advice> {
         self.advice()
+    }
+
+    fn classify(&self, observation: &Observation) -> Option<Shares> {
+        self.classify(observation)
+    }
+
+    fn cloud(&self, index: usize) -> Option<Cloud<'_>> {
+        let [east, north, _] = self.columns();
+        Cloud::of(self.answer(), index, [east, north], self.weights())
     }
 }

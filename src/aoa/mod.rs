@@ -18,5 +18,5 @@ pub mod triangulation;
 
 pub use bearing::Bearing;
 pub use likelihood::BearingLikelihood;
-pub use locate::{Locate, Motion, Source};
+pub use locate::{Cloud, Locate, Motion, Source};
 pub use observation::{Observation, ObservationError};

@@ -78,13 +78,7 @@ impl Density<'_> {
     pub(super) fn count(&self, state: &State, weight: f32, counts: &mut Shares) {
         for term in self.terms {
             let reading = term.read(state, self.bias_deviation * state[2]);
-            let fitted = weight * reading.odds / (1.0 + reading.odds);
-            counts.wild += weight - fitted;
-            if reading.mirrored {
-                counts.mirror += fitted;
-            } else {
-                counts.direct += fitted;
-            }
+            counts.add(&reading, weight);
         }
     }
 }

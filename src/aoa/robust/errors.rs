@@ -3,7 +3,8 @@
 use core::f32::consts::{PI, TAU};
 use core::fmt;
 
-use super::term::State;
+use super::term::Reading;
+use super::term::{Reading, State};
 use crate::aoa::Observation;
 use crate::math::sqrt;
 
@@ -17,6 +18,25 @@ pub struct Shares {
     pub mirror: f32,
     /// Share of those that say nothing of it: reflections, other transmitters.
     pub wild: f32,
+}
+
+impl Shares {
+    pub(super) const NONE: Self = Self {
+        direct: 0.0,
+        mirror: 0.0,
+        wild: 0.0,
+    };
+
+    /// Counts a bearing by what it probably is.
+    pub(super) fn add(&mut self, reading: &Reading, weight: f32) {
+        let fitted = weight * reading.odds / (1.0 + reading.odds);
+        self.wild += weight - fitted;
+        if reading.mirrored {
+            self.mirror += fitted;
+        } else {
+            self.direct += fitted;
+        }
+    }
 }
 
 /// How the errors of the bearings that are not wild are distributed.

@@ -89,6 +89,11 @@ impl<const B: usize> Evidence<B> {
         errors.variance(&sight.observation, sight.worth, self.source.as_ref())
     }
 
+    /// What a bearing says that is not in the buffer.
+    pub(super) fn single(&self, observation: &Observation, errors: &Errors) -> Term {
+        self.term(&Sight::new(*observation), errors)
+    }
+
     fn term(&self, sight: &Sight, errors: &Errors) -> Term {
         Term::new(&sight.observation, errors, self.variance(sight, errors))
     }

@@ -40,6 +40,7 @@ use super::locator::{self, Answer, Fix, NotObservable};
 use crate::estimate::{Ellipse, largest_variance};
 use crate::filter::ParticleFilter;
 use crate::math::{exp, sqrt};
+use crate::particles::read;
 use crate::random::Rng;
 use crate::resample::Scheme;
 pub use errors::{Errors, SettingsError, Shares, Tails};
@@ -256,6 +257,23 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
         })
     }
 
+    /// The probabilities that a bearing is direct, mirrored or wild, by where the source is; `None` without a fix.
+    #[inline(never)]
+    pub fn classify(&self, observation: &Observation) -> Option<Shares> {
+        let Answer::Fix(_) = self.answer else {
+            return None;
+        };
+        let term = self.evidence.single(observation, &self.errors);
+        let particles = self.filter.particles().columns();
+        let scale = self.errors.bias_deviation;
+        let mut shares = Shares::NONE;
+        for (i, weight) in self.weights().iter().enumerate() {
+            let state = read(&particles, i);
+            shares.add(&term.read(&state, scale * state[2]), *weight);
+        }
+        Some(shares)
+    }
+
     /// The shares of direct, mirrored and wild bearings, as learned so far.
     pub const fn shares(&self) -> Shares {
         self.errors.shares
@@ -381,11 +399,7 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
     /// One step of expectation maximisation. Not before there is a fix: a chance crossing of two would teach that all
     /// other bearings are wild.
     fn learn(&mut self) {
-        let mut counts = Shares {
-            direct: 0.0,
-            mirror: 0.0,
-            wild: 0.0,
-        };
+        let mut counts = Shares::NONE;
         let density = self.evidence.density(&self.errors);
         for mode in &self.modes {
             density.count(&mode.mean, mode.share, &mut counts);

@@ -631,6 +631,29 @@ fn anything_that_is_an_observation_is_taken() {
 }
 
 #[test]
+fn bearings_are_told_apart_once_there_is_a_fix() {
+    let (mut right, mut all) = (0, 0);
+    for seed in 0..20 {
+        let mut locator = RobustLocator::<256, 64>::new(Settings::default());
+        let mut rng = generator(seed);
+        let direct = towards([0.0, 0.0], SOURCE, 0.0, SIGMA);
+        assert_eq!(locator.classify(&direct), None);
+        for observation in drive(Track::A2, 0.1, 0.1, seed) {
+            locator.push(observation, &mut rng);
+        }
+        for (error, kind) in [(0.0, 0), (PI as f32, 1), (1.0, 2)] {
+            let observation = towards([500.0, 300.0], SOURCE, error, SIGMA);
+            let shares = locator.classify(&observation).unwrap();
+            let shares = [shares.direct, shares.mirror, shares.wild];
+            assert!((shares.iter().sum::<f32>() - 1.0).abs() < 1e-3);
+            all += 1;
+            right += usize::from(shares[kind] > 0.5);
+        }
+    }
+    assert_eq!(right, all);
+}
+
+#[test]
 fn settings_are_checked() {
     let errors = Errors::new();
     assert_eq!(
