@@ -3,7 +3,6 @@
 use core::f32::consts::{PI, TAU};
 use core::fmt;
 
-use super::term::Reading;
 use super::term::{Reading, State};
 use crate::aoa::Observation;
 use crate::math::sqrt;
