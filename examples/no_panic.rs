@@ -27,7 +27,10 @@ mod proof {
             GaussianMatcher, KernelDensity, Lattice, Matcher, Missing, Neighbours, Packet,
             PacketModel, Posterior, RadioMap, Reading, Samples, TableMatcher, tracker,
         },
-        gateway::{self, BearingReference, KrakenConfidence, Sense, Vehicle},
+        gateway::{
+            self, BearingReference, DeviationTable, Finder, KrakenConfidence, Sense, UbloxQuality,
+            Vehicle,
+        },
         kalman::{Covariance, Gaussian, Unscented},
         math,
         model::{ConstantVelocity, Dynamics, Likelihood, RandomWalk, Static},
@@ -379,6 +382,8 @@ mod proof {
             .with_undated_bearings(any(0))
             .with_sense(any(Sense::Clockwise))
             .with_kraken_confidence(any(KrakenConfidence::Percent))
+            .with_ublox_quality(any(UbloxQuality::Best))
+            .with_deviation_table(any(Finder::Any), any(&DeviationTable::AGRELO))
             .with_deviations(any(0.0), any(0.0))
             .and_then(|settings| settings.with_minimum_quality(any(0.0)))
             .and_then(|settings| settings.with_kraken_frequency_hz(any(0)))
@@ -386,6 +391,10 @@ mod proof {
             .and_then(|settings| settings.with_minimum_speed_m_s(any(0.0)))
             .and_then(|settings| settings.with_report_interval_ms(any(0)));
         let Ok(settings) = settings else { return };
+        let knots = any([(0.0, 0.0); 10]);
+        if let Ok(table) = DeviationTable::new(some(&knots)) {
+            black_box(table.deviation_rad(any(0.0)));
+        }
         let mut vehicle = any(Vehicle::<Locator<50, 16>>::new(
             settings,
             any(Locator::new(locator::Settings::new())),

@@ -3,12 +3,16 @@
 use super::clock::TimeOfDay;
 use super::decimal::{decimal, fixed};
 use super::sentence::columns;
-use super::{KrakenConfidence, Rejected, Sense, Settings};
+use super::{Finder, KrakenConfidence, Rejected, Sense, Settings};
 use crate::aoa::geodesy::Geodetic;
+
+/// The largest maximum over mean of a KrakenSDR's spectrum: 360 values of which all but one are zero.
+pub(super) const LARGEST_DECIBELS: f32 = 25.563_025;
 
 /// A bearing as its line gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct BearingLine {
+    pub finder: Finder,
     /// When, if the line says so.
     pub time: Option<TimeOfDay>,
     /// Clockwise from the bow or from north, in degrees within 0 and 360.
@@ -33,9 +37,10 @@ pub(super) struct Pose {
 
 impl BearingLine {
     /// A bearing without time or place.
-    pub fn new(degrees: f32, quality: f32) -> Result<Self, Rejected> {
+    pub fn new(finder: Finder, degrees: f32, quality: f32) -> Result<Self, Rejected> {
         if (0.0..=360.0).contains(&degrees) && (0.0..=100.0).contains(&quality) {
             Ok(Self {
+                finder,
                 time: None,
                 degrees,
                 quality,
@@ -57,7 +62,8 @@ impl BearingLine {
         let bearing = decimal(bearing)
             .filter(|_| digits)
             .ok_or(Rejected::Unparsable)?;
-        Self::new(bearing, f32::from(quality - b'0') * (100.0 / 9.0))
+        let quality = f32::from(quality - b'0') * (100.0 / 9.0);
+        Self::new(Finder::Agrelo, bearing, quality)
     }
 
     /// From the CSV line of KrakenSDR's app format, whose first 13 fields are: time in milliseconds since
@@ -67,8 +73,6 @@ impl BearingLine {
     /// A latitude and longitude of zero mean that the receiver does not know where it is.
     #[inline(never)]
     pub fn from_kraken(line: &[u8], settings: &Settings) -> Result<Self, Rejected> {
-        /// 360 values of which all but one are zero.
-        const LARGEST_DECIBELS: f32 = 25.563_025;
         let mut fields: [&[u8]; 13] = columns(line).ok_or(Rejected::Unparsable)?;
         for field in &mut fields {
             *field = trim(field);
@@ -135,7 +139,7 @@ impl BearingLine {
             time: Some(time),
             latency_ms,
             pose,
-            ..Self::new(degrees, quality)?
+            ..Self::new(Finder::Kraken, degrees, quality)?
         })
     }
 }

@@ -35,7 +35,7 @@
 //!
 //! A relative bearing needs a heading: that of its own line, else a fresh true heading, else the course of a vehicle that
 //! is fast enough and does not turn. A KrakenSDR whose heading is that of its GPS must move as well. The quality decides
-//! on the standard deviation: see [`Settings::with_deviations`].
+//! on the standard deviation: see [`Settings::with_deviations`] and, by a table for each device, [`Settings::with_deviation_table`].
 //!
 //! # Lines out
 //!
@@ -63,6 +63,7 @@ mod bearing_line;
 mod clock;
 mod counters;
 mod decimal;
+mod deviations;
 mod history;
 mod line;
 mod nmea;
@@ -74,6 +75,9 @@ mod ublox;
 mod vehicle;
 
 pub use counters::{Counters, Rejected};
+pub use deviations::{DeviationTable, TableError};
 pub use report::LONG_REPORT;
-pub use settings::{BearingReference, Finder, KrakenConfidence, Sense, Settings, SettingsError};
+pub use settings::{
+    BearingReference, Finder, KrakenConfidence, Sense, Settings, SettingsError, UbloxQuality,
+};
 pub use vehicle::{Event, Vehicle};

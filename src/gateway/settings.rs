@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::DeviationTable;
 use crate::aoa::Observation;
 
 /// What the angles of bearing lines count from.
@@ -58,6 +59,18 @@ pub enum KrakenConfidence {
     Decibels,
 }
 
+/// What the quality of a u-blox board's bearing is, which states none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum UbloxQuality {
+    /// 100, always.
+    #[default]
+    Best,
+    /// 100 straight ahead of the board, 0 at a right angle: a flat array sees the worse the further from there.
+    Azimuth,
+}
+
 /// How a [`super::Vehicle`] treats its lines.
 ///
 /// ```
@@ -77,10 +90,14 @@ pub struct Settings {
     kraken_confidence: KrakenConfidence,
     kraken_frequency_hz: Option<u32>,
     ublox_tag: Option<u64>,
+    ublox_quality: UbloxQuality,
     finder: Finder,
     minimum_quality: f32,
     best_deviation_rad: f32,
     worst_deviation_rad: f32,
+    agrelo_table: Option<&'static DeviationTable>,
+    kraken_table: Option<&'static DeviationTable>,
+    ublox_table: Option<&'static DeviationTable>,
     maximum_age_ms: u32,
     undated_bearings: u8,
     minimum_speed_m_s: f32,
@@ -143,10 +160,14 @@ impl Settings {
             kraken_confidence: KrakenConfidence::Percent,
             kraken_frequency_hz: None,
             ublox_tag: None,
+            ublox_quality: UbloxQuality::Best,
             finder: Finder::Any,
             minimum_quality: 40.0,
             best_deviation_rad: 2.0 * RADIANS,
             worst_deviation_rad: 10.0 * RADIANS,
+            agrelo_table: None,
+            kraken_table: None,
+            ublox_table: None,
             maximum_age_ms: 2_000,
             undated_bearings: 20,
             minimum_speed_m_s: 1.5,
@@ -200,6 +221,12 @@ impl Settings {
         self
     }
 
+    /// What the quality of a u-blox board's bearing is. Initially the best.
+    pub const fn with_ublox_quality(mut self, quality: UbloxQuality) -> Self {
+        self.ublox_quality = quality;
+        self
+    }
+
     /// The direction finder: lines of others are rejected as [`super::Rejected::OtherFinder`]. Initially any.
     pub const fn with_finder(mut self, finder: Finder) -> Self {
         self.finder = finder;
@@ -231,6 +258,25 @@ impl Settings {
         self.best_deviation_rad = best;
         self.worst_deviation_rad = worst;
         Ok(self)
+    }
+
+    /// The standard deviations of the bearings of a finder, in place of those of [`Self::with_deviations`].
+    /// [`Finder::Any`] sets it for all. Initially there is none.
+    pub const fn with_deviation_table(
+        mut self,
+        finder: Finder,
+        table: &'static DeviationTable,
+    ) -> Self {
+        if matches!(finder, Finder::Any | Finder::Agrelo) {
+            self.agrelo_table = Some(table);
+        }
+        if matches!(finder, Finder::Any | Finder::Kraken) {
+            self.kraken_table = Some(table);
+        }
+        if matches!(finder, Finder::Any | Finder::Ublox) {
+            self.ublox_table = Some(table);
+        }
+        self
     }
 
     /// How far apart in time, in milliseconds, a bearing and its position or heading may be.
@@ -331,7 +377,27 @@ impl Settings {
         self.minimum_quality
     }
 
-    /// Standard deviation, in radians, of a bearing of this quality (0 to 100).
+    /// See [`Self::with_ublox_quality`].
+    pub const fn ublox_quality(&self) -> UbloxQuality {
+        self.ublox_quality
+    }
+
+    /// Standard deviation, in radians, of a finder's bearing of this quality (0 to 100): by its table, if it has one,
+    /// else [`Self::deviation_rad`].
+    pub fn deviation_of_rad(&self, finder: Finder, quality: f32) -> f32 {
+        let table = match finder {
+            Finder::Any => None,
+            Finder::Agrelo => self.agrelo_table,
+            Finder::Kraken => self.kraken_table,
+            Finder::Ublox => self.ublox_table,
+        };
+        table.map_or_else(
+            || self.deviation_rad(quality),
+            |table| table.deviation_rad(quality),
+        )
+    }
+
+    /// Standard deviation, in radians, of a bearing of this quality (0 to 100), without a table.
     pub const fn deviation_rad(&self, quality: f32) -> f32 {
         let share = (100.0 - quality) * 0.01;
         self.best_deviation_rad + (self.worst_deviation_rad - self.best_deviation_rad) * share
@@ -406,6 +472,26 @@ mod tests {
             settings.with_kraken_frequency_hz(0).err(),
             Some(SettingsError::Frequency)
         );
+    }
+
+    #[test]
+    fn a_table_is_that_of_its_finder() {
+        let settings = Settings::default();
+        let finders = [Finder::Agrelo, Finder::Kraken, Finder::Ublox];
+        for finder in finders {
+            let with = settings.with_deviation_table(finder, &DeviationTable::AGRELO);
+            for other in finders {
+                let table = if other == finder {
+                    DeviationTable::AGRELO.deviation_rad(50.0)
+                } else {
+                    settings.deviation_rad(50.0)
+                };
+                assert_eq!(with.deviation_of_rad(other, 50.0), table);
+            }
+        }
+        let all = settings.with_deviation_table(Finder::Any, &DeviationTable::AGRELO);
+        let deviations = finders.map(|finder| all.deviation_of_rad(finder, 60.0));
+        assert_eq!(deviations, [DeviationTable::AGRELO.deviation_rad(60.0); 3]);
     }
 
     #[test]

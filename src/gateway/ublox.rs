@@ -3,13 +3,13 @@
 use super::bearing_line::BearingLine;
 use super::decimal::fixed;
 use super::sentence::columns;
-use super::{Rejected, Sense, Settings};
+use super::{Finder, Rejected, Sense, Settings, UbloxQuality};
 
 impl BearingLine {
     /// From the event `+UUDF:` of u-connectLocate: tag, RSSI, azimuth, elevation, RSSI of the other polarisation, channel,
     /// "anchor", "text", milliseconds since the board was switched on, and in later versions a counter.
     ///
-    /// The board's time is not that of the receiver, so none is taken; it states no quality, so it is the best.
+    /// The board's time is not that of the receiver, so none is taken; it states no quality: see [`UbloxQuality`].
     #[inline(never)]
     pub fn from_ublox(line: &[u8], settings: &Settings) -> Result<Self, Rejected> {
         let fields = line.strip_prefix(b"+UUDF:").ok_or(Rejected::Unparsable)?;
@@ -34,14 +34,17 @@ impl BearingLine {
             Sense::Clockwise => azimuth as f32,
             Sense::CounterClockwise => -azimuth as f32,
         };
-        Self::new(
-            if degrees < 0.0 {
-                degrees + 360.0
-            } else {
-                degrees
-            },
-            100.0,
-        )
+        let quality = match settings.ublox_quality() {
+            UbloxQuality::Best => 100.0,
+            UbloxQuality::Azimuth => 100.0 - degrees.abs() * (100.0 / 90.0),
+        };
+        let quality = if quality > 0.0 { quality } else { 0.0 };
+        let degrees = if degrees < 0.0 {
+            degrees + 360.0
+        } else {
+            degrees
+        };
+        Self::new(Finder::Ublox, degrees, quality)
     }
 }
 
@@ -57,6 +60,7 @@ fn identifier(text: &[u8]) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
 
     /// In the form of the manual, and of boards in use.
@@ -74,6 +78,16 @@ mod tests {
         let other_way = Settings::new().with_sense(Sense::CounterClockwise);
         let line = BearingLine::from_ublox(TEN, &other_way).unwrap();
         assert_eq!((line.degrees, line.quality, line.time), (12.0, 100.0, None));
+    }
+
+    #[test]
+    fn quality_by_azimuth() {
+        let settings = Settings::new().with_ublox_quality(UbloxQuality::Azimuth);
+        for (azimuth, quality) in [("0", 100.0), ("45", 50.0), ("-45", 50.0), ("-90", 0.0)] {
+            let line = std::format!("+UUDF:6C1DEBA4241B,-65,{azimuth},-65,6,37,\"\",\"\",1");
+            let line = BearingLine::from_ublox(line.as_bytes(), &settings).unwrap();
+            assert!((line.quality - quality).abs() < 1e-4, "{azimuth}");
+        }
     }
 
     #[test]

@@ -259,7 +259,7 @@ impl<L: Locate, const REPORT: usize> Vehicle<L, REPORT> {
         };
         let plane = self.plane_for(place)?;
         let position = plane.to_local(place).map_err(|_| Rejected::OutOfRange)?;
-        let deviation = self.settings.deviation_rad(line.quality);
+        let deviation = self.settings.deviation_of_rad(line.finder, line.quality);
         let observation =
             Observation::new(position, bearing, deviation).map_err(|_| Rejected::OutOfRange)?;
 
