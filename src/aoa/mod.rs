@@ -2,7 +2,8 @@
 //!
 //! The way of a bearing: a [`Bearing`] taken somewhere becomes an [`Observation`]; several at one stop may be
 //! pulled together by a [`correction`]; a [`locator`] collects them and says where the source is, or why that
-//! cannot be said yet. Where bearings may be wild, mirrored or biased, it is a [`robust`] one that does.
+//! cannot be said yet. Where bearings may be wild, mirrored or biased, it is a [`robust`] one that does; where there may
+//! be several sources, [`sources`] has one for each.
 
 pub mod advice;
 mod bearing;
@@ -14,6 +15,7 @@ mod locate;
 pub mod locator;
 mod observation;
 pub mod robust;
+pub mod sources;
 pub mod triangulation;
 
 pub use bearing::Bearing;

@@ -5,6 +5,8 @@ use heapless::Vec;
 use super::density::{Density, Region};
 use super::errors::Errors;
 use super::merge::{Sight, agree};
+use super::mode::{Mode, Modes};
+use super::split::{Seed, explains};
 use super::term::{State, Term};
 use crate::aoa::Observation;
 use crate::math::{exp, ln, sqrt, wrap};
@@ -68,6 +70,59 @@ impl<const B: usize> Evidence<B> {
     /// The latest bearing.
     pub(super) fn latest(&self) -> Option<&Observation> {
         self.latest.as_ref()
+    }
+
+    /// The prior is about here.
+    pub(super) fn centre_on(&mut self, [x, y]: [f32; 2], range_m: f32) {
+        self.region = Region {
+            centre: [x, y],
+            inverse_square: 1.0 / (range_m * range_m),
+        };
+    }
+
+    /// Forgets its own bearings, and takes those of another memory.
+    pub(super) fn adopt(&mut self, seed: &Seed<'_>, errors: &Errors) {
+        self.clear();
+        self.latest = seed.latest.copied();
+        self.region.centre = (seed.latest).map_or([0.0; 2], Observation::position);
+        self.source = Some(seed.mode.mean);
+        for sight in seed.own() {
+            self.count = self.count.saturating_add(sight.readings() as u32);
+            let term = self.term(sight, errors);
+            self.add(*sight, term, Some(&seed.mode.mean), errors);
+        }
+    }
+
+    /// Forgets the bearings that a mode explains.
+    pub(super) fn release(&mut self, mode: &Mode, errors: &Errors) {
+        let mut left = self.terms.iter().map(|term| !explains(mode, term, errors));
+        let mut gone = 0.0;
+        self.sights.retain(|sight| {
+            let stays = left.next().unwrap_or(true);
+            if !stays {
+                gone += sight.readings();
+            }
+            stays
+        });
+        self.terms.retain(|term| !explains(mode, term, errors));
+        self.count = self.count.saturating_sub(gone as u32);
+    }
+
+    /// The bearings in which a mode of all may be looked for.
+    pub(super) fn seed<'a>(
+        &'a self,
+        mode: &'a Mode,
+        modes: &'a Modes,
+        errors: &'a Errors,
+    ) -> Seed<'a> {
+        Seed {
+            sights: &self.sights,
+            terms: &self.terms,
+            mode,
+            modes,
+            errors,
+            latest: self.latest(),
+        }
     }
 
     /// Square of the distance of a point from where the latest bearing was taken.

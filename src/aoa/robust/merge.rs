@@ -28,6 +28,11 @@ impl Sight {
         }
     }
 
+    /// How many readings it is the mean of.
+    pub(super) const fn readings(&self) -> f32 {
+        self.readings
+    }
+
     /// Takes one more reading of the same place into the mean, in which every reading counts alike: it adds `worth`
     /// independent readings to what the mean is worth, which is exact for errors of an autoregression of first order.
     pub(super) fn join(&mut self, new: &Observation, worth: f32, source: Option<&State>) {

@@ -29,7 +29,9 @@ mod evidence;
 mod merge;
 mod mode;
 mod moves;
+mod nursery;
 mod search;
+mod split;
 mod term;
 
 use core::f32::consts::LN_2;
@@ -47,7 +49,9 @@ pub use errors::{Errors, SettingsError, Shares, Tails};
 use evidence::{Change, Evidence};
 use mode::{Mode, Modes};
 use moves::Proposal;
+pub(super) use nursery::Nursery;
 use search::search;
+pub use split::Seed;
 use term::State;
 
 /// What a [`RobustLocator`] can be told; the defaults suit a direction finder on a vehicle.
@@ -160,6 +164,8 @@ pub struct RobustLocator<const N: usize, const B: usize = 64> {
     answer: Answer,
     /// Bearings since the last search for modes.
     since_search: u32,
+    /// How many wild bearings it has not been given for each that it has.
+    withheld: f32,
 }
 
 /// Moves of every particle for the first fix.
@@ -182,6 +188,7 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
             modes: Modes::new(),
             answer: NOTHING,
             since_search: 0,
+            withheld: 0.0,
         }
     }
 
@@ -192,6 +199,7 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
         self.modes.clear();
         self.answer = NOTHING;
         self.since_search = 0;
+        self.withheld = 0.0;
     }
 
     /// Takes one bearing, and says what is known with it.
@@ -281,14 +289,7 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
 
     /// The places where the source may be, up to four, in no particular order: before a fix, too.
     pub fn hypotheses(&self) -> impl Iterator<Item = Hypothesis> {
-        let best = mode::largest(&self.modes);
-        let mass = move |mode: &Mode| exp(mode.log_mass - best);
-        let total: f32 = self.modes.iter().map(mass).sum();
-        self.modes.iter().map(move |mode| Hypothesis {
-            position: position(&mode.mean),
-            covariance: plane(&mode.covariance.matrix()),
-            mass: mass(mode) / total,
-        })
+        hypotheses(&self.modes)
     }
 
     /// Where to drive, so that the next bearings tell most; `None` before the first bearing.
@@ -349,9 +350,6 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
     }
 
     /// Whether the bearings make a fix, by their best mode; or the reason why not.
-    ///
-    /// They do if they rule out that the source is anywhere up to infinity: by the likelihood ratio, under the same
-    /// mixture.
     #[inline(never)]
     fn observe<R: Rng + ?Sized>(&mut self, rng: &mut R) -> Result<(), NotObservable> {
         let have = self.evidence.sights().len();
@@ -365,20 +363,11 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
         {
             self.evidence.refresh(&self.errors, &best.mean);
         }
-        let (at_infinity, information) = self.evidence.at_infinity();
-        let limit = self.settings.common.relative_range_error;
-        // As the other locator says it: two halves of the bearings that differ by this angle.
-        let needed = 2.0 / (limit * sqrt(information));
-        let crossing = |radians| NotObservable::CrossingAngle { radians, needed };
-        let best = mode::best(&self.modes).ok_or(crossing(0.0))?;
-        let gain = self.evidence.density(&self.errors).log_density(&best.mean) - at_infinity;
-        let gain = if gain > 0.0 { 2.0 * gain } else { 0.0 };
-        let deviation = largest_variance(&plane(&best.covariance.matrix()));
-        let range = self.evidence.range_squared(best.mean[0], best.mean[1]);
-        if gain * limit * limit < 1.0 || deviation > limit * limit * range {
-            return Err(crossing(2.0 * sqrt(gain / information)));
-        }
-        Ok(())
+        self.crossing()
+    }
+
+    fn crossing(&self) -> Result<(), NotObservable> {
+        crossing(&self.evidence, &self.modes, &self.errors, &self.settings)
     }
 
     /// Starts the particles from all modes.
@@ -404,6 +393,7 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
         for mode in &self.modes {
             density.count(&mode.mean, mode.share, &mut counts);
         }
+        counts.wild += self.withheld * (counts.direct + counts.mirror + counts.wild);
         self.errors.learn(&self.settings.errors, &counts);
         self.evidence.refresh(&self.errors, &self.filter.mean());
     }
@@ -432,6 +422,42 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
             Err(NotObservable::NoIntersection)
         }
     }
+}
+
+/// Whether bearings make a fix by their best mode: if they rule out that the source is anywhere up to infinity, by the
+/// likelihood ratio, under the same mixture.
+#[inline(never)]
+fn crossing<const B: usize>(
+    evidence: &Evidence<B>,
+    modes: &Modes,
+    errors: &Errors,
+    settings: &Settings,
+) -> Result<(), NotObservable> {
+    let (at_infinity, information) = evidence.at_infinity();
+    let limit = settings.common.relative_range_error;
+    // As the other locator says it: two halves of the bearings that differ by this angle.
+    let needed = 2.0 / (limit * sqrt(information));
+    let crossing = |radians| NotObservable::CrossingAngle { radians, needed };
+    let best = mode::best(modes).ok_or(crossing(0.0))?;
+    let gain = evidence.density(errors).log_density(&best.mean) - at_infinity;
+    let gain = if gain > 0.0 { 2.0 * gain } else { 0.0 };
+    let deviation = largest_variance(&plane(&best.covariance.matrix()));
+    let range = evidence.range_squared(best.mean[0], best.mean[1]);
+    if gain * limit * limit < 1.0 || deviation > limit * limit * range {
+        return Err(crossing(2.0 * sqrt(gain / information)));
+    }
+    Ok(())
+}
+
+fn hypotheses(modes: &Modes) -> impl Iterator<Item = Hypothesis> {
+    let best = mode::largest(modes);
+    let mass = move |mode: &Mode| exp(mode.log_mass - best);
+    let total: f32 = modes.iter().map(mass).sum();
+    modes.iter().map(move |mode| Hypothesis {
+        position: position(&mode.mean),
+        covariance: plane(&mode.covariance.matrix()),
+        mass: mass(mode) / total,
+    })
 }
 
 fn position(&[x, y, _]: &State) -> [f32; 2] {

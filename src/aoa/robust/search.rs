@@ -47,12 +47,7 @@ pub(super) fn search<R: Rng + ?Sized, const B: usize>(
     rng: &mut R,
 ) -> Modes {
     let density = evidence.density(errors);
-    let mut modes = Modes::new();
-    for mode in known {
-        if let Some(mode) = Mode::climb(&density, mode.mean, AGAIN) {
-            add(&mut modes, mode);
-        }
-    }
+    let mut modes = climb_again(&density, known);
     let mut wide: Vec<Term, B> = Vec::new();
     let bias = errors.bias_deviation;
     for sight in evidence.sights() {
@@ -77,6 +72,17 @@ pub(super) fn search<R: Rng + ?Sized, const B: usize>(
         }
     }
     share(&mut modes);
+    modes
+}
+
+/// Where the modes of other bearings are by these.
+pub(super) fn climb_again(density: &Density<'_>, known: &Modes) -> Modes {
+    let mut modes = Modes::new();
+    for mode in known {
+        if let Some(mode) = Mode::climb(density, mode.mean, AGAIN) {
+            add(&mut modes, mode);
+        }
+    }
     modes
 }
 
