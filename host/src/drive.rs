@@ -181,7 +181,7 @@ fn quality(rng: &mut impl Rng) -> f64 {
 }
 
 /// Standard deviation of a bearing of this quality, in degrees, as the gateway takes it to be.
-fn deviation_degrees(quality: f64) -> f64 {
+pub(crate) fn deviation_degrees(quality: f64) -> f64 {
     f64::from(Settings::default().deviation_rad(quality as f32)).to_degrees()
 }
 

@@ -10,6 +10,7 @@
 //! - [`simulate`]: noisy bearings along a track; [`faults`]: what goes wrong with them; [`drive`]: a whole drive
 //!   of a vehicle, as the bytes that its receiver and its direction finder put on the line;
 //! - [`mod@reference`]: exact answers, to measure the library against;
+//! - [`scripts`]: drives on which something happens;
 //! - [`measured`]: bearings from the field, turned into such bytes;
 //! - [`replay`]: those bytes through the library's gateway, as the firmware does it;
 //! - [`packets`]: what the radios of a tunnel hear, as bytes on their line, and through the library's gateway;
@@ -25,6 +26,7 @@ pub mod picture;
 pub mod radio_map;
 pub mod reference;
 pub mod replay;
+pub mod scripts;
 pub mod simulate;
 pub mod survey;
 pub mod tetam;

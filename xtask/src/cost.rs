@@ -28,12 +28,13 @@ pub struct Options {
 }
 
 /// The most that a figure may be.
-const LIMITS: [(&str, f64); 12] = [
+const LIMITS: [(&str, f64); 13] = [
     ("m4f.step.n200.instructions", 300.0),
     ("m4f.refine.fish.n1000.cycles_modelled", 1500.0),
     ("host.step.n1000.ns", 25.0),
     ("filter.d2.n200.bytes", 16.0 * 200.0 + 256.0),
     ("vehicle.flash.bytes", 65_536.0),
+    ("vehicle.robust.memory.bytes", 98_304.0),
     // A tenth of a second at 168 MHz, if an instruction took a cycle.
     ("robust.update.worst.instructions", 16_800_000.0),
     ("m4f.fingerprint.match.gaussian.instructions", 6_000.0),
@@ -44,13 +45,18 @@ const LIMITS: [(&str, f64); 12] = [
     ("fingerprint.map.levels.bytes", 5_427.0),
 ];
 
-/// The firmwares of a vehicle: with the locator's own moves, and with each refinement.
-pub const VEHICLES: [&str; 4] = [
+/// The firmwares of a vehicle: with the locator's own moves, with each refinement, and for bearings of which some are
+/// wrong.
+pub const VEHICLES: [&str; 5] = [
     "vehicle",
+    ROBUST,
     "vehicle_fish",
     "vehicle_firefly",
     "vehicle_evolution",
 ];
+
+/// The firmware of a vehicle for bearings of which some are wrong.
+pub const ROBUST: &str = "vehicle_robust";
 
 /// The firmware of a tunnel.
 const BEACONS: &str = "beacon_gateway";
@@ -108,10 +114,12 @@ pub fn firmware() -> Result<Vec<Figure>> {
             BEACONS => "beacon".into(),
             vehicle => vehicle.replace('_', "."),
         };
+        let (ram, stack) = (occupied.ram as f64, f64::from(stack::deepest(&elf)?.bytes));
         for (what, bytes) in [
             ("flash", occupied.flash as f64),
-            ("ram", occupied.ram as f64),
-            ("stack", stack::deepest(&elf)?.bytes.into()),
+            ("ram", ram),
+            ("stack", stack),
+            ("memory", ram + stack),
         ] {
             figures.push(Figure::new(format!("{name}.{what}.bytes"), bytes, "bytes"));
         }

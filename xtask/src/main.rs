@@ -38,8 +38,8 @@ enum Task {
     Map(map::Options),
     /// Give the gateways and the reader of maps whatever may come, and look for faults.
     Fuzz(fuzz::Options),
-    /// Simulate the drive of the demo again, from its seed, and write its file.
-    Drive,
+    /// Simulate the drive of the demo again, from its seed, or one on which something happens, and write its file.
+    Drive(drive::Options),
     /// Simulate the radio map and the packets of the tunnel's demo again, from their seed, and write their files.
     Tunnel,
     /// Reproduce published results, and compare with their figures.
@@ -62,7 +62,7 @@ fn run(task: Task) -> Result<()> {
         Task::Test(options) => test::run_all(&options),
         Task::Cost(options) => cost::run(&options),
         Task::Demo(options) => demo::run(&options),
-        Task::Drive => drive::run(),
+        Task::Drive(options) => drive::run(&options),
         Task::Tunnel => tunnel::run(),
         Task::Map(options) => map::run(&options),
         Task::Fuzz(options) => fuzz::run(&options),

@@ -10,10 +10,10 @@ use std::{
 };
 
 use anyhow::{Context, Result, ensure};
-use foxhunt_host::{measured::Measured, packets, replay};
+use foxhunt_host::{measured::Measured, packets, replay, scripts::Script};
 
 use crate::{
-    cost,
+    cost::{self, ROBUST},
     demo::{DEVIATION_DEGREES, EXAMPLE, QUERY, has_status},
     project,
     qemu::Machine,
@@ -21,7 +21,8 @@ use crate::{
 };
 
 /// Fails unless the firmware answers the shipped drive, and the measured ones where they are at hand, byte for
-/// byte as the host does, and the firmwares with refinements a part of the shipped drive.
+/// byte as the host does, the firmwares with refinements a part of the shipped drive, and the robust one the drives on which
+/// something happens.
 pub fn compare() -> Result<()> {
     let drive = fs::read(project::root().join(EXAMPLE))?;
     compare_drive(drive.clone())?;
@@ -33,6 +34,12 @@ pub fn compare() -> Result<()> {
             "{firmware} has found nothing"
         );
         ensure_same(&on_board(firmware, &part)?, &host).context(firmware)?;
+    }
+    for script in Script::ALL {
+        let mut drive = script.scene(1).drive.bytes().to_vec();
+        drive.extend(QUERY);
+        let host = on_host(ROBUST, &drive)?;
+        ensure_same(&on_board(ROBUST, &drive)?, &host).context(script.name())?;
     }
     let Some(data) = env::var_os("FOXHUNT_DATA") else {
         println!("measured drives are skipped: FOXHUNT_DATA does not name their directory");

@@ -1,0 +1,133 @@
+//! Drives on which something happens, through the gateway of the firmware `vehicle_robust`.
+
+// The source of the firmware.
+#[path = "../../examples/gateways/robust.rs"]
+mod robust;
+
+use foxhunt::aoa::{Locate, Source};
+use foxhunt::gateway::{Event, Rejected};
+use foxhunt_host::{
+    geodesy::Place,
+    scripts::{Scene, Script},
+};
+use robust::{Gateway, gateway};
+
+/// What is known after a line, at so many seconds from the beginning.
+struct Step {
+    seconds: f64,
+    event: Event,
+    sources: Vec<Source>,
+}
+
+/// All that became of a drive.
+struct Outcome {
+    scene: Scene,
+    gateway: Box<Gateway>,
+    steps: Vec<Step>,
+}
+
+fn run(script: Script, seed: u64) -> Outcome {
+    let scene = script.scene(seed);
+    let mut gateway = Box::new(gateway());
+    let mut steps = Vec::new();
+    // A bearing a second, and nothing else that gives events.
+    let mut seconds = 0.0;
+    for &byte in scene.drive.bytes() {
+        let Some(event) = gateway.push(byte) else {
+            continue;
+        };
+        if event == Event::Rejected(Rejected::NoFix) {
+            continue;
+        }
+        let sources = (0..).map_while(|index| gateway.locator().source(index));
+        steps.push(Step {
+            seconds,
+            event,
+            sources: sources.collect(),
+        });
+        seconds += 1.0;
+    }
+    Outcome {
+        scene,
+        gateway,
+        steps,
+    }
+}
+
+impl Outcome {
+    /// The true place of a source at a time, in metres of the gateway's plane.
+    fn truth(&self, source: usize, seconds: f64) -> [f32; 2] {
+        let origin = self.gateway.plane().unwrap().origin();
+        let origin = Place {
+            latitude: f64::from(origin.latitude_e7()) * 1e-7,
+            longitude: f64::from(origin.longitude_e7()) * 1e-7,
+        };
+        let place = self.scene.sources[source].at(seconds).unwrap();
+        origin
+            .local(self.scene.origin.offset(place))
+            .map(|v| v as f32)
+    }
+
+    fn is_held(&self, step: &Step, probability: f32) -> bool {
+        let truth = self.truth(0, step.seconds);
+        let source = step.sources.first();
+        source.is_some_and(|s| s.fix.ellipse(probability).contains(truth))
+    }
+
+    fn error(&self, step: &Step) -> f32 {
+        let [x, y] = self.truth(0, step.seconds);
+        let [fx, fy] = step.sources[0].fix.position;
+        (fx - x).hypot(fy - y)
+    }
+
+    fn last(&self) -> &Step {
+        self.steps.last().unwrap()
+    }
+}
+
+const SEEDS: u64 = 20;
+
+/// Every bearing of the minute is rejected, for its position; what is known stays as it is to the last bit; and after
+/// the minute bearings are used from the first on.
+#[test]
+fn an_outage_of_the_receiver_is_waited_for() {
+    let mut held = 0;
+    for seed in 0..SEEDS {
+        let outcome = run(Script::Outage, seed);
+        let [start, end] = Script::OUTAGE.map(|t| t as usize);
+        // Positions hold on for two seconds.
+        let dark = &outcome.steps[start + 2..end];
+        let before = &outcome.steps[start + 1].sources;
+        assert!(!before.is_empty());
+        for step in dark {
+            assert_eq!(step.event, Event::Rejected(Rejected::StalePosition));
+            assert_eq!(&step.sources, before);
+        }
+        let after = &outcome.steps[end..];
+        assert!(after.iter().all(|s| matches!(s.event, Event::Fix(_))));
+        let counters = outcome.gateway.counters();
+        assert_eq!(counters.rejected(Rejected::NoFix), 60);
+        held += u32::from(outcome.is_held(outcome.last(), 0.95));
+    }
+    // Fewer than 16 of 20 at 95 %: one seed in 380.
+    assert!(held >= 16, "{held}");
+}
+
+/// While the vehicle crawls no bearing is used, for there is no heading; the first after it is off by less than the bend;
+/// and the final fix is as good as it says.
+#[test]
+fn a_course_that_stands_still_is_no_heading() {
+    let mut held = 0;
+    for seed in 0..SEEDS {
+        let outcome = run(Script::FrozenCourse, seed);
+        let [start, end] = Script::CRAWL.map(|t| t as usize);
+        for step in &outcome.steps[start + 1..end] {
+            assert_eq!(step.event, Event::Rejected(Rejected::NoHeading));
+        }
+        let used = (outcome.steps[end..].iter()).filter(|s| matches!(s.event, Event::Fix(_)));
+        assert!(used.count() >= 97);
+        held += u32::from(outcome.is_held(outcome.last(), 0.95));
+        assert!(outcome.error(outcome.last()) < 60.0);
+    }
+    assert!(held >= 16, "{held}");
+}
