@@ -43,6 +43,7 @@ mod proof {
             fish,
         },
         resample::{Scheme, resample},
+        snapshot::{self, Persist},
         weights,
     };
 
@@ -87,6 +88,7 @@ mod proof {
         bearings(&mut rng);
         locate(&mut rng);
         locate_robustly(&mut rng);
+        snapshots(&mut rng);
         fingerprints();
         track(&mut rng);
         gateway();
@@ -373,6 +375,32 @@ mod proof {
             black_box(locator.observations().len());
         }
         locator.reset();
+    }
+
+    fn snapshots(rng: &mut Xoshiro128PlusPlus) {
+        fn both_ways<T: Persist>(state: &mut T) {
+            let mut buffer = any([0; 2000]);
+            _ = black_box(snapshot::save(state, some_mut(&mut buffer)));
+            _ = black_box(snapshot::restore(state, some(&any(buffer))));
+        }
+        let settings = any(locator::Settings::new());
+        let place = Geodetic::new(any(0), any(0));
+        let Ok(mut place) = place else { return };
+        let Ok(mut plane) = LocalPlane::new(place) else {
+            return;
+        };
+        both_ways(&mut place);
+        both_ways(&mut (&mut plane, rng));
+        both_ways(&mut any(ParticleFilter::<4, 50>::new()));
+        both_ways(&mut any(Locator::<50, 16>::new(settings)));
+        let evolution = any(DifferentialEvolution::new());
+        both_ways(&mut any(
+            Locator::<50, 16, DifferentialEvolution>::with_refinement(settings, evolution),
+        ));
+        both_ways(&mut any(RobustLocator::<50, 16>::new(any(
+            robust::Settings::default(),
+        ))));
+        both_ways(&mut any(Locator::<50, 16>::new(settings).answer()));
     }
 
     fn gateway() {

@@ -13,6 +13,7 @@ use crate::particles::Particles;
 use crate::random::Rng;
 use crate::refine::{Memory, Refinement, Report};
 use crate::resample::Scheme;
+use crate::snapshot::{Error, Persist, Reader, Writer, shape};
 use crate::weights;
 
 /// A particle filter of `N` particles with a state of `D` dimensions.
@@ -164,6 +165,30 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
 impl<const D: usize, const N: usize> Default for ParticleFilter<D, N> {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+impl<const D: usize, const N: usize> Persist for ParticleFilter<D, N> {
+    const SHAPE: u32 = shape("ParticleFilter", &[Particles::<D, N>::SHAPE]);
+    const BYTES: usize = Particles::<D, N>::BYTES + 4 * N + 8;
+
+    fn save(&self, to: &mut Writer<'_>) {
+        self.particles.save(to);
+        to.column(&self.weights);
+        to.column(&[self.log_sum, self.effective_sample_size]);
+    }
+
+    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
+        from.skip(Self::BYTES).map(drop)
+    }
+
+    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
+        self.particles.load(from)?;
+        from.column(&mut self.weights)?;
+        let mut sums = [0.0; 2];
+        from.column(&mut sums)?;
+        [self.log_sum, self.effective_sample_size] = sums;
+        Ok(())
     }
 }
 

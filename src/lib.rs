@@ -20,6 +20,7 @@
 //! | [`aoa`] | bearings and their conventions, triangulation, Gauss-Newton, the locator |
 //! | [`fingerprint`] | radio maps in flash, and matching of signal strengths with them |
 //! | [`problems`] | the problems of the published experiments, ready to run |
+//! | [`snapshot`] | the whole state of a locator as bytes, and back, for boards that lose power |
 //! | `gateway` (feature) | bytes in, fixes out: the state machine that firmware, host tools and tests share |
 //!
 //! Start at [`aoa::locator::Locator`] to find a transmitter from bearings, at [`model`] to track something of
@@ -61,6 +62,7 @@ pub mod proposal;
 pub mod random;
 pub mod refine;
 pub mod resample;
+pub mod snapshot;
 pub mod weights;
 
 /// The examples of the README, run with the others.

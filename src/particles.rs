@@ -5,6 +5,7 @@
 
 use crate::random::Rng;
 use crate::resample::{Scheme, resample};
+use crate::snapshot::{Error, Persist, Reader, Writer, shape};
 
 /// `N` particles with a state of `D` dimensions, and their log-weights.
 ///
@@ -123,5 +124,28 @@ pub fn write<const D: usize>(columns: &mut [&mut [f32]; D], i: usize, state: [f3
         if let Some(place) = column.get_mut(i) {
             *place = value;
         }
+    }
+}
+
+impl<const D: usize, const N: usize> Persist for Particles<D, N> {
+    const SHAPE: u32 = shape("Particles", &[D as u32, N as u32]);
+    const BYTES: usize = 4 * N * (D + 1);
+
+    fn save(&self, to: &mut Writer<'_>) {
+        for column in self.columns() {
+            to.column(column);
+        }
+        to.column(&self.log_weights);
+    }
+
+    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
+        from.skip(Self::BYTES).map(drop)
+    }
+
+    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
+        for column in self.columns_mut() {
+            from.column(column)?;
+        }
+        from.column(&mut self.log_weights)
     }
 }

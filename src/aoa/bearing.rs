@@ -3,6 +3,7 @@
 use core::f32::consts::{FRAC_PI_2, PI};
 
 use crate::math::wrap;
+use crate::snapshot::{Error, Reader, Value, Writer};
 
 /// A direction in the local east-north plane.
 ///
@@ -57,6 +58,22 @@ impl Bearing {
         };
         // Just west of north the sum rounds up.
         if degrees >= 360.0 { 0.0 } else { degrees }
+    }
+}
+
+impl Value for Bearing {
+    const SIZE: usize = 4;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        self.0.write(to);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        // As it was: what has been wrapped is not wrapped again.
+        match f32::read(from)? {
+            radians if radians.abs() > PI => Err(Error::Malformed),
+            radians => Ok(Self(radians)),
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 use core::fmt;
 
 use crate::math;
+use crate::snapshot::{Error, Reader, Value, Writer, by_value};
 
 /// Degrees of 1e-7 in half a turn.
 const HALF_TURN_E7: i32 = 1_800_000_000;
@@ -202,6 +203,36 @@ impl LocalPlane {
         p0 + d * (p1 + d * (p2 + d * p3))
     }
 }
+
+impl Value for Geodetic {
+    const SIZE: usize = 2 * i32::SIZE;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        self.latitude_e7.write(to);
+        self.longitude_e7.write(to);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        let latitude_e7 = Value::read(from)?;
+        let longitude_e7 = Value::read(from)?;
+        Self::new(latitude_e7, longitude_e7).map_err(|_| Error::Malformed)
+    }
+}
+
+/// As its origin.
+impl Value for LocalPlane {
+    const SIZE: usize = Geodetic::SIZE;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        self.origin.write(to);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        Self::new(Geodetic::read(from)?).map_err(|_| Error::Malformed)
+    }
+}
+
+by_value!(Geodetic, LocalPlane);
 
 /// Sine and cosine of a latitude. Towards the poles by the angle from the pole, whose integer is exact: the
 /// cosine keeps its relative accuracy.

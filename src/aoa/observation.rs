@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::Bearing;
+use crate::snapshot::{Error, Reader, Value, Writer};
 
 /// A bearing on the source, the place it was taken from and how far to trust it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,5 +92,22 @@ impl Observation {
     /// What the bearing counts for beside others: the inverse of its variance.
     pub(super) fn information(&self) -> f32 {
         1.0 / (self.deviation * self.deviation)
+    }
+}
+
+impl Value for Observation {
+    const SIZE: usize = <[f32; 2]>::SIZE + Bearing::SIZE + f32::SIZE;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        self.position.write(to);
+        self.bearing.write(to);
+        self.deviation.write(to);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        let position = Value::read(from)?;
+        let bearing = Value::read(from)?;
+        let deviation = Value::read(from)?;
+        Self::new(position, bearing, deviation).map_err(|_| Error::Malformed)
     }
 }

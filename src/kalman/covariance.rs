@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::math::{ln, sqrt};
+use crate::snapshot::{Error, Reader, Value, Writer};
 
 /// A symmetric positive semidefinite matrix of `D` rows, held as a lower triangular factor `L` with
 /// `matrix = L L^T`: by construction it cannot lose either property.
@@ -17,6 +18,21 @@ pub struct Covariance<const D: usize> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NotACovariance;
+
+/// The columns of the factor.
+impl<const D: usize> Value for Covariance<D> {
+    const SIZE: usize = 4 * D * D;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        to.column(self.columns.as_flattened());
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        let mut columns = [[0.0; D]; D];
+        from.column(columns.as_flattened_mut())?;
+        Ok(Self { columns })
+    }
+}
 
 impl fmt::Display for NotACovariance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

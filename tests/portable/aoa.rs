@@ -38,7 +38,7 @@ pub const CASES: &[Case] = &[
 const SOURCE: [f32; 2] = [1200.0, 800.0];
 
 /// Bearings of two degrees on the source, from a drive past it.
-fn drive() -> [Observation; 40] {
+pub fn drive() -> [Observation; 40] {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
     core::array::from_fn(|i| {
         let east = 50.0 * i as f32;

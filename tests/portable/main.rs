@@ -14,6 +14,7 @@ mod math;
 mod proposal;
 mod random;
 mod refine;
+mod snapshot;
 
 use digest::Digest;
 
@@ -29,6 +30,7 @@ const GROUPS: &[&[Case]] = &[
     proposal::CASES,
     fingerprint::CASES,
     gateway::CASES,
+    snapshot::CASES,
 ];
 
 fn cases() -> impl Iterator<Item = Case> {

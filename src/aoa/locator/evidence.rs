@@ -6,6 +6,7 @@ use crate::aoa::gauss_newton::{Errors, Linearised, SolveError, linearise, solve}
 use crate::aoa::{Bearing, BearingLikelihood, Observation};
 use crate::math::{atan2, sin_cos, sqrt, wrap};
 use crate::model::Likelihood;
+use crate::snapshot::{Error, Persist, Reader, Value, Writer, list, shape};
 
 use super::moves::Proposal;
 
@@ -195,4 +196,30 @@ fn average(a: &Observation, b: &Observation, source: Option<[f32; 2]>) -> Observ
     let deviation = if deviation > least { deviation } else { least };
     // What lies between two observations is one.
     Observation::new(position, Bearing::from_radians(radians), deviation).unwrap_or(*b)
+}
+
+/// The likelihoods follow from the observations.
+impl<const B: usize> Persist for Evidence<B> {
+    const SHAPE: u32 = shape("Evidence", &[B as u32]);
+    const BYTES: usize = list::bytes::<Observation>(B) + <([f32; 2], u32)>::SIZE;
+
+    fn save(&self, to: &mut Writer<'_>) {
+        list::save(&self.observations, to);
+        (self.latest, self.count).write(to);
+    }
+
+    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
+        list::check::<Observation>(B, from)?;
+        <([f32; 2], u32)>::read(from).map(drop)
+    }
+
+    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
+        list::load(&mut self.observations, from)?;
+        self.likelihoods.clear();
+        for observation in &self.observations {
+            let _ = self.likelihoods.push(BearingLikelihood::new(observation));
+        }
+        (self.latest, self.count) = Value::read(from)?;
+        Ok(())
+    }
 }

@@ -16,6 +16,7 @@
 mod evidence;
 mod moves;
 mod rejuvenation;
+mod snapshot;
 
 use core::fmt;
 

@@ -10,6 +10,7 @@ use super::split::{Seed, explains};
 use super::term::{State, Term};
 use crate::aoa::Observation;
 use crate::math::{exp, ln, sqrt, wrap};
+use crate::snapshot::{Error, Persist, Reader, Value, Writer, list, shape};
 
 #[derive(Debug, Clone)]
 pub(super) struct Evidence<const B: usize> {
@@ -336,6 +337,35 @@ impl<const B: usize> Evidence<B> {
         )
     }
 }
+
+/// The range of the region follows from the settings. Terms do not follow from the sights: each was made by what was known
+/// of the source then.
+impl<const B: usize> Persist for Evidence<B> {
+    const SHAPE: u32 = shape("robust::Evidence", &[B as u32]);
+    const BYTES: usize = list::bytes::<Sight>(B) + list::bytes::<Term>(B) + Rest::SIZE;
+
+    fn save(&self, to: &mut Writer<'_>) {
+        list::save(&self.sights, to);
+        list::save(&self.terms, to);
+        ((self.region.centre, self.count), (self.source, self.latest)).write(to);
+    }
+
+    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
+        list::check::<Sight>(B, from)?;
+        list::check::<Term>(B, from)?;
+        Rest::read(from).map(drop)
+    }
+
+    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
+        list::load(&mut self.sights, from)?;
+        list::load(&mut self.terms, from)?;
+        ((self.region.centre, self.count), (self.source, self.latest)) = Value::read(from)?;
+        Ok(())
+    }
+}
+
+/// In a snapshot, what is behind the lists.
+type Rest = (([f32; 2], u32), (Option<State>, Option<Observation>));
 
 /// Two places in the buffer.
 struct Pair {

@@ -5,6 +5,7 @@ use super::term::{State, fold_angle};
 use crate::aoa::gauss_newton::linearise;
 use crate::aoa::{Bearing, Observation};
 use crate::math::{atan2, sqrt, wrap};
+use crate::snapshot::value;
 
 /// A bearing in the buffer, which may stand for several.
 #[derive(Debug, Clone, Copy)]
@@ -123,3 +124,10 @@ fn blend(
     let deviation = if deviation > least { deviation } else { least };
     Observation::new(position, Bearing::from_radians(radians), deviation).ok()
 }
+
+value!(Sight {
+    observation: Observation,
+    readings: f32,
+    worth: f32,
+    age_s: f32,
+});

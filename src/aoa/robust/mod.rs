@@ -31,6 +31,7 @@ mod mode;
 mod moves;
 mod nursery;
 mod search;
+mod snapshot;
 mod split;
 mod term;
 

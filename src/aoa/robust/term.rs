@@ -6,6 +6,7 @@ use super::density::BLOCK;
 use super::errors::{Errors, Tails};
 use crate::aoa::Observation;
 use crate::math::{atan_coarse, exp_of_weight, ln, sin_cos, sqrt, wrap};
+use crate::snapshot::value;
 
 /// Metres east and north, and the bias of all bearings in its deviations.
 pub(super) type State = [f32; 3];
@@ -28,6 +29,16 @@ pub(super) struct Term {
     direct: f32,
     mirror: f32,
 }
+
+value!(Term {
+    position: [f32; 2],
+    sin: f32,
+    cos: f32,
+    curvature: f32,
+    power: f32,
+    direct: f32,
+    mirror: f32,
+});
 
 /// Keeps the ratio finite for a particle that sits on the receiver.
 const TINY_M: f32 = 1e-7;

@@ -1,0 +1,113 @@
+//! Robust locators as bytes.
+
+use super::errors::Correlation;
+use super::evidence::Evidence;
+use super::mode::{MODES, Mode};
+use super::term::State;
+use super::{Errors, RobustLocator, Settings, Shares, Tails};
+use crate::aoa::locator::{self, Answer};
+use crate::filter::ParticleFilter;
+use crate::kalman::Covariance;
+use crate::snapshot::{Error, Persist, Reader, Value, Writer, list, shape, value};
+
+impl<const N: usize, const B: usize> Persist for RobustLocator<N, B> {
+    const SHAPE: u32 = shape(
+        "RobustLocator",
+        &[
+            ParticleFilter::<3, N>::SHAPE,
+            Evidence::<B>::SHAPE,
+            Self::BYTES as u32,
+        ],
+    );
+    const BYTES: usize = Settings::SIZE
+        + Shares::SIZE
+        + Evidence::<B>::BYTES
+        + ParticleFilter::<3, N>::BYTES
+        + list::bytes::<Mode>(MODES)
+        + <(Answer, u32)>::SIZE;
+
+    fn save(&self, to: &mut Writer<'_>) {
+        self.settings.write(to);
+        // Nothing else is learned.
+        self.errors.shares.write(to);
+        self.evidence.save(to);
+        self.filter.save(to);
+        list::save(&self.modes, to);
+        (self.answer, self.since_search).write(to);
+    }
+
+    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
+        if Settings::read(from)? != self.settings {
+            return Err(Error::Settings);
+        }
+        Shares::read(from)?;
+        self.evidence.check(from)?;
+        self.filter.check(from)?;
+        list::check::<Mode>(MODES, from)?;
+        <(Answer, u32)>::read(from).map(drop)
+    }
+
+    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
+        Settings::read(from)?;
+        self.errors.shares = Value::read(from)?;
+        self.evidence.load(from)?;
+        self.filter.load(from)?;
+        list::load(&mut self.modes, from)?;
+        (self.answer, self.since_search) = Value::read(from)?;
+        Ok(())
+    }
+}
+
+value!(Settings {
+    errors: Errors,
+    common: locator::Settings,
+    range_m: f32,
+});
+
+value!(Errors {
+    tails: Tails,
+    shares: Shares,
+    prior_bearings: f32,
+    bias_deviation: f32,
+    position_deviation: f32,
+    correlation: Correlation,
+});
+
+value!(Shares {
+    direct: f32,
+    mirror: f32,
+    wild: f32,
+});
+
+value!(Correlation {
+    at_rest: f32,
+    distance_m: f32,
+    time_s: f32,
+});
+
+/// The degrees of freedom, or zero.
+impl Value for Tails {
+    const SIZE: usize = 1;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        match self {
+            Self::Normal => 0,
+            Self::Student { freedom } => *freedom,
+        }
+        .write(to);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        Ok(match u8::read(from)? {
+            0 => Self::Normal,
+            freedom => Self::Student { freedom },
+        })
+    }
+}
+
+value!(Mode {
+    mean: State,
+    covariance: Covariance<3>,
+    log_mass: f32,
+    share: f32,
+});

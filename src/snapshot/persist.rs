@@ -1,0 +1,283 @@
+//! What can be saved and restored.
+
+use super::{Error, Reader, Writer};
+use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+
+/// State that can be saved and restored in place.
+///
+/// Locators, filters, planes and generators are; so are tuples of two to four of them and mutable references to them, for
+/// states that are kept apart: `snapshot::save(&(&mut locator, &mut generator), &mut buffer)`.
+///
+/// ```
+/// use foxhunt::filter::ParticleFilter;
+/// use foxhunt::snapshot::{self, Error, Persist, Reader, Writer};
+///
+/// struct Hunt { filter: ParticleFilter<2, 100>, steps: u32 }
+///
+/// impl Persist for Hunt {
+///     const SHAPE: u32 = snapshot::shape("Hunt", &[<ParticleFilter<2, 100> as Persist>::SHAPE]);
+///     const BYTES: usize = <ParticleFilter<2, 100> as Persist>::BYTES + 4;
+///
+///     fn save(&self, to: &mut Writer<'_>) {
+///         self.filter.save(to);
+///         to.bytes(self.steps.to_le_bytes());
+///     }
+///
+///     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
+///         self.filter.check(from)?;
+///         from.skip(4).map(drop)
+///     }
+///
+///     fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
+///         self.filter.load(from)?;
+///         self.steps = u32::from_le_bytes(from.bytes()?);
+///         Ok(())
+///     }
+/// }
+///
+/// let hunt = Hunt { filter: ParticleFilter::new(), steps: 7 };
+/// let mut buffer = [0; snapshot::largest::<Hunt>()];
+/// let bytes = snapshot::save(&hunt, &mut buffer)?;
+/// let mut restored = Hunt { filter: ParticleFilter::new(), steps: 0 };
+/// snapshot::restore(&mut restored, bytes)?;
+/// assert_eq!(restored.steps, 7);
+/// # Ok::<(), Error>(())
+/// ```
+pub trait Persist {
+    /// Differs from that of any other type, and of the same with other constants, by [`shape`].
+    const SHAPE: u32;
+
+    /// The most bytes that it takes.
+    const BYTES: usize;
+
+    /// Writes what [`load`](Persist::load) needs.
+    fn save(&self, to: &mut Writer<'_>);
+
+    /// Reads as [`load`](Persist::load) does, without writing anything.
+    ///
+    /// # Errors
+    /// For every reason for which that would fail.
+    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error>;
+
+    /// Reads what [`save`](Persist::save) wrote, in place.
+    ///
+    /// # Errors
+    /// Not after a [`check`](Persist::check) of the same bytes.
+    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error>;
+}
+
+/// A number for a type of this name with these constants, and shapes of its parts: their 32-bit FNV-1a hash.
+pub const fn shape(name: &str, constants: &[u32]) -> u32 {
+    const fn mix(hash: u32, byte: u8) -> u32 {
+        (hash ^ byte as u32).wrapping_mul(0x0100_0193)
+    }
+    let mut hash = 0x811c_9dc5;
+    let mut rest = name.as_bytes();
+    while let [byte, behind @ ..] = rest {
+        hash = mix(hash, *byte);
+        rest = behind;
+    }
+    let mut rest = constants;
+    while let [constant, behind @ ..] = rest {
+        let [a, b, c, d] = constant.to_le_bytes();
+        hash = mix(mix(mix(mix(hash, a), b), c), d);
+        rest = behind;
+    }
+    hash
+}
+
+/// What is small enough to be read by value.
+pub(crate) trait Value: Sized {
+    /// The most bytes that it takes.
+    const SIZE: usize;
+
+    fn write(&self, to: &mut Writer<'_>);
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error>;
+}
+
+/// A structure as its fields, in this order.
+macro_rules! value {
+    ($type:ty { $($field:ident: $of:ty),+ $(,)? }) => {
+        impl $crate::snapshot::Value for $type {
+            const SIZE: usize = 0 $(+ <$of as $crate::snapshot::Value>::SIZE)+;
+
+            fn write(&self, to: &mut $crate::snapshot::Writer<'_>) {
+                $(<$of as $crate::snapshot::Value>::write(&self.$field, to);)+
+            }
+
+            fn read(
+                from: &mut $crate::snapshot::Reader<'_>,
+            ) -> Result<Self, $crate::snapshot::Error> {
+                Ok(Self { $($field: <$of as $crate::snapshot::Value>::read(from)?),+ })
+            }
+        }
+    };
+}
+pub(crate) use value;
+
+/// A state on its own that is a value.
+macro_rules! by_value {
+    ($($type:ident),+) => {$(
+        impl $crate::snapshot::Persist for $type {
+            const SHAPE: u32 = $crate::snapshot::shape(stringify!($type), &[Self::BYTES as u32]);
+            const BYTES: usize = <Self as $crate::snapshot::Value>::SIZE;
+
+            fn save(&self, to: &mut $crate::snapshot::Writer<'_>) {
+                $crate::snapshot::Value::write(self, to);
+            }
+
+            fn check(
+                &self,
+                from: &mut $crate::snapshot::Reader<'_>,
+            ) -> Result<(), $crate::snapshot::Error> {
+                <Self as $crate::snapshot::Value>::read(from).map(drop)
+            }
+
+            fn load(
+                &mut self,
+                from: &mut $crate::snapshot::Reader<'_>,
+            ) -> Result<(), $crate::snapshot::Error> {
+                *self = $crate::snapshot::Value::read(from)?;
+                Ok(())
+            }
+        }
+    )+};
+}
+pub(crate) use by_value;
+
+macro_rules! numbers {
+    ($($number:ty),+) => {$(
+        impl Value for $number {
+            const SIZE: usize = size_of::<Self>();
+
+            #[inline(always)]
+            fn write(&self, to: &mut Writer<'_>) {
+                to.bytes(self.to_le_bytes());
+            }
+
+            #[inline(always)]
+            fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+                from.bytes().map(Self::from_le_bytes)
+            }
+        }
+    )+};
+}
+
+numbers!(u8, u32, i32, f32);
+
+impl<T: Value + Copy + Default, const K: usize> Value for [T; K] {
+    const SIZE: usize = K * T::SIZE;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        for value in self {
+            value.write(to);
+        }
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        let mut values = [T::default(); K];
+        for value in &mut values {
+            *value = T::read(from)?;
+        }
+        Ok(values)
+    }
+}
+
+impl<A: Value, B: Value> Value for (A, B) {
+    const SIZE: usize = A::SIZE + B::SIZE;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        self.0.write(to);
+        self.1.write(to);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        Ok((A::read(from)?, B::read(from)?))
+    }
+}
+
+/// Whether there is one, and which.
+impl<T: Value> Value for Option<T> {
+    const SIZE: usize = 1 + T::SIZE;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        u8::from(self.is_some()).write(to);
+        if let Some(value) = self {
+            value.write(to);
+        }
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        match u8::read(from)? {
+            0 => Ok(None),
+            1 => T::read(from).map(Some),
+            _ => Err(Error::Malformed),
+        }
+    }
+}
+
+/// The state of the generator, which is never all zero.
+impl Value for Xoshiro128PlusPlus {
+    const SIZE: usize = 16;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        to.bytes(self.state());
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        let state = from.bytes()?;
+        if state == [0; 16] {
+            return Err(Error::Malformed);
+        }
+        Ok(Self::from_seed(state))
+    }
+}
+
+by_value!(Xoshiro128PlusPlus);
+
+impl<T: Persist> Persist for &mut T {
+    const SHAPE: u32 = T::SHAPE;
+    const BYTES: usize = T::BYTES;
+
+    fn save(&self, to: &mut Writer<'_>) {
+        T::save(self, to);
+    }
+
+    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
+        T::check(self, from)
+    }
+
+    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
+        T::load(self, from)
+    }
+}
+
+macro_rules! tuples {
+    ($(($($part:ident $place:tt),+))+) => {$(
+        impl<$($part: Persist),+> Persist for ($($part,)+) {
+            const SHAPE: u32 = shape("tuple", &[$($part::SHAPE),+]);
+            const BYTES: usize = 0 $(+ $part::BYTES)+;
+
+            fn save(&self, to: &mut Writer<'_>) {
+                $(self.$place.save(to);)+
+            }
+
+            fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
+                $(self.$place.check(from)?;)+
+                Ok(())
+            }
+
+            fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
+                $(self.$place.load(from)?;)+
+                Ok(())
+            }
+        }
+    )+};
+}
+
+tuples! {
+    (A 0, B 1)
+    (A 0, B 1, C 2)
+    (A 0, B 1, C 2, D 3)
+}
