@@ -435,6 +435,9 @@ mod proof {
                 vehicle.plane(),
                 vehicle.locator(),
             ));
+            let mut buffer = any([0; 2000]);
+            _ = black_box(vehicle.snapshot(some_mut(&mut buffer)));
+            _ = black_box(vehicle.restore(some(&any(buffer))));
         }
         vehicle.restart();
     }

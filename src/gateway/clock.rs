@@ -1,6 +1,7 @@
 //! Time, as the stream tells it.
 
 use super::Rejected;
+use crate::snapshot::{Error, Reader, Value, Writer};
 
 /// Milliseconds in a day.
 const DAY: i32 = 86_400_000;
@@ -52,6 +53,21 @@ impl TimeOfDay {
             difference + DAY
         } else {
             difference
+        }
+    }
+}
+
+impl Value for TimeOfDay {
+    const SIZE: usize = i32::SIZE;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        self.0.write(to);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        match i32::read(from)? {
+            time if (0..DAY).contains(&time) => Ok(Self(time)),
+            _ => Err(Error::Malformed),
         }
     }
 }

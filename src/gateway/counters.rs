@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::tally::Tally;
+use crate::snapshot::value;
 
 /// Why a line was not used. The state of the locator is as if it had not been there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,6 +126,14 @@ impl Counters {
         self.rejected.add(reason as usize);
     }
 }
+
+value!(Counters {
+    lines: u32,
+    sentences: u32,
+    bearings: u32,
+    ignored: u32,
+    rejected: Tally<{ Rejected::ALL.len() }>,
+});
 
 #[cfg(test)]
 mod tests {

@@ -1,5 +1,7 @@
 //! How often each of several things has happened.
 
+use crate::snapshot::{Error, Reader, Value, Writer};
+
 /// Counts that stay at their maximum when they reach it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -19,6 +21,18 @@ impl<const K: usize> Tally<K> {
         if let Some(count) = self.0.get_mut(which) {
             *count = count.saturating_add(1);
         }
+    }
+}
+
+impl<const K: usize> Value for Tally<K> {
+    const SIZE: usize = <[u32; K]>::SIZE;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        self.0.write(to);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        Value::read(from).map(Self)
     }
 }
 

@@ -1,5 +1,7 @@
 //! The gateway of a vehicle.
 
+mod snapshot;
+
 use super::bearing_line::{BearingLine, Pose};
 use super::clock::{Clock, TimeOfDay};
 use super::history::{Compass, History};

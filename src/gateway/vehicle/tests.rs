@@ -404,3 +404,54 @@ fn sentences_are_counted() {
             .all(|e| matches!(e, Event::Rejected(_)))
     );
 }
+
+#[test]
+fn a_restored_gateway_goes_on() {
+    use crate::snapshot::{Error, largest};
+    let settings = Settings::default().with_report_interval_ms(4_000).unwrap();
+    let lines = drive(12);
+    // A sentence of the receiver and the bearing after it.
+    let steps: Vec<&str> = lines.split_inclusive('\r').collect();
+    let steps: Vec<String> = steps.chunks(2).map(|step| step.concat()).collect();
+    assert_eq!(steps.len(), 12);
+    let reports = |gateway: &mut Gateway, steps: &[String]| -> Vec<String> {
+        let report = |step: &String| {
+            push(gateway, step);
+            String::from(gateway.report())
+        };
+        steps.iter().map(report).collect()
+    };
+    let mut buffer = [0; largest::<Gateway>()];
+    let mut whole = gateway(settings);
+    let all = reports(&mut whole, &steps);
+    push(&mut whole, "$PFOXQ*50\r\n");
+    for step in 0..=steps.len() {
+        let mut before = gateway(settings);
+        reports(&mut before, &steps[..step]);
+        let bytes = before.snapshot(&mut buffer).unwrap();
+        let mut after = gateway(settings.with_seed(99));
+        // What it hears before it is restored holds; what it is in the midst of, too.
+        push(&mut after, &rmc("115959"));
+        push(&mut after, "%0");
+        after.restore(bytes).unwrap();
+        assert_eq!(after.plane(), before.plane());
+        assert_eq!(after.observation(), before.observation());
+        assert_eq!(after.counters(), before.counters());
+        assert_eq!(after.locator().answer(), before.locator().answer());
+        push(&mut after, "\r\n");
+        after.restore(bytes).unwrap();
+        if step == 0 {
+            // Its generator had not been seeded yet.
+            continue;
+        }
+        assert_eq!(reports(&mut after, &steps[step..]), all[step..], "{step}");
+        push(&mut after, "$PFOXQ*50\r\n");
+        assert_eq!(after.report(), whole.report());
+    }
+
+    let bytes = whole.snapshot(&mut buffer).unwrap();
+    let other = locator::Settings::new().moves(3).unwrap();
+    let mut other: Gateway = Vehicle::new(settings, Locator::new(other));
+    assert_eq!(other.restore(bytes), Err(Error::Settings));
+    assert!(other.plane().is_none());
+}
