@@ -173,9 +173,15 @@ impl<const D: usize, const N: usize> Persist for ParticleFilter<D, N> {
     const BYTES: usize = Particles::<D, N>::BYTES + 4 * N + 8;
 
     fn save(&self, to: &mut Writer<'_>) {
-        self.particles.save(to);
-        to.column(&self.weights);
-        to.column(&[self.log_sum, self.effective_sample_size]);
+        let Self {
+            particles,
+            weights,
+            log_sum,
+            effective_sample_size,
+        } = self;
+        particles.save(to);
+        to.column(weights);
+        to.column(&[*log_sum, *effective_sample_size]);
     }
 
     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {

@@ -132,10 +132,14 @@ impl<const D: usize, const N: usize> Persist for Particles<D, N> {
     const BYTES: usize = 4 * N * (D + 1);
 
     fn save(&self, to: &mut Writer<'_>) {
-        for column in self.columns() {
+        let Self {
+            columns,
+            log_weights,
+        } = self;
+        for column in columns {
             to.column(column);
         }
-        to.column(&self.log_weights);
+        to.column(log_weights);
     }
 
     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
@@ -143,7 +147,7 @@ impl<const D: usize, const N: usize> Persist for Particles<D, N> {
     }
 
     fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
-        for column in self.columns_mut() {
+        for column in &mut self.columns {
             from.column(column)?;
         }
         from.column(&mut self.log_weights)

@@ -164,7 +164,7 @@ macro_rules! numbers {
     )+};
 }
 
-numbers!(u8, u32, i32, f32);
+numbers!(u8, u16, u32, i32, f32);
 
 impl<T: Value + Copy + Default, const K: usize> Value for [T; K] {
     const SIZE: usize = K * T::SIZE;

@@ -7,6 +7,7 @@ use super::*;
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
 use crate::aoa::locator::{self, Answer, Locator, Moves};
 use crate::aoa::robust::{self, RobustLocator, Tails};
+use crate::aoa::sources::{self, Sources};
 use crate::aoa::{Bearing, Locate, Observation};
 use crate::filter::ParticleFilter;
 use crate::math::atan2;
@@ -135,6 +136,14 @@ fn so_does_a_robust_one() {
         let snapshot = goes_on(new, true, |a, b| assert_eq!(text(a), text(b)));
         assert!(snapshot.len() <= largest::<(RobustLocator<64, 12>, Xoshiro128PlusPlus)>());
     }
+}
+
+#[test]
+fn so_do_several_sources() {
+    let errors = robust::Errors::new().position_deviation(5.0).unwrap();
+    let track = || RobustLocator::<64, 12>::new(robust::Settings::new(errors));
+    let new = || Sources::<2, _, 12>::new(sources::Settings::new(), [track(), track()]);
+    goes_on(new, true, |a, b| assert_eq!(text(a), text(b)));
 }
 
 #[test]

@@ -204,8 +204,14 @@ impl<const B: usize> Persist for Evidence<B> {
     const BYTES: usize = list::bytes::<Observation>(B) + <([f32; 2], u32)>::SIZE;
 
     fn save(&self, to: &mut Writer<'_>) {
-        list::save(&self.observations, to);
-        (self.latest, self.count).write(to);
+        let Self {
+            observations,
+            likelihoods: _,
+            latest,
+            count,
+        } = self;
+        list::save(observations, to);
+        (*latest, *count).write(to);
     }
 
     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {

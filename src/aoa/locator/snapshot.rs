@@ -20,10 +20,18 @@ impl<const N: usize, const B: usize, M: Moves<N>> Persist for Locator<N, B, M> {
         Settings::SIZE + Evidence::<B>::BYTES + ParticleFilter::<2, N>::BYTES + Answer::SIZE;
 
     fn save(&self, to: &mut Writer<'_>) {
-        self.settings.write(to);
-        self.evidence.save(to);
-        self.filter.save(to);
-        self.answer.write(to);
+        let Self {
+            settings,
+            evidence,
+            filter,
+            answer,
+            moves: _,
+            memory: _,
+        } = self;
+        settings.write(to);
+        evidence.save(to);
+        filter.save(to);
+        answer.write(to);
     }
 
     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {

@@ -3,6 +3,7 @@
 use super::errors::Shares;
 use super::term::{State, Term};
 use crate::math::ln;
+use crate::snapshot::value;
 
 /// Where a source may be before any bearing: a density of 1 / (1 + r^2 / R^2)^2 about the first receiver.
 ///
@@ -32,6 +33,11 @@ impl Region {
         4.0 * self.inverse_square / self.spread(state)
     }
 }
+
+value!(Region {
+    centre: [f32; 2],
+    inverse_square: f32,
+});
 
 /// The posterior of some bearings.
 #[derive(Clone, Copy)]

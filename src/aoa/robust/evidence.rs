@@ -338,16 +338,23 @@ impl<const B: usize> Evidence<B> {
     }
 }
 
-/// The range of the region follows from the settings. Terms do not follow from the sights: each was made by what was known
-/// of the source then.
+/// Terms do not follow from the sights: each was made by what was known of the source then.
 impl<const B: usize> Persist for Evidence<B> {
     const SHAPE: u32 = shape("robust::Evidence", &[B as u32]);
     const BYTES: usize = list::bytes::<Sight>(B) + list::bytes::<Term>(B) + Rest::SIZE;
 
     fn save(&self, to: &mut Writer<'_>) {
-        list::save(&self.sights, to);
-        list::save(&self.terms, to);
-        ((self.region.centre, self.count), (self.source, self.latest)).write(to);
+        let Self {
+            sights,
+            terms,
+            region,
+            source,
+            latest,
+            count,
+        } = self;
+        list::save(sights, to);
+        list::save(terms, to);
+        ((*region, *count), (*source, *latest)).write(to);
     }
 
     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
@@ -359,13 +366,13 @@ impl<const B: usize> Persist for Evidence<B> {
     fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
         list::load(&mut self.sights, from)?;
         list::load(&mut self.terms, from)?;
-        ((self.region.centre, self.count), (self.source, self.latest)) = Value::read(from)?;
+        ((self.region, self.count), (self.source, self.latest)) = Value::read(from)?;
         Ok(())
     }
 }
 
 /// In a snapshot, what is behind the lists.
-type Rest = (([f32; 2], u32), (Option<State>, Option<Observation>));
+type Rest = ((Region, u32), (Option<State>, Option<Observation>));
 
 /// Two places in the buffer.
 struct Pair {

@@ -20,8 +20,8 @@ use crate::random::Rng;
 /// others are as good as wild to it.
 #[derive(Debug, Clone)]
 pub(in crate::aoa) struct Nursery<const B: usize> {
-    evidence: Evidence<B>,
-    modes: Modes,
+    pub(super) evidence: Evidence<B>,
+    pub(super) modes: Modes,
 }
 
 impl<const B: usize> Nursery<B> {

@@ -4,7 +4,7 @@ use super::errors::Correlation;
 use super::evidence::Evidence;
 use super::mode::{MODES, Mode};
 use super::term::State;
-use super::{Errors, RobustLocator, Settings, Shares, Tails};
+use super::{Errors, Nursery, RobustLocator, Settings, Shares, Tails};
 use crate::aoa::locator::{self, Answer};
 use crate::filter::ParticleFilter;
 use crate::kalman::Covariance;
@@ -20,41 +20,74 @@ impl<const N: usize, const B: usize> Persist for RobustLocator<N, B> {
         ],
     );
     const BYTES: usize = Settings::SIZE
-        + Shares::SIZE
+        + Errors::SIZE
         + Evidence::<B>::BYTES
         + ParticleFilter::<3, N>::BYTES
         + list::bytes::<Mode>(MODES)
-        + <(Answer, u32)>::SIZE;
+        + Rest::SIZE;
 
     fn save(&self, to: &mut Writer<'_>) {
-        self.settings.write(to);
-        // Nothing else is learned.
-        self.errors.shares.write(to);
-        self.evidence.save(to);
-        self.filter.save(to);
-        list::save(&self.modes, to);
-        (self.answer, self.since_search).write(to);
+        let Self {
+            settings,
+            errors,
+            evidence,
+            filter,
+            modes,
+            answer,
+            since_search,
+            withheld,
+        } = self;
+        settings.write(to);
+        errors.write(to);
+        evidence.save(to);
+        filter.save(to);
+        list::save(modes, to);
+        (*answer, (*since_search, *withheld)).write(to);
     }
 
     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
         if Settings::read(from)? != self.settings {
             return Err(Error::Settings);
         }
-        Shares::read(from)?;
+        Errors::read(from)?;
         self.evidence.check(from)?;
         self.filter.check(from)?;
         list::check::<Mode>(MODES, from)?;
-        <(Answer, u32)>::read(from).map(drop)
+        Rest::read(from).map(drop)
     }
 
     fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
         Settings::read(from)?;
-        self.errors.shares = Value::read(from)?;
+        self.errors = Value::read(from)?;
         self.evidence.load(from)?;
         self.filter.load(from)?;
         list::load(&mut self.modes, from)?;
-        (self.answer, self.since_search) = Value::read(from)?;
+        (self.answer, (self.since_search, self.withheld)) = Value::read(from)?;
         Ok(())
+    }
+}
+
+/// In a snapshot, what is behind the modes.
+type Rest = (Answer, (u32, f32));
+
+impl<const B: usize> Persist for Nursery<B> {
+    const SHAPE: u32 = shape("Nursery", &[Evidence::<B>::SHAPE, Self::BYTES as u32]);
+    const BYTES: usize = Evidence::<B>::BYTES + list::bytes::<Mode>(MODES);
+
+    fn save(&self, to: &mut Writer<'_>) {
+        let Self { evidence, modes } = self;
+        evidence.save(to);
+        list::save(modes, to);
+    }
+
+    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
+        self.evidence.check(from)?;
+        list::check::<Mode>(MODES, from)
+    }
+
+    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
+        self.evidence.load(from)?;
+        list::load(&mut self.modes, from)
     }
 }
 

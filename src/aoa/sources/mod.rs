@@ -8,6 +8,7 @@
 //! * A source dies when its share of the recent bearings has faded, or when it turns out to be another's twin.
 
 mod settings;
+mod snapshot;
 mod track;
 
 use super::Observation;

@@ -50,10 +50,29 @@ impl<L: Locate + Persist, const REPORT: usize> Persist for Vehicle<L, REPORT> {
     const BYTES: usize = L::BYTES + Rest::SIZE;
 
     fn save(&self, to: &mut Writer<'_>) {
-        self.locator.save(to);
-        let (plane, generator) = (self.plane, self.generator.clone());
-        let times = (self.latest, self.reported);
-        ((plane, generator), (times, (self.given, self.counters))).write(to);
+        let Self {
+            settings: _,
+            reader: _,
+            counters,
+            receiver: _,
+            finder: _,
+            places: _,
+            headings: _,
+            courses: _,
+            own_place: _,
+            plane,
+            strays: _,
+            locator,
+            generator,
+            given,
+            latest,
+            reported,
+            report: _,
+        } = self;
+        locator.save(to);
+        let of_source = (*plane, generator.clone());
+        let times = (*latest, *reported);
+        (of_source, (times, (*given, *counters))).write(to);
     }
 
     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
