@@ -19,6 +19,7 @@ mod proof {
             geodesy::{Geodetic, LocalPlane},
             locator::{self, Answer, Locator},
             robust::{self, RobustLocator, Tails},
+            sources::{self, Sources},
             triangulation,
         },
         estimate::{self, Ellipse},
@@ -401,6 +402,11 @@ mod proof {
             robust::Settings::default(),
         ))));
         both_ways(&mut any(Locator::<50, 16>::new(settings).answer()));
+        let track = || any(RobustLocator::<20, 8>::new(robust::Settings::default()));
+        both_ways(&mut any(Sources::<2, _, 16>::new(
+            any(sources::Settings::new()),
+            [track(), track()],
+        )));
     }
 
     fn gateway() {
