@@ -13,7 +13,7 @@ mod proof {
 
     use foxhunt::{
         aoa::{
-            Bearing, BearingLikelihood, Observation,
+            Bearing, BearingLikelihood, Locate, Observation,
             correction::{Correction, Pull},
             gauss_newton::{self, Errors},
             geodesy::{Geodetic, LocalPlane},
@@ -89,6 +89,7 @@ mod proof {
         bearings(&mut rng);
         locate(&mut rng);
         locate_robustly(&mut rng);
+        locate_several(&mut rng);
         snapshots(&mut rng);
         fingerprints();
         track(&mut rng);
@@ -376,6 +377,32 @@ mod proof {
             black_box(locator.observations().len());
         }
         locator.reset();
+    }
+
+    fn locate_several(rng: &mut Xoshiro128PlusPlus) {
+        let settings = sources::Settings::new()
+            .false_birth(any(0.0))
+            .and_then(|settings| settings.memory(any(0.0), any(0.0)))
+            .and_then(|settings| settings.least_share(any(0.0)));
+        let tracks =
+            [const { RobustLocator::<50, 16>::new(robust::Settings::new(robust::Errors::new())) };
+                3];
+        let mut sources = any(Sources::<3, _, 16>::new(
+            settings.unwrap_or_default(),
+            tracks,
+        ));
+        for _ in 0..any(100) {
+            let Some(observation) = observation() else {
+                continue;
+            };
+            black_box(sources.push(observation, rng));
+            black_box(sources.push_after(observation, any(0.0), rng));
+            black_box((sources.answer(), sources.bias(), sources.shares()));
+            black_box((sources.source(any(0)), sources.hypothesis(any(0))));
+            black_box((sources.advice(), sources.classify(&observation)));
+            black_box((sources.cloud(any(0)), sources.tracks().count()));
+        }
+        sources.reset();
     }
 
     fn snapshots(rng: &mut Xoshiro128PlusPlus) {

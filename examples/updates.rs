@@ -30,6 +30,7 @@ mod target {
             Bearing, Locate, Observation,
             locator::{self, Answer, Locator},
             robust::{self, RobustLocator},
+            sources::{self, Sources},
         },
         gateway::{Event, Settings, Vehicle},
         problems::bearings::Track,
@@ -61,6 +62,9 @@ mod target {
         Updates::of_drive(greedy(swarm()), one).print("vehicle.firefly.greedy");
         Updates::of_drive(greedy(evolved()), one).print("vehicle.evolution.greedy");
         robust_updates(&stopwatch).print("robust");
+        sources_updates(&stopwatch).print("sources");
+        let bytes = core::mem::size_of::<Three>();
+        hprintln!("figure\tsources.bytes\t{}\tbytes", bytes);
         let worst = worst_byte(vehicle(), &stopwatch);
         hprintln!(
             "figure\tvehicle.byte.worst.instructions\t{}\tinstructions",
@@ -158,6 +162,55 @@ mod target {
                 updates.worst = updates.worst.max(instructions);
             }
             assert!(matches!(locator.answer(), Answer::Fix(_)));
+        }
+        updates
+    }
+
+    type Three = Sources<3, RobustLocator<256, 64>>;
+
+    static SOURCES: Three = Sources::new(
+        sources::Settings::new(),
+        [const { RobustLocator::new(robust::Settings::new(robust::Errors::new())) }; 3],
+    );
+
+    /// What several sources take: three tenths of the bearings wild, three sources that are heard from the start, along a
+    /// track, and three of which the third comes when the memory of wild bearings is full; and one straight ahead, which
+    /// becomes observable only then, when the vehicle turns aside, with as many wild bearings and with none.
+    fn sources_updates(stopwatch: &Stopwatch) -> Updates {
+        let mut updates = Updates::default();
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+        let along = |i: u32| Track::A2.receiver(if i / 60 % 2 == 0 { i % 60 } else { 59 - i % 60 });
+        let ahead = |i: u32| {
+            let along = if i < 70 { i as f32 } else { 70.0 };
+            [-2000.0 + 30.0 * along, 60.0 * (i as f32 - along)]
+        };
+        const PLACES: [[f32; 2]; 3] = [[1200.0, 800.0], [2300.0, 300.0], [600.0, -700.0]];
+        const AHEAD: [[f32; 2]; 3] = [[2000.0, 0.0]; 3];
+        let together: fn(u32) -> u32 = |i| i % 3;
+        let later: fn(u32) -> u32 = |i| if i < 240 { i % 2 } else { i % 3 };
+        let drives: [(u32, &dyn Fn(u32) -> [f32; 2], _, _, _); 4] = [
+            (120, &along, PLACES, together, 0.3),
+            (360, &along, PLACES, later, 0.3),
+            (130, &ahead, AHEAD, together, 0.3),
+            (130, &ahead, AHEAD, together, 0.0),
+        ];
+        for (count, place, truths, whose, share) in drives {
+            let mut sources = SOURCES.clone();
+            for i in 0..count {
+                let [px, py] = place(i);
+                let [x, y] = truths[whose(i) as usize];
+                let (error, kind) = (0.0195 * normal(&mut rng), uniform(&mut rng));
+                let wild = if kind < share { 20.0 * kind } else { 0.0 };
+                let bearing = foxhunt::math::atan2(y - py, x - px) + error + wild;
+                let bearing = Bearing::from_radians(bearing);
+                let observation = Observation::new([px, py], bearing, 0.0195).expect("in range");
+                let (_, instructions) =
+                    stopwatch.instructions(|| sources.push(observation, &mut rng));
+                updates.count += 1;
+                updates.sum += instructions;
+                updates.worst = updates.worst.max(instructions);
+            }
+            assert!(sources.source(0).is_some());
         }
         updates
     }

@@ -1,11 +1,12 @@
 use foxhunt::{
     aoa::{
-        Bearing, Observation,
+        Bearing, Locate, Observation,
         correction::{Correction, Pull},
         gauss_newton::{Errors, solve},
         geodesy::{Geodetic, LocalPlane},
         locator::{Answer, Locator, Settings},
         robust::{self, Errors as Faulty, RobustLocator, Tails},
+        sources::{self, Sources},
     },
     math,
     random::{SeedableRng, Xoshiro128PlusPlus, normal},
@@ -27,6 +28,7 @@ pub const CASES: &[Case] = &[
         "aoa::robust_locator_of_inexact_places",
         robust_locator_of_inexact_places,
     ),
+    ("aoa::two_sources_are_found", two_sources_are_found),
     (
         "aoa::gauss_newton_finds_the_source",
         gauss_newton_finds_the_source,
@@ -126,6 +128,35 @@ fn robust_locator_of_inexact_places() -> Digest {
         panic!("no fix")
     };
     assert!(is_near(fix.position, 100.0), "{:?}", fix.position);
+    digest
+}
+
+/// Every fourth bearing is of a second source, every ninth wild.
+fn two_sources_are_found() -> Digest {
+    const OTHER: [f32; 2] = [700.0, -900.0];
+    let mut digest = Digest::new();
+    let settings = robust::Settings::default();
+    let tracks = [0; 2].map(|_| RobustLocator::<128, 32>::new(settings));
+    let mut sources = Sources::<2, _, 32>::new(sources::Settings::new(), tracks);
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(4);
+    for (i, observation) in drive().into_iter().chain(drive()).enumerate() {
+        let [x, y] = observation.position();
+        let radians = match i {
+            _ if i % 9 == 5 => i as f32,
+            _ if i % 4 == 1 => math::atan2(OTHER[1] - y, OTHER[0] - x) + 0.035 * normal(&mut rng),
+            _ => observation.bearing().radians(),
+        };
+        let bearing = Bearing::from_radians(radians);
+        let observation = Observation::new([x, y], bearing, observation.deviation());
+        sources.push_after(observation.expect("in range"), 2.0, &mut rng);
+        for source in (0..).map_while(|index| sources.source(index)) {
+            digest.add(&source.fix.position);
+            digest.add(source.fix.covariance.as_flattened());
+            digest.add(&[f32::from(source.identity)]);
+        }
+    }
+    let [a, b] = [0, 1].map(|index| sources.source(index).expect("two sources").fix);
+    assert!(a.ellipse(0.999).contains(SOURCE) && b.ellipse(0.999).contains(OTHER));
     digest
 }
 

@@ -37,6 +37,7 @@ const LIMITS: [(&str, f64); 13] = [
     ("vehicle.robust.memory.bytes", 98_304.0),
     // A tenth of a second at 168 MHz, if an instruction took a cycle.
     ("robust.update.worst.instructions", 16_800_000.0),
+    ("sources.update.worst.instructions", 12_500_000.0),
     ("m4f.fingerprint.match.gaussian.instructions", 6_000.0),
     ("m4f.fingerprint.match.table.instructions", 6_000.0),
     ("m4f.tracker.n300.update.instructions", 110_000.0),
