@@ -15,10 +15,11 @@ pub struct Advice {
     /// The direction of travel from which bearings are expected to tell most; one of [`DIRECTIONS`].
     pub direction: Bearing,
     /// What a bearing from there is expected to tell, in nats: half the logarithm of how many times its variance is
-    /// larger than that of its errors alone. Below a tenth or so the bearings to come say little that is new.
+    /// larger than that of its errors alone. Below a tenth or so the next one says little that is new.
     pub information: f32,
-    /// How far to go there until the bearings cross at the angle that a fix needs, in metres: infinity beyond
-    /// [`FARTHEST_M`]. Zero if they do already.
+    /// How far to go there until the bearings cross at the angle that a fix
+    /// needs, as likely as not, in metres: infinity beyond
+    /// [`FARTHEST_M`]. Zero with a fix.
     pub distance_m: f32,
 }
 
@@ -30,6 +31,10 @@ pub const FARTHEST_M: f32 = 25_600.0;
 
 /// The way after which directions are compared, as a share of the distance to the source.
 const REACH: f32 = 0.15;
+
+/// What is better by less, in nats, is not: left and right of a ray are alike, and whoever is told to turn back at every
+/// bearing gets nowhere.
+const TIE: f32 = 0.05;
 
 /// The most places of a [`Belief`].
 const PLACES: usize = 32;
@@ -61,8 +66,12 @@ impl Belief {
         belief
     }
 
-    /// Of hypotheses: five places along the longer axis of each.
-    pub(super) fn of_hypotheses(hypotheses: impl Iterator<Item = Hypothesis>) -> Self {
+    /// Of hypotheses, as seen from a place: five places along the longer axis of each; of one that is so long that it
+    /// says no more than a direction, along the ray to it.
+    pub(super) fn of_hypotheses(
+        hypotheses: impl Iterator<Item = Hypothesis>,
+        from: [f32; 2],
+    ) -> Self {
         /// In deviations, and the weights of a normal distribution.
         const SHAPE: [(f32, f32); 5] = [
             (-1.5, 0.123),
@@ -71,15 +80,21 @@ impl Belief {
             (0.75, 0.237),
             (1.5, 0.123),
         ];
+        /// Of the distance, the longest semi-axis of what is more than a ray.
+        const LONG: f32 = 0.5;
         let mut belief = Self::default();
         for hypothesis in hypotheses {
             let ellipse = hypothesis.ellipse(Ellipse::ONE_SIGMA);
-            let (sin, cos) = sin_cos(ellipse.orientation);
-            let [x, y] = hypothesis.position;
-            for (z, weight) in SHAPE {
-                let offset = z * ellipse.semi_major;
-                let place = [x + offset * cos, y + offset * sin];
-                belief.add(place, hypothesis.mass * weight);
+            let (towards, distance) = sight(from, hypothesis.position);
+            if ellipse.semi_major < LONG * distance {
+                let (sin, cos) = sin_cos(ellipse.orientation);
+                for (z, weight) in SHAPE {
+                    let along = z * ellipse.semi_major;
+                    let place = offset(hypothesis.position, [cos, sin], along);
+                    belief.add(place, hypothesis.mass * weight);
+                }
+            } else {
+                belief.add_ray(from, towards, 4.0 * distance, hypothesis.mass);
             }
         }
         belief
@@ -89,13 +104,17 @@ impl Belief {
     pub(super) fn of_ray(observation: &Observation, range_m: f32) -> Self {
         let mut belief = Self::default();
         let (sin, cos) = sin_cos(observation.bearing().radians());
-        let [x, y] = observation.position();
-        let mut r = 0.5 * range_m;
+        belief.add_ray(observation.position(), [cos, sin], 0.5 * range_m, 1.0);
+        belief
+    }
+
+    /// Five places, each twice as far as the next.
+    fn add_ray(&mut self, from: [f32; 2], direction: [f32; 2], farthest: f32, mass: f32) {
+        let mut r = farthest;
         for _ in 0..5 {
-            belief.add([x + r * cos, y + r * sin], 1.0);
+            self.add(offset(from, direction, r), 0.2 * mass);
             r *= 0.5;
         }
-        belief
     }
 
     fn add(&mut self, position: [f32; 2], weight: f32) {
@@ -114,7 +133,7 @@ impl Belief {
             let (sin, cos) = sin_cos(radians);
             let spread = self.spread(offset(from, [cos, sin], reach));
             let information = 0.5 * ln(1.0 + spread / (deviation * deviation));
-            if best.is_none_or(|(_, best)| information > best.information) {
+            if best.is_none_or(|(_, best)| information > best.information + TIE) {
                 let advice = Advice {
                     direction: Bearing::from_radians(radians),
                     information,
@@ -161,20 +180,25 @@ impl Belief {
         squares / total
     }
 
-    /// The way in a direction until the places' own directions have turned by `missing`, on average; to a fifth.
+    /// The way in a direction until the directions of half of the places, by weight, have turned by `missing`; to a
+    /// fifth.
     fn way(&self, from: [f32; 2], direction: [f32; 2], missing: f32) -> f32 {
         let mut way = 25.0;
         while way <= FARTHEST_M {
             let to = offset(from, direction, way);
-            let (mut turned, mut total) = (0.0, 0.0);
+            let mut balance = 0.0;
             for place in &self.places {
                 let ([ax, ay], _) = sight(from, place.position);
                 let ([bx, by], _) = sight(to, place.position);
                 let (dx, dy) = (bx - ax, by - ay);
-                turned += place.weight * sqrt(dx * dx + dy * dy);
-                total += place.weight;
+                let has_turned = dx * dx + dy * dy >= missing * missing;
+                balance += if has_turned {
+                    place.weight
+                } else {
+                    -place.weight
+                };
             }
-            if turned >= missing * total {
+            if balance >= 0.0 {
                 return way;
             }
             way *= 1.2;
@@ -197,6 +221,65 @@ fn sight(from: [f32; 2], to: [f32; 2]) -> ([f32; 2], f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::aoa::locator::{self, Answer, Locator};
+    use crate::aoa::robust::{self, RobustLocator};
+    use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
+
+    const SOURCE: [f32; 2] = [1_000.0, 2_000.0];
+
+    /// Takes a bearing from a place.
+    fn look(from: [f32; 2], rng: &mut Xoshiro128PlusPlus) -> Observation {
+        let angle = (SOURCE[1] - from[1]).atan2(SOURCE[0] - from[0]) + 0.03 * normal(rng);
+        Observation::new(from, Bearing::from_radians(angle), 0.03).unwrap()
+    }
+
+    /// Whether there is a fix within 40 bearings, 30 m from one to the next. `steer` chooses the direction of travel from
+    /// that of the advice.
+    fn arrives(
+        seed: u64,
+        mut push: impl FnMut(Observation, &mut Xoshiro128PlusPlus) -> (Answer, Option<Advice>),
+        steer: impl Fn(f32) -> f32,
+    ) -> bool {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+        let mut place = [0.0; 2];
+        (0..40).any(|_| {
+            let observation = look(place, &mut rng);
+            let (answer, advice) = push(observation, &mut rng);
+            let (sin, cos) = steer(advice.unwrap().direction.radians()).sin_cos();
+            place = offset(place, [cos, sin], 30.0);
+            matches!(answer, Answer::Fix(_))
+        })
+    }
+
+    #[test]
+    fn who_drives_as_advised_gets_a_fix() {
+        let (mut plain, mut robust, mut astray) = (0, 0, 0);
+        for seed in 0..40 {
+            let mut locator = Locator::<100>::new(locator::Settings::new());
+            plain += u32::from(arrives(
+                seed,
+                |o, rng| (locator.push(o, rng), locator.advice()),
+                |radians| radians,
+            ));
+            let mut locator = RobustLocator::<128, 32>::new(robust::Settings::default());
+            robust += u32::from(arrives(
+                seed,
+                |o, rng| (locator.push(o, rng), locator.advice()),
+                |radians| radians,
+            ));
+            // Towards where the bearings point instead.
+            let mut locator = RobustLocator::<128, 32>::new(robust::Settings::default());
+            astray += u32::from(arrives(
+                seed,
+                |o, rng| (locator.push(o, rng), locator.advice()),
+                |_| SOURCE[1].atan2(SOURCE[0]),
+            ));
+        }
+        assert!(
+            plain >= 36 && robust >= 36 && astray < 10,
+            "{plain} {robust} {astray}"
+        );
+    }
 
     fn degrees(belief: &Belief, from: [f32; 2], missing: f32) -> (f32, Advice) {
         let latest = Observation::new(from, Bearing::from_radians(0.0), 0.02).unwrap();
@@ -228,7 +311,7 @@ mod tests {
             covariance: [[25.0, 0.0], [0.0, 90_000.0]],
             mass: 1.0,
         };
-        let belief = Belief::of_hypotheses([hypothesis].into_iter());
+        let belief = Belief::of_hypotheses([hypothesis].into_iter(), [0.0; 2]);
         let (direction, _) = degrees(&belief, [0.0, 0.0], 0.0);
         assert!((direction - 180.0).abs() > 60.0 && direction.min(360.0 - direction) > 60.0);
         // Once round it, there is less to learn than at the start.
@@ -236,7 +319,7 @@ mod tests {
             covariance: [[25.0, 0.0], [0.0, 25.0]],
             ..hypothesis
         };
-        let round = Belief::of_hypotheses([round].into_iter());
+        let round = Belief::of_hypotheses([round].into_iter(), [0.0; 2]);
         let before = degrees(&belief, [0.0, 0.0], 0.0).1.information;
         let after = degrees(&round, [0.0, 0.0], 0.0).1.information;
         assert!(after < 0.1 * before, "{after} {before}");
@@ -256,7 +339,8 @@ mod tests {
         };
         let best = (0..16).map(|k| spread(22.5 * k as f32));
         let best = best.fold(0.0, f32::max);
-        assert!((spread(direction) - best).abs() < 1e-5);
+        // As good as the best, but for a tie.
+        assert!(spread(direction) > 0.9 * best);
     }
 
     #[test]

@@ -138,6 +138,8 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Locator<N, B, M> {
         self.reset();
     }
 
+    // No advice, though it has some: it is for the smallest firmware, which that would make a tenth larger.
+
     fn cloud(&self, index: usize) -> Option<Cloud<'_>> {
         Cloud::of(self.answer(), index, self.columns(), self.weights())
     }

@@ -41,7 +41,9 @@
 //!
 //! Sentences with a checksum, ended by CR and LF. One `$PFOXF` or `$PFOXN` after an accepted bearing, if the
 //! last is at least [`Settings::report_interval_ms`] old; one of them and a `$PFOXS` for a query, which thus
-//! also tells that all bytes before it were processed; a `$PFOXN` for a restart.
+//! also tells that all bytes before it were processed; a `$PFOXN` for a restart. A locator that knows more, as a
+//! [`RobustLocator`](crate::aoa::robust::RobustLocator) does, says it in sentences that follow, of which
+//! [`LONG_REPORT`] bytes hold the most.
 //!
 //! **`$PFOXF,hhmmss.sss,ddmm.mmmmmm,N,dddmm.mmmmmm,E,major,minor,orientation,bearings,ess*hh`**, a fix:
 //! UTC time of the last bearing; latitude and longitude of the source, to 1e-7 degree; standard deviations, in
@@ -54,6 +56,23 @@
 //! parallel, `APART` their lines do not meet, `RANGE` the source is further from the origin than
 //! [`MAX_RANGE_M`](crate::aoa::geodesy::LocalPlane::MAX_RANGE_M); how many bearings there were since the last
 //! restart; for `ANGLE` the angle in degrees at which they cross and the least that is needed.
+//!
+//! **`$PFOXM,source,moving,speed,course,deviation*hh`** after a `$PFOXF` of a source that may move, or of one of several,
+//! each of which has a `$PFOXF` of its own, the best known first: the number of the source; the probability, in percent,
+//! that it moves; and if so its speed in metres a second, its course in degrees clockwise from north, and the standard
+//! deviation of either component of its velocity. Without a `$PFOXM` it is source 0.
+//!
+//! **`$PFOXH,ddmm.mmmmmm,N,dddmm.mmmmmm,E,major,minor,orientation,mass*hh`** after a `$PFOXN`: a place where the source may
+//! be, as that of a fix, and its probability in percent among all such places, of which there are up to four.
+//!
+//! **`$PFOXA,course,metres,information*hh`** after these, advice to the driver: the course, in degrees clockwise from
+//! north, on which the next bearings are expected to tell most; how far to go there until they cross at a sufficient angle,
+//! empty where that is too far; what a bearing from there is expected to tell, in nats.
+//! See [`Advice`](crate::aoa::advice::Advice).
+//!
+//! **`$PFOXE,bias,deviation,direct,mirror,wild*hh`**, at the end, what is known of the errors of the bearings: by how many
+//! degrees all of them are too far clockwise, and the standard deviation of that, both empty before the first fix; the
+//! shares of direct, mirrored and wild bearings in percent.
 //!
 //! **`$PFOXS,lines,sentences,bearings,ignored,...*hh`**, the status: the counts of [`Counters`] and then, in
 //! the order of [`Rejected::ALL`], of every reason for a rejection.

@@ -19,7 +19,7 @@ pub struct Evidence<const B: usize> {
     observations: Vec<Observation, B>,
     /// Of the observations, in the same order.
     likelihoods: Vec<BearingLikelihood, B>,
-    latest: [f32; 2],
+    latest: Option<Observation>,
     count: u32,
 }
 
@@ -28,7 +28,7 @@ impl<const B: usize> Evidence<B> {
         Self {
             observations: Vec::new(),
             likelihoods: Vec::new(),
-            latest: [0.0; 2],
+            latest: None,
             count: 0,
         }
     }
@@ -36,6 +36,7 @@ impl<const B: usize> Evidence<B> {
     pub(super) fn clear(&mut self) {
         self.observations.clear();
         self.likelihoods.clear();
+        self.latest = None;
         self.count = 0;
     }
 
@@ -48,14 +49,20 @@ impl<const B: usize> Evidence<B> {
         self.count
     }
 
+    /// The latest bearing.
+    pub(super) fn latest(&self) -> Option<&Observation> {
+        self.latest.as_ref()
+    }
+
     /// Distance of a point from where the latest bearing was taken.
     pub(super) fn distance_to_latest(&self, point: [f32; 2]) -> f32 {
-        sqrt(square_of_distance(point, self.latest))
+        let latest = self.latest().map_or([0.0; 2], Observation::position);
+        sqrt(square_of_distance(point, latest))
     }
 
     /// Takes a bearing. `source` is where the source is thought to be, if anywhere.
     pub(super) fn push(&mut self, observation: Observation, source: Option<[f32; 2]>) {
-        self.latest = observation.position();
+        self.latest = Some(observation);
         self.count = self.count.saturating_add(1);
         if self.observations.push(observation).is_ok() {
             let _ = self.likelihoods.push(BearingLikelihood::new(&observation));

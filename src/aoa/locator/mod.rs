@@ -20,6 +20,7 @@ mod snapshot;
 
 use core::fmt;
 
+use super::advice::{Advice, Belief};
 use super::triangulation::random_intersection;
 use super::{BearingLikelihood, Observation};
 use crate::estimate::{Ellipse, largest_variance};
@@ -133,19 +134,19 @@ pub enum Answer {
 }
 
 impl Answer {
-    /// How much farther the bearings must turn before there can be a fix, in radians; zero where that is not what is
-    /// missing.
+    /// How much farther the bearings must turn before there can be a fix, in radians; zero with a fix.
     pub(super) fn missing_angle(&self) -> f32 {
-        /// What two bearings must differ by, at the least, where that is not known.
+        /// Where that is not known,
         const SOME: f32 = 0.1;
+        /// and where they cross at the angle that is needed, but the range is too uncertain: as a share of it.
+        const MORE: f32 = 0.25;
         match self {
-            Self::NotObservable(NotObservable::TooFewBearings { .. }) => SOME,
-            Self::NotObservable(NotObservable::CrossingAngle { radians, needed })
-                if needed > radians =>
-            {
-                needed - radians
+            Self::Fix(_) => 0.0,
+            Self::NotObservable(NotObservable::CrossingAngle { radians, needed }) => {
+                let (missing, least) = (needed - radians, MORE * needed);
+                if missing > least { missing } else { least }
             }
-            _ => 0.0,
+            Self::NotObservable(_) => SOME,
         }
     }
 }
@@ -245,6 +246,9 @@ pub struct Locator<const N: usize, const B: usize = 64, M: Moves<N> = ModeMoves>
     memory: M::Memory,
 }
 
+/// As far as advice thinks that a source may be which there is no fix of.
+const RANGE_M: f32 = 20_000.0;
+
 /// The smallest sine of the angle of two bearings whose intersection may start a particle.
 const LEAST_SINE: f32 = 0.02;
 
@@ -336,6 +340,17 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locator<N, B, M> {
     /// What is known of the source.
     pub const fn answer(&self) -> Answer {
         self.answer
+    }
+
+    /// Where to drive, so that the next bearings tell most; `None` before the first bearing.
+    #[inline(never)]
+    pub fn advice(&self) -> Option<Advice> {
+        let latest = self.evidence.latest()?;
+        let belief = match self.answer {
+            Answer::Fix(_) => Belief::of_particles(self.columns(), self.weights()),
+            Answer::NotObservable(_) => Belief::of_ray(latest, RANGE_M),
+        };
+        belief.advice(latest, self.answer.missing_angle())
     }
 
     /// The particles' coordinates: metres east, metres north. They mean nothing before the first fix.

@@ -303,7 +303,7 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
                 Belief::of_particles([east, north], self.weights())
             }
             _ if self.modes.is_empty() => Belief::of_ray(latest, self.settings.range_m),
-            _ => Belief::of_hypotheses(self.hypotheses()),
+            _ => Belief::of_hypotheses(self.hypotheses(), latest.position()),
         };
         belief.advice(latest, self.answer.missing_angle())
     }

@@ -119,7 +119,7 @@ impl<const B: usize> Nursery<B> {
         let belief = if self.modes.is_empty() {
             Belief::of_ray(latest, settings.range_m)
         } else {
-            Belief::of_hypotheses(self.hypotheses())
+            Belief::of_hypotheses(self.hypotheses(), latest.position())
         };
         belief.advice(latest, Answer::NotObservable(reason).missing_angle())
     }
