@@ -36,6 +36,7 @@ mod target {
         problems::bearings::Track,
         random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform},
         refine::{DifferentialEvolution, Firefly, FishSchool, Lengths, Refinement},
+        snapshot::Persist,
     };
     use heapless::String;
 
@@ -65,6 +66,9 @@ mod target {
         sources_updates(&stopwatch).print("sources");
         let bytes = core::mem::size_of::<Three>();
         hprintln!("figure\tsources.bytes\t{}\tbytes", bytes);
+        snapshots("locator", vehicle(), one);
+        let robust = RobustLocator::<256, 64>::new(robust::Settings::default());
+        snapshots("robust", Vehicle::new(Settings::new(), robust), one);
         let worst = worst_byte(vehicle(), &stopwatch);
         hprintln!(
             "figure\tvehicle.byte.worst.instructions\t{}\tinstructions",
@@ -213,6 +217,27 @@ mod target {
             assert!(sources.source(0).is_some());
         }
         updates
+    }
+
+    /// What a gateway that knows the recorded drive takes to be saved and restored.
+    fn snapshots<L: Locate + Persist>(name: &str, mut gateway: Vehicle<L>, stopwatch: &Stopwatch) {
+        for byte in DRIVE {
+            gateway.push(*byte);
+        }
+        let mut buffer = black_box([0; 10_000]);
+        let (bytes, save) = stopwatch.instructions(|| gateway.snapshot(&mut buffer));
+        let bytes = black_box(bytes.expect("the buffer is large enough"));
+        let (result, restore) = stopwatch.instructions(|| gateway.restore(bytes));
+        result.expect("it has just been saved");
+        hprintln!("figure\tsnapshot.{}.bytes\t{}\tbytes", name, bytes.len());
+        for (what, instructions) in [("save", save), ("restore", restore)] {
+            hprintln!(
+                "figure\tsnapshot.{}.{}.instructions\t{}\tinstructions",
+                name,
+                what,
+                instructions
+            );
+        }
     }
 
     /// The dearest byte of a drive whose first fix comes when the memory of bearings is full: for a minute the vehicle is

@@ -6,13 +6,19 @@
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use foxhunt::{
-    aoa::locator::{self, Locator},
+    aoa::{
+        Locate,
+        locator::{self, Locator},
+        robust::{self, RobustLocator},
+        sources::{self, Sources},
+    },
     fingerprint::{
         Encoding, GaussianMatcher, Matcher, Neighbours, Posterior, RadioMap, Reading, TableMatcher,
         tracker::{self, Heard, Site, Tracker, Workspace},
     },
-    gateway::{Event, Finder, Settings, Vehicle, beacon},
+    gateway::{Event, Finder, LONG_REPORT, Settings, Vehicle, beacon},
     random::{SeedableRng, Xoshiro128PlusPlus},
+    snapshot::{Persist, largest},
 };
 
 /// A receiver's first words, so that bearings have a place, a time and a heading.
@@ -37,7 +43,10 @@ fn sentence(payload: &[u8]) -> Vec<u8> {
 /// Gives a vehicle's gateway lines made from those of `data`.
 pub fn vehicle(finder: Finder, data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
     let settings = Settings::new().with_finder(finder);
-    let mut vehicle = Box::new(Gateway::new(settings, Locator::new(locator::Settings::new())));
+    let mut vehicle = Box::new(Gateway::new(
+        settings,
+        Locator::new(locator::Settings::new()),
+    ));
     let push = |vehicle: &mut Gateway, bytes: &[u8]| -> Vec<Event> {
         bytes
             .iter()
@@ -189,5 +198,70 @@ pub fn radio_map(data: &[u8]) {
                 assert!(fix.position.iter().all(|x| x.is_finite()), "{fix:?}");
             }
         }
+    }
+}
+
+/// Gives gateways snapshots made from `data`.
+pub fn snapshot(data: &[u8]) {
+    let Some((which, data)) = data.split_first() else {
+        return;
+    };
+    let track = || RobustLocator::<12, 6>::new(robust::Settings::default());
+    match which % 3 {
+        0 => forged(|| Locator::<12, 6>::new(locator::Settings::new()), data),
+        1 => forged(track, data),
+        _ => forged(
+            || Sources::<2, _, 6>::new(sources::Settings::new(), [track(), track()]),
+            data,
+        ),
+    }
+}
+
+/// Restores a snapshot of a drive with some of its bytes replaced: by every three of `data`, a place and what stands there.
+fn forged<L: Locate + Persist>(locator: impl Fn() -> L, data: &[u8]) {
+    let new = || Box::new(Vehicle::<L, LONG_REPORT>::new(Settings::new(), locator()));
+    let saved = |vehicle: &Vehicle<L, LONG_REPORT>| {
+        let mut buffer = vec![0; largest::<Vehicle<L, LONG_REPORT>>()];
+        let bytes = vehicle.snapshot(&mut buffer);
+        bytes.expect("the buffer is large enough").to_vec()
+    };
+    let mut driven = new();
+    let drive = |vehicle: &mut Vehicle<L, LONG_REPORT>, seconds: std::ops::Range<u32>| {
+        for second in seconds {
+            let time = format!("GPRMC,1200{second:02},A,4807.038,N,01131.{second:02}");
+            let place = sentence(format!("{time},E,50.0,090.0,221126,,,A").as_bytes());
+            let bearing = format!("%{:03}/8\r", 300 - 4 * second);
+            for byte in place.iter().chain(bearing.as_bytes()) {
+                vehicle.push(*byte);
+            }
+        }
+    };
+    drive(&mut driven, 0..12);
+
+    let mut vehicle = new();
+    let before = saved(&vehicle);
+    assert!(vehicle.restore(data).is_err() || data.starts_with(&saved(&vehicle)));
+    let mut bytes = saved(&driven);
+    bytes.truncate(bytes.len() - 4);
+    let (changes, _) = data.as_chunks();
+    for [low, high, value] in changes {
+        // The header is checked by the tests: a wrong one would end everything here.
+        let place = 16 + usize::from(u16::from_le_bytes([*low, *high]));
+        if let Some(byte) = bytes.get_mut(place) {
+            *byte = *value;
+        }
+    }
+    let bytes = sealed(bytes);
+    if vehicle.restore(&bytes).is_err() {
+        assert_eq!(saved(&vehicle), before);
+        return;
+    }
+    // Whatever it is, and becomes, can be saved and restored again.
+    for seconds in [12..20, 20..24] {
+        let bytes = saved(&vehicle);
+        let mut again = new();
+        again.restore(&bytes).expect("it was saved");
+        assert_eq!(saved(&again), bytes);
+        drive(&mut vehicle, seconds);
     }
 }

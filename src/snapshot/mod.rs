@@ -53,7 +53,7 @@ mod tests;
 
 use core::fmt;
 
-use crate::checksum::crc32;
+use crate::checksum::crc32_by_table;
 pub use cursor::{Reader, Writer};
 pub use persist::{Persist, shape};
 pub(crate) use persist::{Value, by_value, value};
@@ -155,7 +155,7 @@ fn seal(buffer: &mut [u8], shape: u32, content: usize) -> Result<&[u8], Error> {
     for number in [VERSION, shape, content as u32] {
         number.write(&mut writer);
     }
-    *checksum = crc32(sealed).to_le_bytes();
+    *checksum = crc32_by_table(sealed).to_le_bytes();
     buffer.get(..needed).ok_or(too_small)
 }
 
@@ -175,7 +175,7 @@ fn open(bytes: &[u8], shape: u32) -> Result<&[u8], Error> {
     let sealed = HEADER.saturating_add(content);
     let (sealed, rest) = bytes.split_at_checked(sealed).ok_or(Error::Truncated)?;
     let (checksum, _) = rest.split_first_chunk().ok_or(Error::Truncated)?;
-    if crc32(sealed) != u32::from_le_bytes(*checksum) {
+    if crc32_by_table(sealed) != u32::from_le_bytes(*checksum) {
         return Err(Error::Checksum);
     }
     if of != shape {

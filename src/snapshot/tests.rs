@@ -9,6 +9,7 @@ use crate::aoa::locator::{self, Answer, Locator, Moves};
 use crate::aoa::robust::{self, RobustLocator, Tails};
 use crate::aoa::sources::{self, Sources};
 use crate::aoa::{Bearing, Locate, Observation};
+use crate::checksum::crc32;
 use crate::filter::ParticleFilter;
 use crate::math::atan2;
 use crate::model::RandomWalk;

@@ -31,7 +31,7 @@ pub struct Options {
 }
 
 /// All that comes from outside.
-const FORMATS: [&str; 7] = [
+const FORMATS: [&str; 8] = [
     "nmea",
     "agrelo",
     "kraken",
@@ -39,6 +39,7 @@ const FORMATS: [&str; 7] = [
     "beacon_lines",
     "beacon_frames",
     "radio_map",
+    "snapshot",
 ];
 
 /// Runs the task.
