@@ -14,6 +14,7 @@ mod likelihood;
 mod locate;
 pub mod locator;
 mod observation;
+pub mod pursuit;
 pub mod robust;
 pub mod sources;
 pub mod triangulation;

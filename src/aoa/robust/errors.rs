@@ -5,7 +5,7 @@ use core::fmt;
 
 use super::term::{Reading, State};
 use crate::aoa::Observation;
-use crate::math::sqrt;
+use crate::math::{exp, sqrt};
 
 /// What bearings are: straight at the source, turned by half a circle, or unrelated to it. They sum to one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,6 +81,19 @@ pub(super) struct Correlation {
     pub(super) at_rest: f32,
     pub(super) distance_m: f32,
     pub(super) time_s: f32,
+}
+
+impl Correlation {
+    /// How far apart two bearings are, as the exponent of their correlation.
+    pub(super) fn lengths(&self, distance_m: f32, seconds: f32) -> f32 {
+        distance_m / self.distance_m + seconds / self.time_s
+    }
+
+    /// How many independent readings the next one of a row is worth.
+    pub(super) fn worth(&self, lengths: f32) -> f32 {
+        let r = self.at_rest * exp(-lengths);
+        (1.0 - r) / (1.0 + r)
+    }
 }
 
 /// Why a setting was refused.

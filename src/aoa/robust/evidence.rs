@@ -9,7 +9,7 @@ use super::mode::{Mode, Modes};
 use super::split::{Seed, explains};
 use super::term::{State, Term};
 use crate::aoa::Observation;
-use crate::math::{exp, ln, sqrt, wrap};
+use crate::math::{ln, sqrt, wrap};
 use crate::snapshot::{Error, Persist, Reader, Value, Writer, list, shape};
 
 #[derive(Debug, Clone)]
@@ -180,10 +180,7 @@ impl<const B: usize> Evidence<B> {
             && let Some((place, distance)) = self.nearest_alike(&observation, source, errors)
             && let Some(sight) = self.sights.get_mut(place)
         {
-            let lengths = distance / correlation.distance_m + sight.age_s / correlation.time_s;
-            let r = correlation.at_rest * exp(-lengths);
-            // How many independent readings the next one of such a row is worth.
-            let worth = (1.0 - r) / (1.0 + r);
+            let worth = correlation.worth(correlation.lengths(distance, sight.age_s));
             if distance < 0.25 * correlation.distance_m {
                 sight.join(&observation, worth, source);
                 let sight = *sight;
@@ -382,7 +379,7 @@ struct Pair {
 }
 
 /// A bearing that counts for `worth` of its information.
-fn tempered(observation: Observation, worth: f32) -> Observation {
+pub(super) fn tempered(observation: Observation, worth: f32) -> Observation {
     let deviation = observation.deviation() / sqrt(worth);
     let most = Observation::MAX_DEVIATION_RAD;
     let deviation = if deviation < most { deviation } else { most };

@@ -30,6 +30,7 @@ mod merge;
 mod mode;
 mod moves;
 mod nursery;
+pub(super) mod outside;
 mod search;
 mod snapshot;
 mod split;
@@ -197,6 +198,7 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
     pub fn reset(&mut self) {
         self.errors = self.settings.errors;
         self.evidence.clear();
+        self.evidence.centre_on([0.0; 2], self.settings.range_m);
         self.modes.clear();
         self.answer = NOTHING;
         self.since_search = 0;

@@ -1,0 +1,247 @@
+//! A source that has moved: a mixture over what it may have done.
+
+use super::component::{Component, Matrix, STATES, Vector};
+use super::drive::Drive;
+use crate::aoa::Observation;
+use crate::aoa::robust::Errors;
+use crate::math::{exp, ln};
+use crate::random::Rng;
+use crate::resample::{Scheme, resample};
+use crate::weights;
+
+/// How many normal distributions the mixture is of.
+pub(super) const COMPONENTS: usize = 128;
+
+/// Normal distributions with weights: a mixture Kalman filter (Chen and Liu 2000), whose samples are the times at which
+/// the source departed, turned and stopped.
+#[derive(Debug, Clone)]
+pub(super) struct Cloud {
+    components: [Component; COMPONENTS],
+    log_weights: [f32; COMPONENTS],
+    /// They sum to one.
+    weights: [f32; COMPONENTS],
+    /// Logarithm of what the log-weights stand for.
+    log_sum: f32,
+    effective_sample_size: f32,
+    alive: bool,
+}
+
+/// What of a cloud is at rest.
+#[derive(Clone, Copy)]
+pub(super) struct AtRest {
+    /// By weight.
+    pub(super) share: f32,
+    /// For so many seconds: mean and variance.
+    pub(super) seconds: f32,
+    pub(super) variance: f32,
+}
+
+impl Cloud {
+    pub(super) const fn new() -> Self {
+        Self {
+            components: [Component::new(); COMPONENTS],
+            log_weights: [0.0; COMPONENTS],
+            weights: [1.0 / COMPONENTS as f32; COMPONENTS],
+            log_sum: ln(COMPONENTS as f32),
+            effective_sample_size: COMPONENTS as f32,
+            alive: false,
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.alive = false;
+    }
+
+    pub(super) const fn is_alive(&self) -> bool {
+        self.alive
+    }
+
+    pub(super) const fn effective_sample_size(&self) -> f32 {
+        self.effective_sample_size
+    }
+
+    /// Replaces `count` components, evenly among all, by some that `draw` makes and that have `share` of the mass; all
+    /// if there were none.
+    pub(super) fn admit<R: Rng + ?Sized>(
+        &mut self,
+        share: f32,
+        count: f32,
+        rng: &mut R,
+        mut draw: impl FnMut(&mut R) -> Component,
+    ) {
+        let all = COMPONENTS as f32;
+        let (share, count) = if self.alive {
+            self.resample(rng);
+            (share, count)
+        } else {
+            (1.0, all)
+        };
+        let (old, new) = if count < all {
+            (ln((1.0 - share) / (all - count)), ln(share / count))
+        } else {
+            (0.0, -ln(all))
+        };
+        // Every so many components one is new.
+        let mut due = 0.0;
+        for (component, weight) in self.components.iter_mut().zip(&mut self.log_weights) {
+            due += count;
+            let is_new = due >= all;
+            if is_new {
+                due -= all;
+                *component = draw(rng);
+            }
+            *weight = if is_new { new } else { old };
+        }
+        self.alive = true;
+        self.normalise();
+    }
+
+    fn normalise(&mut self) {
+        if let Some(normalised) = weights::normalise(&mut self.log_weights, &mut self.weights) {
+            self.log_sum = normalised.log_sum;
+            self.effective_sample_size = normalised.effective_sample_size;
+        }
+    }
+
+    pub(super) fn predict<R: Rng + ?Sized>(&mut self, drive: &Drive, rng: &mut R) {
+        for (component, weight) in self.components.iter_mut().zip(&mut self.log_weights) {
+            *weight += drive.step(component, rng);
+        }
+    }
+
+    /// Takes a bearing into all components, and returns the mean of one plus its odds.
+    pub(super) fn take(&mut self, observation: &Observation, errors: &Errors) -> f32 {
+        for (component, weight) in self.components.iter_mut().zip(&mut self.weights) {
+            *weight = ln(component.take(observation, errors));
+        }
+        let before = self.log_sum;
+        let Some(normalised) = weights::reweigh(&mut self.log_weights, &mut self.weights) else {
+            self.normalise();
+            return 1.0;
+        };
+        self.log_sum = normalised.log_sum;
+        self.effective_sample_size = normalised.effective_sample_size;
+        exp(normalised.shift + normalised.log_sum - before)
+    }
+
+    pub(super) fn resample_below<R: Rng + ?Sized>(&mut self, share: f32, rng: &mut R) {
+        if self.effective_sample_size < share * COMPONENTS as f32 {
+            self.resample(rng);
+        }
+    }
+
+    /// In place: the ancestors are in order, so that what one that comes from below needs is never overwritten by one
+    /// that comes from above.
+    fn resample<R: Rng + ?Sized>(&mut self, rng: &mut R) {
+        let ancestors = resample(
+            Scheme::Systematic,
+            &self.weights,
+            &mut self.log_weights,
+            rng,
+        );
+        let mut copy = |to: usize, from: usize| {
+            if let Some(component) = self.components.get(from).copied()
+                && let Some(place) = self.components.get_mut(to)
+            {
+                *place = component;
+            }
+        };
+        for (to, from) in ancestors.iter().enumerate() {
+            if from > to {
+                copy(to, from);
+            }
+        }
+        let indices = self.log_weights.iter().enumerate().rev();
+        for (to, from) in indices.map(|(to, from)| (to, from.to_bits() as usize)) {
+            if from < to {
+                copy(to, from);
+            }
+        }
+        self.log_weights = [0.0; COMPONENTS];
+        self.weights = [1.0 / COMPONENTS as f32; COMPONENTS];
+        self.log_sum = ln(COMPONENTS as f32);
+        self.effective_sample_size = COMPONENTS as f32;
+    }
+
+    /// Gives up some components, and returns what their share was.
+    pub(super) fn give_up(&mut self, which: impl Fn(&Component) -> bool) -> f32 {
+        let mut share = 0.0;
+        let weights = self.log_weights.iter_mut().zip(&self.weights);
+        for (component, (log_weight, weight)) in self.components.iter().zip(weights) {
+            if *weight > 0.0 && which(component) {
+                *log_weight = f32::NEG_INFINITY;
+                share += weight;
+            }
+        }
+        if share > 0.999 {
+            self.clear();
+            share = 1.0;
+        } else if share > 0.0 {
+            self.normalise();
+        }
+        share
+    }
+
+    fn iter(&self) -> impl Iterator<Item = (&Component, f32)> + Clone {
+        self.components.iter().zip(self.weights.iter().copied())
+    }
+
+    /// Mean and covariance.
+    pub(super) fn moments(&self) -> (Vector, Matrix) {
+        moments(self.iter())
+    }
+
+    /// Mean and variance, of either component, of the velocity of those that drive.
+    pub(super) fn velocity(&self) -> ([f32; 2], f32) {
+        let driving = self.iter().filter(|(component, _)| component.rest < 0.0);
+        let (mean, covariance) = moments(driving);
+        (
+            [mean[2], mean[3]],
+            0.5 * (covariance[2][2] + covariance[3][3]),
+        )
+    }
+
+    pub(super) fn at_rest(&self) -> AtRest {
+        let (mut share, mut sum, mut squares) = (0.0, 0.0, 0.0);
+        for (component, weight) in self.iter() {
+            if component.rest >= 0.0 {
+                share += weight;
+                sum += weight * component.rest;
+                squares += weight * component.rest * component.rest;
+            }
+        }
+        let mass = if share > 1e-9 { share } else { 1e-9 };
+        let seconds = sum / mass;
+        let variance = squares / mass - seconds * seconds;
+        AtRest {
+            share,
+            seconds,
+            variance: if variance > 0.0 { variance } else { 0.0 },
+        }
+    }
+}
+
+fn moments<'a>(components: impl Iterator<Item = (&'a Component, f32)> + Clone) -> (Vector, Matrix) {
+    let mut mass = 1e-9;
+    let mut mean = [0.0; STATES];
+    for (component, weight) in components.clone() {
+        mass += weight;
+        for (mean, value) in mean.iter_mut().zip(component.mean) {
+            *mean += weight * value;
+        }
+    }
+    let mean = mean.map(|sum| sum / mass);
+    let mut covariance = [[0.0; STATES]; STATES];
+    for (component, weight) in components {
+        let mut offset = component.mean;
+        for (offset, mean) in offset.iter_mut().zip(mean) {
+            *offset -= mean;
+        }
+        for ((row, of), a) in covariance.iter_mut().zip(&component.covariance).zip(offset) {
+            for ((entry, of), b) in row.iter_mut().zip(of).zip(offset) {
+                *entry += weight * (of + a * b);
+            }
+        }
+    }
+    (mean, covariance.map(|row| row.map(|sum| sum / mass)))
+}

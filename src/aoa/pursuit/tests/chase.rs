@@ -1,0 +1,90 @@
+//! Simulated chases.
+
+use super::*;
+
+/// How a source and the vehicle that hunts it drive; all times in seconds.
+#[derive(Clone, Copy)]
+pub struct Chase {
+    pub departure: f32,
+    pub stop: f32,
+    pub end: f32,
+    pub speed: f32,
+    pub heading: f32,
+    /// Of the source, when and by how much.
+    pub turn: (f32, f32),
+    pub hunter_speed: f32,
+    pub hunter_start: [f32; 2],
+    /// Circles round the source, or follows it, in zigzags.
+    pub circles: bool,
+    pub sigma: f32,
+    pub wild: f32,
+}
+
+impl Chase {
+    pub fn random(rng: &mut Xoshiro128PlusPlus) -> Self {
+        let mut between = |a: f32, b: f32| a + (b - a) * uniform(rng);
+        let angle = between(0.0, TAU);
+        let range = between(400.0, 800.0);
+        Self {
+            departure: 120.0,
+            stop: 240.0,
+            end: 360.0,
+            speed: between(8.0, 12.0),
+            heading: between(0.0, TAU),
+            turn: (between(150.0, 210.0), between(-2.0, 2.0)),
+            hunter_speed: between(10.0, 15.0),
+            hunter_start: [range * angle.cos(), range * angle.sin()],
+            circles: between(0.0, 1.0) < 0.5,
+            sigma: between(0.035, 0.052),
+            wild: 0.1,
+        }
+    }
+
+    /// Velocity of the source at a time.
+    pub fn velocity(&self, time: f32) -> [f32; 2] {
+        if time < self.departure || time >= self.stop {
+            return [0.0; 2];
+        }
+        let (when, turn) = self.turn;
+        let heading = self.heading + if time < when { 0.0 } else { turn };
+        [self.speed * heading.cos(), self.speed * heading.sin()]
+    }
+
+    /// Every second: the time, where the source is, and a bearing on it.
+    pub fn bearings(self, seed: u64) -> Vec<(f32, [f32; 2], Observation)> {
+        let mut rng = generator(seed ^ 0xc4a5e);
+        let (mut source, mut hunter) = ([0.0f32; 2], self.hunter_start);
+        let mut out = Vec::new();
+        for second in 0..self.end as u32 {
+            let time = second as f32;
+            let [vx, vy] = self.velocity(time);
+            source = [source[0] + vx, source[1] + vy];
+            let (dx, dy) = (source[0] - hunter[0], source[1] - hunter[1]);
+            let (range, towards) = (dx.hypot(dy), dy.atan2(dx));
+            let aside = if self.circles {
+                // A right angle on the circle, less outside of it.
+                (FRAC_PI_2 - 0.01 * (range - 350.0)).clamp(0.3, 2.6)
+            } else if range < 120.0 {
+                2.0
+            } else if (second / 20) % 2 == 0 {
+                0.9
+            } else {
+                -0.9
+            };
+            let course = towards + aside;
+            hunter[0] += self.hunter_speed * course.cos();
+            hunter[1] += self.hunter_speed * course.sin();
+            let error = if uniform(&mut rng) < self.wild {
+                TAU * uniform(&mut rng)
+            } else {
+                self.sigma * normal(&mut rng)
+            };
+            out.push((
+                time,
+                source,
+                towards_with(hunter, source, error, self.sigma),
+            ));
+        }
+        out
+    }
+}

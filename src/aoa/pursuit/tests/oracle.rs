@@ -1,0 +1,82 @@
+//! A bootstrap filter of many particles that knows when the source departs and when it stops.
+
+use super::chase::Chase;
+use super::*;
+use crate::aoa::robust::Errors;
+
+const PARTICLES: usize = 20_000;
+
+/// Mean position at every bearing.
+pub fn track(
+    chase: &Chase,
+    bearings: &[(f32, [f32; 2], Observation)],
+    seed: u64,
+) -> Vec<([f32; 2], f32)> {
+    let mut rng = generator(seed ^ 0x04ac1e);
+    let habits = Settings::default().habits;
+    let errors = Errors::new().shares(0.0, chase.wild.max(0.001)).unwrap();
+    // What is known at the departure: by an exact posterior.
+    let mut parked = RobustLocator::<512, 256>::new(robust::Settings::new(
+        errors.correlation(0.0, 1.0, 1.0).unwrap(),
+    ));
+    let mut particles: Vec<[f32; 4]> = Vec::new();
+    let mut weights = vec![1.0 / PARTICLES as f32; PARTICLES];
+    let mut out = Vec::new();
+    let deviation = habits.speed * FRAC_1_SQRT_2;
+    let turn = 1.0 - (-1.0 / habits.straight_s).exp();
+    // A straight road keeps the velocity for twenty times as long as it lasts.
+    let keep = (-1.0 / (20.0 * habits.straight_s)).exp();
+    for (time, _, observation) in bearings {
+        if *time < chase.departure {
+            let answer = parked.push_after(*observation, 1.0, &mut rng);
+            out.push(match answer {
+                Answer::Fix(fix) => (fix.position, 0.0),
+                Answer::NotObservable(_) => ([f32::NAN; 2], 0.0),
+            });
+            continue;
+        }
+        if particles.is_empty() {
+            let columns = parked.columns();
+            for i in 0..PARTICLES {
+                let [x, y, _] = crate::particles::read(&columns, i % 512);
+                let velocity = [deviation * normal(&mut rng), deviation * normal(&mut rng)];
+                particles.push([x, y, velocity[0], velocity[1]]);
+            }
+        }
+        for particle in &mut particles {
+            if *time < chase.stop {
+                let keep = if uniform(&mut rng) < turn { 0.0 } else { keep };
+                let kick = deviation * (1.0 - keep * keep).sqrt();
+                let [x, y, u, v] = *particle;
+                let (p, q) = (
+                    keep * u + kick * normal(&mut rng),
+                    keep * v + kick * normal(&mut rng),
+                );
+                *particle = [x + 0.5 * (u + p), y + 0.5 * (v + q), p, q];
+            } else {
+                particle[0] += 0.1 * normal(&mut rng);
+                particle[1] += 0.1 * normal(&mut rng);
+            }
+        }
+        let odds = odds(observation, &errors);
+        for (particle, weight) in particles.iter().zip(&mut weights) {
+            *weight *= 1.0 + odds(&[particle[0], particle[1], 0.0]);
+        }
+        let total: f32 = weights.iter().sum();
+        weights.iter_mut().for_each(|weight| *weight /= total);
+        let mean = [0, 1].map(|d: usize| {
+            let all = particles.iter().zip(&weights);
+            all.map(|(p, w)| w * p[d]).sum::<f32>()
+        });
+        let spread = particles.iter().zip(&weights);
+        let spread = spread.map(|(p, w)| w * distance([p[0], p[1]], mean).powi(2));
+        out.push((mean, spread.sum::<f32>().sqrt()));
+        if weights::effective_sample_size(&weights) < 0.5 * PARTICLES as f32 {
+            let mut memory = vec![0.0; PARTICLES];
+            let chosen = resample(Scheme::Systematic, &weights, &mut memory, &mut rng);
+            particles = chosen.iter().map(|i| particles[i]).collect();
+            weights.fill(1.0 / PARTICLES as f32);
+        }
+    }
+    out
+}
