@@ -18,6 +18,7 @@ mod proof {
             gauss_newton::{self, Errors},
             geodesy::{Geodetic, LocalPlane},
             locator::{self, Answer, Locator},
+            pursuit::{self, Pursuit},
             robust::{self, RobustLocator, Tails},
             sources::{self, Sources},
             triangulation,
@@ -91,6 +92,7 @@ mod proof {
         locate_robustly(&mut rng);
         locate_several(&mut rng);
         snapshots(&mut rng);
+        pursue(&mut rng);
         fingerprints();
         track(&mut rng);
         gateway();
@@ -349,6 +351,26 @@ mod proof {
             locator.observations(),
         ));
         locator.reset();
+    }
+
+    fn pursue(rng: &mut Xoshiro128PlusPlus) {
+        let settings = pursuit::Settings::new(any(robust::Settings::default()))
+            .speed(any(0.0))
+            .and_then(|settings| settings.parked_s(any(0.0)))
+            .and_then(|settings| settings.driving_s(any(0.0)))
+            .and_then(|settings| settings.straight_s(any(0.0)));
+        let mut pursuit = any(Pursuit::<50, 16>::new(settings.unwrap_or_default()));
+        for _ in 0..any(100) {
+            let Some(observation) = observation() else {
+                continue;
+            };
+            black_box(pursuit.push_after(observation, any(0.0), rng));
+            black_box((pursuit.answer(), pursuit.motion()));
+            black_box((pursuit.source(any(0)), pursuit.hypothesis(any(0))));
+            black_box((pursuit.bias(), pursuit.shares(), pursuit.advice()));
+            black_box(pursuit.classify(&observation));
+        }
+        pursuit.reset();
     }
 
     fn locate_robustly(rng: &mut Xoshiro128PlusPlus) {

@@ -5,6 +5,7 @@ use foxhunt::{
         gauss_newton::{Errors, solve},
         geodesy::{Geodetic, LocalPlane},
         locator::{Answer, Locator, Settings},
+        pursuit::{self, Pursuit},
         robust::{self, Errors as Faulty, RobustLocator, Tails},
         sources::{self, Sources},
     },
@@ -29,6 +30,7 @@ pub const CASES: &[Case] = &[
         robust_locator_of_inexact_places,
     ),
     ("aoa::two_sources_are_found", two_sources_are_found),
+    ("aoa::pursuit_follows_a_source", pursuit_follows_a_source),
     (
         "aoa::gauss_newton_finds_the_source",
         gauss_newton_finds_the_source,
@@ -157,6 +159,42 @@ fn two_sources_are_found() -> Digest {
     }
     let [a, b] = [0, 1].map(|index| sources.source(index).expect("two sources").fix);
     assert!(a.ellipse(0.999).contains(SOURCE) && b.ellipse(0.999).contains(OTHER));
+    digest
+}
+
+/// A source parks, drives with a turn, and parks again, circled by a vehicle; every eighth bearing is wild.
+fn pursuit_follows_a_source() -> Digest {
+    let mut digest = Digest::new();
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(3);
+    let mut pursuit = Pursuit::<128, 32>::new(pursuit::Settings::default());
+    let (mut source, mut moved) = ([0.0f32; 2], false);
+    for second in 0..200u16 {
+        match second {
+            60..90 => source[0] += 10.0,
+            90..120 => source[1] += 10.0,
+            _ => {}
+        }
+        let (sin, cos) = math::sin_cos(0.04 * f32::from(second));
+        let place = [source[0] + 300.0 * cos, source[1] + 300.0 * sin];
+        let error = 0.04 * normal(&mut rng) + if second % 8 == 3 { 2.0 } else { 0.0 };
+        let direction = math::atan2(source[1] - place[1], source[0] - place[0]) + error;
+        let observation = Observation::new(place, Bearing::from_radians(direction), 0.04);
+        let answer = pursuit.push_after(observation.expect("in range"), 1.0, &mut rng);
+        if let Answer::Fix(fix) = answer {
+            digest.add(&fix.position);
+            digest.add(fix.covariance.as_flattened());
+        }
+        if let Some(motion) = pursuit.motion() {
+            digest.add(&[motion.moving, motion.deviation]);
+            digest.add(&motion.velocity);
+            moved |= motion.moving > 0.9;
+        }
+    }
+    let Answer::Fix(fix) = pursuit.answer() else {
+        panic!("no fix")
+    };
+    let [dx, dy] = [fix.position[0] - source[0], fix.position[1] - source[1]];
+    assert!(moved && dx.abs() < 30.0 && dy.abs() < 30.0, "{:?}", fix);
     digest
 }
 

@@ -28,8 +28,8 @@ impl Leg {
     /// `deviation` is that of either component of the velocity at any time; it lasts for `memory_s`.
     fn new(seconds: f32, memory_s: f32, deviation: f32) -> Self {
         let lengths = seconds / memory_s;
-        let keep = exp(-lengths);
-        let tanh = (1.0 - keep) / (1.0 + keep);
+        let lost = passed(lengths);
+        let tanh = lost / (2.0 - lost);
         // The difference of nearly equal numbers, unless by its series.
         let bend = if lengths < 0.5 {
             lengths * lengths * lengths * (1.0 - 0.1 * lengths * lengths) * (1.0 / 12.0)
@@ -37,8 +37,8 @@ impl Leg {
             lengths - 2.0 * tanh
         };
         Self {
-            keep,
-            kick: deviation * sqrt((1.0 - keep) * (1.0 + keep)),
+            keep: 1.0 - lost,
+            kick: deviation * sqrt(lost * (2.0 - lost)),
             reach: memory_s * tanh,
             scatter: deviation * memory_s * sqrt(2.0 * bend),
         }
@@ -55,6 +55,15 @@ impl Leg {
     }
 }
 
+/// 1 - e^-x, also where that is too small to be a difference.
+fn passed(x: f32) -> f32 {
+    if x < 0.02 {
+        x * (1.0 - x * (0.5 - x / 6.0))
+    } else {
+        1.0 - exp(-x)
+    }
+}
+
 /// An event that has happened within some time with a probability of its own, and is tried with another.
 #[derive(Clone, Copy)]
 struct Event {
@@ -68,7 +77,7 @@ struct Event {
 
 impl Event {
     fn new(seconds: f32, mean_s: f32, eagerness: f32) -> Self {
-        let share = 1.0 - exp(-seconds / mean_s);
+        let share = passed(seconds / mean_s);
         let (tried, yes, no) = if share > 0.0 && eagerness * share < 0.5 {
             let tried = eagerness * share;
             (tried, -ln(eagerness), ln((1.0 - share) / (1.0 - tried)))

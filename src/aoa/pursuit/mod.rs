@@ -195,8 +195,9 @@ impl<const N: usize, const B: usize> Pursuit<N, B> {
             return None;
         }
         let (velocity, variance) = self.cloud.velocity();
+        let moving = (1.0 - self.parked) * (1.0 - self.cloud.at_rest().share);
         Some(Motion {
-            moving: (1.0 - self.parked) * (1.0 - self.cloud.at_rest().share),
+            moving: if moving > 0.0 { moving } else { 0.0 },
             velocity,
             deviation: sqrt(variance),
         })
@@ -276,7 +277,7 @@ impl<const N: usize, const B: usize> Pursuit<N, B> {
         if self.fitted > ENOUGH {
             self.lost = None;
         }
-        if self.fitted > TOO_FEW && self.lost.is_none() {
+        if seconds == 0.0 || self.fitted > TOO_FEW && self.lost.is_none() {
             return;
         }
         let lost = self.lost.get_or_insert(Lost {
@@ -290,7 +291,7 @@ impl<const N: usize, const B: usize> Pursuit<N, B> {
         };
         let spread = sqrt(largest_variance(&seen.covariance))
             + self.settings.habits.speed * (lost.seconds + MEMORY * seconds);
-        if !self.cloud.is_alive() || seconds == 0.0 {
+        if !self.cloud.is_alive() {
             return;
         }
         if self.may_be_parked() {
@@ -357,24 +358,26 @@ impl<const N: usize, const B: usize> Pursuit<N, B> {
         let spread = sqrt(largest_variance(&plane(&covariance)));
         let range_m = 3.0 * spread + 10.0 * self.settings.habits.speed;
         let range_m = if range_m < 1e6 { range_m } else { 1e6 };
-        let about = Some(([mean[0], mean[1]], range_m));
-        self.locator.restart(self.errors, about);
         let at_rest = self.cloud.at_rest();
-        if at_rest.share < PROBABLY_STOPPED {
-            return;
-        }
-        // Not those from before it stopped, as far as can be told.
-        let since = at_rest.seconds - sqrt(at_rest.variance);
-        for old in self.recent.iter().filter(|old| old.age_s < since) {
+        // Not those from before it stopped, as far as can be told; the latest in any case.
+        let since = if at_rest.share < PROBABLY_STOPPED {
+            0.0
+        } else {
+            at_rest.seconds - sqrt(at_rest.variance)
+        };
+        self.locator.restart(self.errors);
+        let later = |old: &&Old| old.age_s == 0.0 || old.age_s < since;
+        for old in self.recent.iter().filter(later) {
             self.locator.recall(old.observation, old.seconds);
         }
+        self.locator.believe([mean[0], mean[1]], range_m);
     }
 
     /// With the latest bearings alone.
     fn start_again(&mut self) {
         self.forget();
         self.seen = None;
-        self.locator.restart(self.errors, None);
+        self.locator.restart(self.errors);
         let skipped = self.recent.iter().count().saturating_sub(RECALLED);
         for Old {
             observation,

@@ -1,10 +1,10 @@
 //! What a locator that is built round this one needs of it.
 
+use super::RobustLocator;
 use super::errors::{Errors, Shares, Tails};
 use super::evidence::tempered;
 use super::merge::agree;
 use super::term::{State, Term};
-use super::RobustLocator;
 use crate::aoa::Observation;
 use crate::math::{exp, ln, sqrt};
 

@@ -20,6 +20,13 @@ pub struct Chase {
     pub wild: f32,
 }
 
+/// A bearing, when it was taken, in seconds, and where the source is.
+pub struct Step {
+    pub time: f32,
+    pub source: [f32; 2],
+    pub observation: Observation,
+}
+
 impl Chase {
     pub fn random(rng: &mut Xoshiro128PlusPlus) -> Self {
         let mut between = |a: f32, b: f32| a + (b - a) * uniform(rng);
@@ -51,7 +58,7 @@ impl Chase {
     }
 
     /// Every second: the time, where the source is, and a bearing on it.
-    pub fn bearings(self, seed: u64) -> Vec<(f32, [f32; 2], Observation)> {
+    pub fn bearings(self, seed: u64) -> Vec<Step> {
         let mut rng = generator(seed ^ 0xc4a5e);
         let (mut source, mut hunter) = ([0.0f32; 2], self.hunter_start);
         let mut out = Vec::new();
@@ -60,7 +67,7 @@ impl Chase {
             let [vx, vy] = self.velocity(time);
             source = [source[0] + vx, source[1] + vy];
             let (dx, dy) = (source[0] - hunter[0], source[1] - hunter[1]);
-            let (range, towards) = (dx.hypot(dy), dy.atan2(dx));
+            let (range, sight) = (dx.hypot(dy), dy.atan2(dx));
             let aside = if self.circles {
                 // A right angle on the circle, less outside of it.
                 (FRAC_PI_2 - 0.01 * (range - 350.0)).clamp(0.3, 2.6)
@@ -71,7 +78,7 @@ impl Chase {
             } else {
                 -0.9
             };
-            let course = towards + aside;
+            let course = sight + aside;
             hunter[0] += self.hunter_speed * course.cos();
             hunter[1] += self.hunter_speed * course.sin();
             let error = if uniform(&mut rng) < self.wild {
@@ -79,11 +86,11 @@ impl Chase {
             } else {
                 self.sigma * normal(&mut rng)
             };
-            out.push((
+            out.push(Step {
                 time,
                 source,
-                towards_with(hunter, source, error, self.sigma),
-            ));
+                observation: towards(hunter, source, error, self.sigma),
+            });
         }
         out
     }

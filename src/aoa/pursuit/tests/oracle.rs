@@ -1,17 +1,13 @@
 //! A bootstrap filter of many particles that knows when the source departs and when it stops.
 
-use super::chase::Chase;
+use super::chase::{Chase, Step};
 use super::*;
 use crate::aoa::robust::Errors;
 
 const PARTICLES: usize = 20_000;
 
 /// Mean position at every bearing.
-pub fn track(
-    chase: &Chase,
-    bearings: &[(f32, [f32; 2], Observation)],
-    seed: u64,
-) -> Vec<([f32; 2], f32)> {
+pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
     let mut rng = generator(seed ^ 0x04ac1e);
     let habits = Settings::default().habits;
     let errors = Errors::new().shares(0.0, chase.wild.max(0.001)).unwrap();
@@ -26,12 +22,15 @@ pub fn track(
     let turn = 1.0 - (-1.0 / habits.straight_s).exp();
     // A straight road keeps the velocity for twenty times as long as it lasts.
     let keep = (-1.0 / (20.0 * habits.straight_s)).exp();
-    for (time, _, observation) in bearings {
+    for Step {
+        time, observation, ..
+    } in bearings
+    {
         if *time < chase.departure {
             let answer = parked.push_after(*observation, 1.0, &mut rng);
             out.push(match answer {
-                Answer::Fix(fix) => (fix.position, 0.0),
-                Answer::NotObservable(_) => ([f32::NAN; 2], 0.0),
+                Answer::Fix(fix) => fix.position,
+                Answer::NotObservable(_) => [f32::NAN; 2],
             });
             continue;
         }
@@ -58,7 +57,7 @@ pub fn track(
                 particle[1] += 0.1 * normal(&mut rng);
             }
         }
-        let odds = odds(observation, &errors);
+        let odds = odds(observation, &errors, &[0.0; 3]);
         for (particle, weight) in particles.iter().zip(&mut weights) {
             *weight *= 1.0 + odds(&[particle[0], particle[1], 0.0]);
         }
@@ -68,9 +67,7 @@ pub fn track(
             let all = particles.iter().zip(&weights);
             all.map(|(p, w)| w * p[d]).sum::<f32>()
         });
-        let spread = particles.iter().zip(&weights);
-        let spread = spread.map(|(p, w)| w * distance([p[0], p[1]], mean).powi(2));
-        out.push((mean, spread.sum::<f32>().sqrt()));
+        out.push(mean);
         if weights::effective_sample_size(&weights) < 0.5 * PARTICLES as f32 {
             let mut memory = vec![0.0; PARTICLES];
             let chosen = resample(Scheme::Systematic, &weights, &mut memory, &mut rng);

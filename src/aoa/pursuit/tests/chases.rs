@@ -1,0 +1,109 @@
+//! What comes of chases.
+
+use super::*;
+
+/// What is known after a bearing.
+struct Known {
+    time: f32,
+    /// How far off the answer is, or, where that is no fix, what the cloud says.
+    off: f32,
+    fix: bool,
+    covered: bool,
+    moving: f32,
+    oracle: f32,
+}
+
+fn follow(chase: &Chase, seed: u64, with_oracle: bool) -> Vec<Known> {
+    let bearings = chase.bearings(seed);
+    let oracle = with_oracle.then(|| oracle::track(chase, &bearings, seed));
+    let mut pursuit = Pursuit::<256, 64>::new(Settings::default());
+    let mut rng = generator(seed);
+    let one = |(i, step): (usize, &chase::Step)| {
+        let answer = pursuit.push_after(step.observation, 1.0, &mut rng);
+        let (position, covered) = match answer {
+            Answer::Fix(fix) => (fix.position, fix.ellipse(0.95).contains(step.source)),
+            Answer::NotObservable(_) => {
+                let (mean, _) = pursuit.cloud.moments();
+                ([mean[0], mean[1]], false)
+            }
+        };
+        Known {
+            time: step.time,
+            off: distance(position, step.source),
+            fix: matches!(answer, Answer::Fix(_)),
+            covered,
+            moving: pursuit.motion().map_or(0.0, |motion| motion.moving),
+            oracle: (oracle.as_ref()).map_or(f32::NAN, |o| distance(o[i], step.source)),
+        }
+    };
+    bearings.iter().enumerate().map(one).collect()
+}
+
+/// What is known from one time to another.
+struct Window {
+    fixes: f32,
+    coverage: f32,
+    median: f32,
+    oracle: f32,
+    most: f32,
+}
+
+impl Window {
+    fn of(runs: &[Vec<Known>], from: f32, to: f32) -> Self {
+        let all = || (runs.iter().flatten()).filter(move |known| (from..to).contains(&known.time));
+        let fixes = || all().filter(|known| known.fix);
+        let count = fixes().count() as f32;
+        let mut off: Vec<f32> = all().map(|known| known.off).collect();
+        let mut oracle: Vec<f32> = all().map(|known| known.oracle).collect();
+        let window = Self {
+            fixes: count / off.len() as f32,
+            coverage: fixes().filter(|known| known.covered).count() as f32 / count,
+            median: median(&mut off),
+            oracle: median(&mut oracle),
+            most: quantile(&mut off, 0.9),
+        };
+        println!(
+            "{from} to {to} s: {:.3} fixes, {:.3} covered, median {:.1} m, oracle {:.1} m, 90 % {:.1} m",
+            window.fixes, window.coverage, window.median, window.oracle, window.most
+        );
+        window
+    }
+}
+
+/// Seconds from `after` until one is as wished.
+fn delays(runs: &[Vec<Known>], after: f32, wish: impl Fn(&Known) -> bool) -> Vec<f32> {
+    let first = |run: &Vec<Known>| {
+        let mut later = run.iter().filter(|known| known.time >= after);
+        let found = later.find(|known| wish(known));
+        found.map_or(f32::INFINITY, |known| known.time - after)
+    };
+    runs.iter().map(first).collect()
+}
+
+#[test]
+fn a_chase_is_followed() {
+    let runs = std::env::var("RUNS").map_or(40, |runs| runs.parse().unwrap());
+    let runs: Vec<Vec<Known>> = (0..runs)
+        .map(|seed| follow(&Chase::random(&mut generator(seed)), seed, true))
+        .collect();
+    let parked = Window::of(&runs, 60.0, 120.0);
+    Window::of(&runs, 120.0, 135.0);
+    let driving = Window::of(&runs, 135.0, 240.0);
+    Window::of(&runs, 240.0, 270.0);
+    let again = Window::of(&runs, 270.0, 360.0);
+    let all = Window::of(&runs, 0.0, 360.0);
+    let end = Window::of(&runs, 359.0, 360.0);
+    let mut seen = delays(&runs, 120.0, |known| known.moving > 0.5);
+    let mut stopped = delays(&runs, 240.0, |known| known.moving < 0.5 && known.off < 30.0);
+    println!(
+        "seen to move after {} s, 90 % {} s; to have stopped after {} s, 90 % {} s",
+        median(&mut seen),
+        quantile(&mut seen, 0.9),
+        median(&mut stopped),
+        quantile(&mut stopped, 0.9),
+    );
+    let false_alarms = delays(&runs, 0.0, |known| known.moving > 0.5);
+    let false_alarms = false_alarms.iter().filter(|time| **time < 120.0).count();
+    println!("{false_alarms} false alarms");
+    let _ = (parked, driving, again, all, end);
+}
