@@ -6,6 +6,9 @@
 //!   factor: one more source there against nothing but wild bearings. If that is large enough a source is born, from
 //!   the bearings that it explains; the others stay. So sources are told apart however their bearings alternate.
 //! * A source dies when its share of the recent bearings has faded, or when it turns out to be another's twin.
+//!
+//! Which source a bearing is of is decided once, when it comes. While two are seen in the same direction each takes some
+//! of the other's bearings; and each learns the bias of the array for itself.
 
 mod settings;
 mod snapshot;
@@ -22,6 +25,37 @@ pub use settings::{Settings, SettingsError};
 pub use track::Track;
 
 /// Tracks up to `K` sources, each by a `T`, and keeps up to `B` bearings that none of them explains.
+///
+/// It takes `K` times what a track does, and 4.3 kB with `B` = 64; three robust locators of 256 particles and 64 bearings
+/// make 32.4 kB. A bearing moves the particles of one source at most, or takes one search among the unexplained
+/// bearings and starts those of one: so it takes hardly longer than with a single source.
+///
+/// ```
+/// use foxhunt::aoa::{Bearing, Locate, Observation};
+/// use foxhunt::aoa::robust::{self, Errors, RobustLocator};
+/// use foxhunt::aoa::sources::{Settings, Sources};
+/// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
+///
+/// type Track = RobustLocator<256, 64>;
+/// const TRACK: Track = Track::new(robust::Settings::new(Errors::new()));
+/// let mut sources = Sources::<3, Track>::new(Settings::new(), [TRACK; 3]);
+///
+/// // Driving east between two transmitters, of which every third bearing is of the second.
+/// let places = [[600.0_f32, 800.0], [900.0, -500.0]];
+/// let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+/// for i in 0..60 {
+///     let east = 25.0 * i as f32;
+///     let [x, y] = places[usize::from(i % 3 == 0)];
+///     let bearing = Bearing::from_radians(y.atan2(x - east));
+///     let observation = Observation::new([east, 0.0], bearing, 0.02).unwrap();
+///     sources.push_after(observation, 1.0, &mut rng);
+/// }
+/// for (index, place) in places.into_iter().enumerate() {
+///     let source = sources.source(index).unwrap();
+///     assert!(source.fix.ellipse(0.95).contains(place));
+/// }
+/// assert_eq!(sources.source(2), None);
+/// ```
 #[derive(Debug, Clone)]
 pub struct Sources<const K: usize, T, const B: usize = 64> {
     settings: Settings,

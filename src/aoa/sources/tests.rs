@@ -67,14 +67,15 @@ fn all<L: Locate>(locator: &L) -> Vec<Source> {
     (0..).map_while(|i| locator.source(i)).collect()
 }
 
-/// What is the same for all runs: how often there was a fix, its mean square error, how often its ellipse held the source,
-/// and how often there was a second source.
+/// Sums over runs: how often there was a fix, its square error, how often its ellipse held the source, how often there
+/// was a second source, and how many there ever were.
 #[derive(Default)]
 struct Score {
     fixes: u32,
     square: f32,
     inside: u32,
     ghosts: u32,
+    births: u32,
 }
 
 impl Score {
@@ -100,6 +101,7 @@ fn one_source(drive: Drive, wild: f32, runs: u64) -> [Score; 2] {
             square: 0.0,
             inside: 0,
             ghosts: 0,
+            births: 0,
         }
     }; 2];
     let source = drive.source();
@@ -112,15 +114,17 @@ fn one_source(drive: Drive, wild: f32, runs: u64) -> [Score; 2] {
         run(&mut sources, &sights, seed);
         scores[0].add(&locator, source);
         scores[1].add(&sources, source);
+        scores[1].births += u32::from(sources.next_identity);
     }
     let [one, many] = &scores;
     std::println!(
-        "{drive:?}, {wild} wild: rmse {:.3} m and {:.3} m, {} and {} of {runs} ellipses, {} false sources",
+        "{drive:?}, {wild} wild: rmse {:.3} m and {:.3} m, {} and {} of {runs} ellipses, {} false sources of {} births",
         one.rmse(),
         many.rmse(),
         one.inside,
         many.inside,
         many.ghosts,
+        many.births,
     );
     scores
 }
@@ -152,8 +156,8 @@ fn wild_bearings_are_no_source() {
     }
     assert!(born <= 1, "{born}");
     for wild in [0.3, 0.6] {
-        let [_, many] = one_source(Drive::A2, wild, 100);
-        assert!(many.ghosts <= 2, "{}", many.ghosts);
+        let [_, many] = one_source(Drive::A2, wild, 300);
+        assert!(many.ghosts <= 6, "{}", many.ghosts);
     }
 }
 
