@@ -284,7 +284,7 @@ fn other_shapes_and_settings_are_refused() {
 
 /// Where the parts of a snapshot of [`small`] begin.
 const LIST: usize = HEADER + 9;
-const ANSWER: usize = LIST + 4 + 3 * 16 + 12 + 4 * 5 * 4 + 8;
+const ANSWER: usize = LIST + 4 + 3 * 16 + 17 + 4 + 4 * 5 * 4 + 8;
 
 #[test]
 fn values_that_no_state_has_are_refused() {

@@ -205,10 +205,13 @@ fn average(a: &Observation, b: &Observation, source: Option<[f32; 2]>) -> Observ
     Observation::new(position, Bearing::from_radians(radians), deviation).unwrap_or(*b)
 }
 
+/// In a snapshot, what is behind the observations.
+type Rest = (Option<Observation>, u32);
+
 /// The likelihoods follow from the observations.
 impl<const B: usize> Persist for Evidence<B> {
     const SHAPE: u32 = shape("Evidence", &[B as u32]);
-    const BYTES: usize = list::bytes::<Observation>(B) + <([f32; 2], u32)>::SIZE;
+    const BYTES: usize = list::bytes::<Observation>(B) + Rest::SIZE;
 
     fn save(&self, to: &mut Writer<'_>) {
         let Self {
@@ -218,12 +221,12 @@ impl<const B: usize> Persist for Evidence<B> {
             count,
         } = self;
         list::save(observations, to);
-        (*latest, *count).write(to);
+        Rest::write(&(*latest, *count), to);
     }
 
     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
         list::check::<Observation>(B, from)?;
-        <([f32; 2], u32)>::read(from).map(drop)
+        Rest::read(from).map(drop)
     }
 
     fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
@@ -232,7 +235,7 @@ impl<const B: usize> Persist for Evidence<B> {
         for observation in &self.observations {
             let _ = self.likelihoods.push(BearingLikelihood::new(observation));
         }
-        (self.latest, self.count) = Value::read(from)?;
+        (self.latest, self.count) = Rest::read(from)?;
         Ok(())
     }
 }

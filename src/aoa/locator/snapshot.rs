@@ -47,7 +47,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Persist for Locator<N, B, M> {
         Settings::read(from)?;
         self.evidence.load(from)?;
         self.filter.load(from)?;
-        self.answer = Value::read(from)?;
+        self.answer = Answer::read(from)?;
         Ok(())
     }
 }

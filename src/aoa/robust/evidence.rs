@@ -351,7 +351,7 @@ impl<const B: usize> Persist for Evidence<B> {
         } = self;
         list::save(sights, to);
         list::save(terms, to);
-        ((*region, *count), (*source, *latest)).write(to);
+        Rest::write(&((*region, *count), (*source, *latest)), to);
     }
 
     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
@@ -363,7 +363,7 @@ impl<const B: usize> Persist for Evidence<B> {
     fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
         list::load(&mut self.sights, from)?;
         list::load(&mut self.terms, from)?;
-        ((self.region, self.count), (self.source, self.latest)) = Value::read(from)?;
+        ((self.region, self.count), (self.source, self.latest)) = Rest::read(from)?;
         Ok(())
     }
 }

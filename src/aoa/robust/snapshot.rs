@@ -42,7 +42,7 @@ impl<const N: usize, const B: usize> Persist for RobustLocator<N, B> {
         evidence.save(to);
         filter.save(to);
         list::save(modes, to);
-        (*answer, (*since_search, *withheld)).write(to);
+        Rest::write(&(*answer, (*since_search, *withheld)), to);
     }
 
     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
@@ -58,11 +58,11 @@ impl<const N: usize, const B: usize> Persist for RobustLocator<N, B> {
 
     fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
         Settings::read(from)?;
-        self.errors = Value::read(from)?;
+        self.errors = Errors::read(from)?;
         self.evidence.load(from)?;
         self.filter.load(from)?;
         list::load(&mut self.modes, from)?;
-        (self.answer, (self.since_search, self.withheld)) = Value::read(from)?;
+        (self.answer, (self.since_search, self.withheld)) = Rest::read(from)?;
         Ok(())
     }
 }

@@ -30,7 +30,8 @@ impl<const K: usize, T: Track + Persist, const B: usize> Persist for Sources<K, 
             slot.write(to);
         }
         nursery.save(to);
-        (([*silence_s, *recent, *wild], *next_identity), *reason).write(to);
+        let sums = [*silence_s, *recent, *wild];
+        Rest::write(&((sums, *next_identity), *reason), to);
     }
 
     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
@@ -49,11 +50,11 @@ impl<const K: usize, T: Track + Persist, const B: usize> Persist for Sources<K, 
         Settings::read(from)?;
         for (track, slot) in self.tracks.iter_mut().zip(&mut self.slots) {
             track.load(from)?;
-            *slot = Value::read(from)?;
+            *slot = Slot::read(from)?;
         }
         self.nursery.load(from)?;
         let sums;
-        ((sums, self.next_identity), self.reason) = Value::read(from)?;
+        ((sums, self.next_identity), self.reason) = Rest::read(from)?;
         [self.silence_s, self.recent, self.wild] = sums;
         Ok(())
     }

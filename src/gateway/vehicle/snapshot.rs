@@ -72,7 +72,7 @@ impl<L: Locate + Persist, const REPORT: usize> Persist for Vehicle<L, REPORT> {
         locator.save(to);
         let of_source = (*plane, generator.clone());
         let times = (*latest, *reported);
-        (of_source, (times, (*given, *counters))).write(to);
+        Rest::write(&(of_source, (times, (*given, *counters))), to);
     }
 
     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
@@ -85,7 +85,7 @@ impl<L: Locate + Persist, const REPORT: usize> Persist for Vehicle<L, REPORT> {
         (
             (self.plane, self.generator),
             ((self.latest, self.reported), (self.given, self.counters)),
-        ) = Value::read(from)?;
+        ) = Rest::read(from)?;
         self.strays = None;
         self.report.clear();
         Ok(())
