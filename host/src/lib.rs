@@ -17,6 +17,8 @@
 //! - [`geodesy`]: places on the ellipsoid;
 //! - [`picture`]: all of it in one picture.
 
+pub mod archive;
+pub mod density;
 pub mod drive;
 pub mod faults;
 pub mod geodesy;

@@ -1,80 +1,90 @@
 //! A stream of bytes through the gateway of the firmware, on the host.
 
 use foxhunt::{
-    aoa::locator::{self, Answer, Fix, Locator, NotObservable},
-    gateway::{Event, Settings, Vehicle},
+    aoa::{
+        Cloud, Locate,
+        geodesy::LocalPlane,
+        locator::{self, Answer, Fix, Locator},
+    },
+    gateway::{Event, LONG_REPORT, Settings, Vehicle},
     random::{SeedableRng, Xoshiro128PlusPlus},
     resample::{Scheme, resample},
 };
 
 use crate::Sight;
 
-/// The gateway of the firmware `vehicle`, with as many particles and bearings.
-pub type Gateway = Vehicle<Locator<200, 64>>;
+/// The locator of the firmware `vehicle`, with as many particles and bearings.
+pub type Plain = Locator<200, 64>;
 
 /// A gateway and all that it has said so far.
 #[derive(Debug)]
-pub struct Replay {
-    gateway: Box<Gateway>,
+pub struct Replay<L = Plain> {
+    gateway: Box<Vehicle<L, LONG_REPORT>>,
+    plane: Option<LocalPlane>,
     output: Vec<u8>,
     events: Vec<Event>,
     sights: Vec<Sight>,
 }
 
+/// The most sources that are asked for.
+pub(crate) const SOURCES: usize = 16;
+
 impl Default for Replay {
     /// With the settings of the firmware.
     fn default() -> Self {
-        Self::new(Settings::default())
+        Self::new(Settings::new(), Locator::new(locator::Settings::new()))
     }
 }
 
 impl Replay {
-    /// A gateway that has read nothing yet.
-    pub fn new(settings: Settings) -> Self {
-        Self {
-            gateway: Box::new(Gateway::new(
-                settings,
-                Locator::new(locator::Settings::new()),
-            )),
-            output: Vec::new(),
-            events: Vec::new(),
-            sights: Vec::new(),
-        }
-    }
-
     /// What `bytes` lead to with the settings of the firmware.
     pub fn of(bytes: &[u8]) -> Self {
         let mut replay = Self::default();
         replay.push(bytes);
         replay
     }
+}
+
+impl<L: Locate> Replay<L> {
+    /// A gateway that has read nothing yet, with a locator that knows nothing yet.
+    pub fn new(settings: Settings, locator: L) -> Self {
+        Self {
+            gateway: Box::new(Vehicle::new(settings, locator)),
+            plane: None,
+            output: Vec::new(),
+            events: Vec::new(),
+            sights: Vec::new(),
+        }
+    }
 
     /// Lets the gateway read on.
     pub fn push(&mut self, bytes: &[u8]) {
         for &byte in bytes {
-            let Some(event) = self.gateway.push(byte) else {
-                continue;
-            };
-            self.output
-                .extend_from_slice(self.gateway.report().as_bytes());
-            self.events.push(event);
-            match event {
-                // A new search, with an origin of its own.
-                Event::Restarted
-                | Event::NotObservable(NotObservable::TooFewBearings { have: 1 }) => {
-                    self.sights.clear();
-                }
-                _ => {}
-            }
-            if let Event::Fix(_) | Event::NotObservable(_) = event {
-                self.sights
-                    .extend(self.gateway.observation().as_ref().map(Sight::from));
-            }
+            self.step(byte);
         }
     }
 
+    /// Lets the gateway read one byte, and says what it led to.
+    pub fn step(&mut self, byte: u8) -> Option<Event> {
+        let event = self.gateway.push(byte)?;
+        self.output
+            .extend_from_slice(self.gateway.report().as_bytes());
+        self.events.push(event);
+        let plane = self.gateway.plane().copied();
+        if plane != self.plane {
+            // A new search, with an origin of its own.
+            self.plane = plane;
+            self.sights.clear();
+        }
+        if let Event::Fix(_) | Event::NotObservable(_) = event {
+            self.sights
+                .extend(self.gateway.observation().as_ref().map(Sight::from));
+        }
+        Some(event)
+    }
+
     /// The gateway, with its counters and its plane.
-    pub fn gateway(&self) -> &Gateway {
+    pub fn gateway(&self) -> &Vehicle<L, LONG_REPORT> {
         &self.gateway
     }
 
@@ -93,7 +103,7 @@ impl Replay {
         &self.sights
     }
 
-    /// Where the source is, if that is known by now.
+    /// Where the source is, if that is known by now; the best known, where there are several.
     pub fn fix(&self) -> Option<Fix> {
         match self.gateway.locator().answer() {
             Answer::Fix(fix) => Some(fix),
@@ -101,24 +111,30 @@ impl Replay {
         }
     }
 
-    /// The cloud, in metres east and north of the origin; none before the first fix. Resampled: each particle is
-    /// there as often as its weight says.
+    /// The clouds of all sources, in metres east and north of the origin; none before the first fix. Resampled: each
+    /// particle is there as often as its weight says.
     pub fn particles(&self) -> Vec<[f64; 2]> {
-        if self.fix().is_none() {
-            return Vec::new();
-        }
-        let locator = self.gateway.locator();
-        by_weight(locator.columns(), locator.weights())
+        self.clouds().flat_map(|cloud| by_weight(&cloud)).collect()
+    }
+
+    /// The cloud of each source that has a fix.
+    pub fn clouds(&self) -> impl Iterator<Item = Cloud<'_>> {
+        (0..SOURCES).map_while(|index| self.gateway.locator().cloud(index))
     }
 }
 
-fn by_weight([east, north]: [&[f32]; 2], weights: &[f32]) -> Vec<[f64; 2]> {
-    let mut memory = vec![0.0; weights.len()];
+fn by_weight(cloud: &Cloud<'_>) -> Vec<[f64; 2]> {
+    let mut memory = vec![0.0; cloud.weights.len()];
     let mut generator = Xoshiro128PlusPlus::seed_from_u64(1);
-    resample(Scheme::Systematic, weights, &mut memory, &mut generator)
-        .iter()
-        .map(|ancestor| [east[ancestor], north[ancestor]].map(f64::from))
-        .collect()
+    resample(
+        Scheme::Systematic,
+        cloud.weights,
+        &mut memory,
+        &mut generator,
+    )
+    .iter()
+    .map(|ancestor| [cloud.east[ancestor], cloud.north[ancestor]].map(f64::from))
+    .collect()
 }
 
 #[cfg(test)]
@@ -165,7 +181,11 @@ mod tests {
     #[test]
     fn a_particle_is_drawn_as_often_as_its_weight_says() {
         let (east, north) = ([1.0, 2.0, 3.0, 4.0], [5.0, 6.0, 7.0, 8.0]);
-        let drawn = by_weight([&east, &north], &[0.0, 0.75, 0.0, 0.25]);
+        let drawn = by_weight(&Cloud {
+            east: &east,
+            north: &north,
+            weights: &[0.0, 0.75, 0.0, 0.25],
+        });
         assert_eq!(drawn, [[2.0, 6.0], [2.0, 6.0], [2.0, 6.0], [4.0, 8.0]]);
     }
 

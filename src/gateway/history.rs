@@ -93,6 +93,11 @@ impl<T: Between> History<T> {
         self.times[0].is_none()
     }
 
+    /// The last sample.
+    pub fn newest(&self) -> Option<T> {
+        self.values[0]
+    }
+
     /// Takes a sample. One of the time of the last replaces it; if time has run backwards, the clock was set, and those
     /// before it mean nothing.
     pub fn push(&mut self, time: TimeOfDay, value: T) {

@@ -166,6 +166,18 @@ impl<L: Locate, const REPORT: usize> Vehicle<L, REPORT> {
         self.latest.map(|(_, observation)| observation)
     }
 
+    /// When that was taken, in milliseconds after midnight UTC.
+    pub fn time_ms(&self) -> Option<u32> {
+        let (hours, minutes, milliseconds) = self.latest?.0.parts();
+        Some((hours * 60 + minutes) * 60_000 + milliseconds)
+    }
+
+    /// Where the vehicle was last, by its receiver; by its direction finder, where no receiver has said it.
+    pub fn place(&self) -> Option<Geodetic> {
+        let own = || self.own_place.map(|(_, place)| place);
+        self.places.newest().or_else(own)
+    }
+
     /// The locator, with its particles and bearings.
     pub fn locator(&self) -> &L {
         &self.locator

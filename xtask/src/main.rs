@@ -17,6 +17,7 @@ mod measure;
 mod papers;
 mod project;
 mod qemu;
+mod replay;
 mod setup;
 mod test;
 mod trace;
@@ -34,6 +35,8 @@ enum Task {
     Cost(cost::Options),
     /// Locate a transmitter with the vehicle firmware in the emulator, and draw it.
     Demo(demo::Options),
+    /// Read a log from the field through a vehicle's gateway, and write tables, GeoJSON and a picture of what came of it.
+    Replay(replay::Options),
     /// Make a radio map of a survey, for the flash of a tunnel's gateway.
     Map(map::Options),
     /// Give the gateways and the reader of maps whatever may come, and look for faults.
@@ -64,6 +67,7 @@ fn run(task: Task) -> Result<()> {
         Task::Demo(options) => demo::run(&options),
         Task::Drive(options) => drive::run(&options),
         Task::Tunnel => tunnel::run(),
+        Task::Replay(options) => replay::run(&options),
         Task::Map(options) => map::run(&options),
         Task::Fuzz(options) => fuzz::run(&options),
         Task::Papers(options) => papers::run(&options),

@@ -1,5 +1,10 @@
 //! Where everything was: the whole drive, and what is left of the uncertainty.
 
+use std::{
+    f64::consts::PI,
+    iter::{once, repeat},
+};
+
 use anyhow::Result;
 use plotters::{
     coord::{Shift, types::RangedCoordf64},
@@ -8,8 +13,9 @@ use plotters::{
 
 use foxhunt::estimate::Ellipse;
 
+use super::frame::{Frame, outline};
 use super::{GRID, INK, font, width};
-use crate::Sight;
+use crate::{Sight, density::Region};
 
 const WIDTH: u32 = 1480;
 const HEIGHT: u32 = 860;
@@ -23,7 +29,8 @@ const BEARING: RGBColor = RGBColor(240, 140, 40);
 const PARTICLE: RGBColor = RGBColor(0, 137, 150);
 const FIX: RGBColor = RGBColor(200, 30, 70);
 const HYPOTHESIS: RGBColor = RGBColor(94, 53, 177);
-const REJECTED: RGBColor = RGBColor(144, 153, 158);
+const MIRRORED: RGBColor = RGBColor(30, 136, 229);
+const REJECTED: RGBColor = RGBColor(120, 130, 136);
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
@@ -36,18 +43,20 @@ pub struct Map {
     pub caption: String,
     /// The bearings, in order of time.
     pub sights: Vec<Sight>,
-    /// Bearings that the estimate does not rest on.
+    /// Bearings that point away from the source: drawn both ways.
+    pub mirrored: Vec<Sight>,
+    /// Bearings that the estimate does not rest on: where they were taken there is a cross.
     pub rejected: Vec<Sight>,
-    /// Whether the places of the bearings are those of one drive: a line then joins them.
-    pub joined: bool,
+    /// Where the vehicle went.
+    pub track: Vec<[f64; 2]>,
+    /// How dense the particles are, for each source: regions, the widest first.
+    pub densities: Vec<Vec<Region>>,
     /// The cloud.
     pub particles: Vec<[f64; 2]>,
     /// Where the source may be, each a region and its share of the probability.
     pub hypotheses: Vec<(Ellipse, f64)>,
-    /// The region that holds the source with 95 % probability.
-    pub ellipse: Option<Ellipse>,
-    /// The estimate.
-    pub fix: Option<[f64; 2]>,
+    /// For each source the region that holds it with 95 % probability, about the estimate.
+    pub ellipses: Vec<Ellipse>,
     /// Where the source was.
     pub truth: Option<[f64; 2]>,
 }
@@ -86,23 +95,34 @@ impl Map {
     }
 
     fn all_sights(&self) -> impl Iterator<Item = &Sight> + Clone {
-        self.sights.iter().chain(&self.rejected)
+        (self.sights.iter())
+            .chain(&self.mirrored)
+            .chain(&self.rejected)
     }
 
     /// The box of everything.
     fn whole(&self) -> Frame {
+        /// A hypothesis of less than this share may lie outside.
+        const LIKELY: f64 = 0.05;
         let places = self.all_sights().map(|sight| sight.position);
-        let ellipse = self.ellipse.iter().flat_map(outline).map(|(x, y)| [x, y]);
-        Frame::round(places.chain(ellipse).chain(self.truth).chain(self.fix)).widened(1.12)
+        let ellipses = self.ellipses.iter().flat_map(outline);
+        let hypotheses = (self.hypotheses.iter())
+            .filter(|(_, share)| *share >= LIKELY)
+            .map(|(ellipse, _)| ellipse.centre.map(f64::from));
+        let all = (places.chain(self.track.iter().copied()))
+            .chain(ellipses)
+            .chain(hypotheses)
+            .chain(self.truth);
+        Frame::round(all).widened(1.12)
     }
 
-    /// The box of the ellipse and the truth.
+    /// The box of the ellipses and the truth.
     fn surroundings(&self) -> Frame {
-        let Some(ellipse) = &self.ellipse else {
+        if self.ellipses.is_empty() {
             return self.whole();
-        };
-        let places = outline(ellipse).into_iter().map(|(x, y)| [x, y]);
-        Frame::round(places.chain(self.truth).chain(self.fix)).widened(1.3)
+        }
+        let ellipses = self.ellipses.iter().flat_map(outline);
+        Frame::round(ellipses.chain(self.truth)).widened(1.3)
     }
 
     fn panel(
@@ -139,18 +159,11 @@ impl Map {
             .y_desc("metres north")
             .draw()?;
 
+        self.draw_density(&mut chart, &frame)?;
         self.draw_bearings(&mut chart, &frame, whole)?;
         self.draw_cloud(&mut chart, whole)?;
-        if whole {
-            let track = self
-                .all_sights()
-                .map(|sight| (sight.position[0], sight.position[1]));
-            if self.joined && self.rejected.is_empty() {
-                chart.draw_series(LineSeries::new(track.clone(), INK.stroke_width(2)))?;
-            }
-            chart.draw_series(track.map(|place| Circle::new(place, 3, INK.filled())))?;
-        }
-        self.draw_answer(&mut chart, whole)?;
+        self.draw_way(&mut chart, &frame, whole)?;
+        self.draw_answer(&mut chart, &frame, whole)?;
         chart.plotting_area().draw(&Rectangle::new(
             [(frame.low[0], frame.low[1]), (frame.high[0], frame.high[1])],
             RGBColor(170, 178, 184),
@@ -158,16 +171,60 @@ impl Map {
         Ok(())
     }
 
+    fn draw_density(&self, chart: &mut Chart, frame: &Frame) -> Result<()> {
+        for regions in &self.densities {
+            let mut under = WHITE;
+            for (index, region) in regions.iter().enumerate() {
+                let shade = shade(index, regions.len());
+                for rings in &region.polygons {
+                    // What the next polygons of the region do not fill lies in a hole.
+                    for (ring, colour) in rings.iter().zip(once(shade).chain(repeat(under))) {
+                        let places = frame.polygon(ring);
+                        chart.draw_series([Polygon::new(places, colour.filled())])?;
+                    }
+                }
+                under = shade;
+            }
+        }
+        Ok(())
+    }
+
     fn draw_bearings(&self, chart: &mut Chart, frame: &Frame, whole: bool) -> Result<()> {
         let opacity = if whole { 0.35 } else { 0.5 };
+        let turned = self.mirrored.iter().map(|sight| Sight {
+            bearing: sight.bearing + PI,
+            ..*sight
+        });
+        let mirrored: Vec<Sight> = self.mirrored.iter().copied().chain(turned).collect();
         for (sights, colour) in [
-            (&self.rejected, REJECTED.mix(0.8)),
+            (&self.rejected, REJECTED.mix(0.6)),
             (&self.sights, BEARING.mix(opacity)),
+            (&mirrored, MIRRORED.mix(opacity)),
         ] {
             let rays = sights.iter().filter_map(|sight| frame.ray(sight));
             let style = colour.stroke_width(1);
             chart.draw_series(rays.map(|[from, to]| PathElement::new([from, to], style)))?;
         }
+        Ok(())
+    }
+
+    fn draw_way(&self, chart: &mut Chart, frame: &Frame, whole: bool) -> Result<()> {
+        let style = INK.stroke_width(2);
+        let (x, y) = (chart.x_range(), chart.y_range());
+        let inside = |sight: &&Sight| {
+            let [east, north] = sight.position;
+            x.contains(&east) && y.contains(&north)
+        };
+        let place = |sight: &Sight| (sight.position[0], sight.position[1]);
+        if whole {
+            let way = frame.line(self.track.iter().copied());
+            chart.draw_series(way.into_iter().map(|part| PathElement::new(part, style)))?;
+            let places = self.all_sights().map(place);
+            chart.draw_series(places.map(|place| Circle::new(place, 3, INK.filled())))?;
+        }
+        let style = REJECTED.stroke_width(2);
+        let rejected = self.rejected.iter().filter(inside).map(place);
+        chart.draw_series(rejected.map(|place| Cross::new(place, 5, style)))?;
         Ok(())
     }
 
@@ -183,20 +240,19 @@ impl Map {
         Ok(())
     }
 
-    fn draw_answer(&self, chart: &mut Chart, whole: bool) -> Result<()> {
+    fn draw_answer(&self, chart: &mut Chart, frame: &Frame, whole: bool) -> Result<()> {
         for (ellipse, share) in &self.hypotheses {
             let style = HYPOTHESIS.mix(0.4 + 0.6 * share).stroke_width(2);
-            chart.draw_series([PathElement::new(outline(ellipse), style)])?;
+            let parts = frame.line(outline(ellipse)).into_iter();
+            chart.draw_series(parts.map(|part| PathElement::new(part, style)))?;
         }
-        if let Some(ellipse) = &self.ellipse {
-            chart.draw_series([PathElement::new(
-                outline(ellipse),
-                FIX.stroke_width(if whole { 1 } else { 3 }),
-            )])?;
-        }
-        if let Some(fix) = self.fix {
+        let style = FIX.stroke_width(if whole { 1 } else { 3 });
+        for ellipse in &self.ellipses {
+            let outline = outline(ellipse).map(|[x, y]| (x, y));
+            chart.draw_series([PathElement::new(outline.collect::<Vec<_>>(), style)])?;
+            let [x, y] = ellipse.centre.map(f64::from);
             let size = if whole { 5 } else { 7 };
-            chart.draw_series([Circle::new((fix[0], fix[1]), size, FIX.filled())])?;
+            chart.draw_series([Circle::new((x, y), size, FIX.filled())])?;
         }
         if let Some(truth) = self.truth {
             let size = if whole { 9 } else { 12 };
@@ -217,7 +273,7 @@ impl Map {
         };
         let line = |x, style| area.draw(&PathElement::new([(x, 21), (x + 26, 21)], style));
         entry("where bearings were taken", &|x| {
-            if self.joined {
+            if !self.track.is_empty() {
                 line(x, INK.stroke_width(2))?;
             }
             Ok(area.draw(&Circle::new((x + 13, 21), 3, INK.filled()))?)
@@ -226,8 +282,31 @@ impl Map {
             Ok(line(x, BEARING.mix(0.7).stroke_width(2))?)
         })?;
         if !self.rejected.is_empty() {
-            entry("bearings that do not fit", &|x| {
-                Ok(line(x, REJECTED.stroke_width(2))?)
+            entry("rejected", &|x| {
+                line(x, REJECTED.stroke_width(2))?;
+                Ok(area.draw(&Cross::new((x + 4, 21), 5, REJECTED.stroke_width(2)))?)
+            })?;
+        }
+        if !self.mirrored.is_empty() {
+            entry("mirrored", &|x| Ok(line(x, MIRRORED.stroke_width(2))?))?;
+        }
+        if let Some(regions) = self.densities.first() {
+            let shares = regions
+                .iter()
+                .map(|r| format!("{:.0}", 100.0 * r.probability));
+            let name = format!("{} % of the density", shares.collect::<Vec<_>>().join(", "));
+            entry(&name, &|x| {
+                for index in 0..regions.len() {
+                    let inset = 3 * index as i32;
+                    area.draw(&Rectangle::new(
+                        [
+                            (x + inset, 11 + inset / 2),
+                            (x + 26 - inset, 31 - inset / 2),
+                        ],
+                        shade(index, regions.len()).filled(),
+                    ))?;
+                }
+                Ok(())
             })?;
         }
         if !self.particles.is_empty() {
@@ -241,11 +320,9 @@ impl Map {
         if !self.hypotheses.is_empty() {
             entry("hypotheses", &|x| Ok(line(x, HYPOTHESIS.stroke_width(2))?))?;
         }
-        if self.ellipse.is_some() {
-            entry("95 % ellipse", &|x| Ok(line(x, FIX.stroke_width(3))?))?;
-        }
-        if self.fix.is_some() {
-            entry("fix", &|x| {
+        if !self.ellipses.is_empty() {
+            entry("fix and its 95 % ellipse", &|x| {
+                line(x, FIX.stroke_width(3))?;
                 Ok(area.draw(&Circle::new((x + 13, 21), 6, FIX.filled()))?)
             })?;
         }
@@ -258,88 +335,10 @@ impl Map {
     }
 }
 
-fn outline(ellipse: &Ellipse) -> Vec<(f64, f64)> {
-    let [x, y] = ellipse.centre.map(f64::from);
-    let (major, minor) = (f64::from(ellipse.semi_major), f64::from(ellipse.semi_minor));
-    let (sin, cos) = f64::from(ellipse.orientation).sin_cos();
-    (0..=180)
-        .map(|k| {
-            let (s, c) = f64::from(2 * k).to_radians().sin_cos();
-            (
-                x + major * c * cos - minor * s * sin,
-                y + major * c * sin + minor * s * cos,
-            )
-        })
-        .collect()
-}
-
-/// A box in the plane.
-#[derive(Debug, Clone, Copy)]
-struct Frame {
-    low: [f64; 2],
-    high: [f64; 2],
-}
-
-impl Frame {
-    fn round(places: impl Iterator<Item = [f64; 2]>) -> Self {
-        places
-            .map(|place| Self {
-                low: place,
-                high: place,
-            })
-            .reduce(|a, b| Self {
-                low: [0, 1].map(|d| a.low[d].min(b.low[d])),
-                high: [0, 1].map(|d| a.high[d].max(b.high[d])),
-            })
-            .unwrap_or(Self {
-                low: [-1.0; 2],
-                high: [1.0; 2],
-            })
-    }
-
-    fn resized(self, width: f64, height: f64) -> Self {
-        let half = [width / 2.0, height / 2.0];
-        let centre = [0, 1].map(|d| (self.low[d] + self.high[d]) / 2.0);
-        Self {
-            low: [0, 1].map(|d| centre[d] - half[d]),
-            high: [0, 1].map(|d| centre[d] + half[d]),
-        }
-    }
-
-    fn widened(self, factor: f64) -> Self {
-        let [width, height] = self.size();
-        let margin = (factor - 1.0) * width.max(height).max(1e-3);
-        self.resized(width + margin, height + margin)
-    }
-
-    /// The same, made wider or higher until its sides are as `width` to `height`.
-    fn with_shape(self, width: f64, height: f64) -> Self {
-        let [w, h] = self.size();
-        let scale = (w / width).max(h / height);
-        self.resized(scale * width, scale * height)
-    }
-
-    fn size(&self) -> [f64; 2] {
-        [0, 1].map(|d| self.high[d] - self.low[d])
-    }
-
-    /// Digits that tell the numbers of an axis apart.
-    fn decimals(&self) -> usize {
-        let [width, height] = self.size();
-        (-(width.min(height) / 16.0).log10().floor()).clamp(0.0, 4.0) as usize
-    }
-
-    /// The part of a bearing's ray that lies inside.
-    fn ray(&self, sight: &Sight) -> Option<[(f64, f64); 2]> {
-        let (sin, cos) = sight.bearing.sin_cos();
-        let (mut near, mut far) = (0.0_f64, f64::INFINITY);
-        for (d, slope) in [cos, sin].into_iter().enumerate() {
-            let at = |side: f64| (side - sight.position[d]) / slope;
-            let (a, b) = (at(self.low[d]), at(self.high[d]));
-            near = near.max(a.min(b));
-            far = far.min(a.max(b));
-        }
-        let point = |t: f64| (sight.position[0] + t * cos, sight.position[1] + t * sin);
-        (near < far).then(|| [point(near), point(far)])
-    }
+/// The colour of a region of so many.
+fn shade(index: usize, regions: usize) -> RGBColor {
+    let share = 0.1 + 0.45 * (index as f64 + 1.0) / regions as f64;
+    let RGBColor(red, green, blue) = PARTICLE;
+    let mixed = |part: u8| (255.0 - share * (255.0 - f64::from(part))) as u8;
+    RGBColor(mixed(red), mixed(green), mixed(blue))
 }

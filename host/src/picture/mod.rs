@@ -4,10 +4,12 @@
 //! in the PNG, with the one that comes along.
 
 mod curves;
+mod frame;
 mod map;
 mod walks;
 
 pub use curves::{Axis, Curve, Curves, Style};
+pub use frame::outline;
 pub use map::Map;
 pub use walks::{Walk, Walks};
 

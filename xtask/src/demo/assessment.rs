@@ -80,9 +80,9 @@ impl Assessment {
     /// Draws the drive and the fix.
     pub fn draw(&self, scene: &Scene, replay: &Replay, stem: &Path) -> Result<()> {
         let [major, minor] = self.deviations;
+        let places = replay.sights().iter().map(|sight| sight.position).collect();
         let map = Map {
             title: scene.title.clone(),
-            joined: scene.joined,
             caption: format!(
                 "{} bearings through the firmware; the fix is {} from the true place, with standard \
                  deviations of {} and {}",
@@ -91,10 +91,10 @@ impl Assessment {
                 metres(major),
                 metres(minor),
             ),
+            track: if scene.joined { places } else { Vec::new() },
             sights: replay.sights().to_vec(),
             particles: replay.particles(),
-            ellipse: Some(self.ellipse),
-            fix: Some(self.fix),
+            ellipses: vec![self.ellipse],
             truth: Some(self.truth),
             ..Map::default()
         };

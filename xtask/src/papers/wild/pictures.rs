@@ -74,7 +74,7 @@ fn map(track: &Track, sights: &[Sight], locator: &RobustLocator<256, 64>) -> Map
         ),
         sights: kept,
         rejected,
-        joined: true,
+        track: track.receivers[..sights.len()].to_vec(),
         particles: (x.iter().zip(y))
             .filter(|_| fix.is_some())
             .map(|(x, y)| [f64::from(*x), f64::from(*y)])
@@ -89,8 +89,8 @@ fn map(track: &Track, sights: &[Sight], locator: &RobustLocator<256, 64>) -> Map
                 )
             })
             .collect(),
-        ellipse: fix.map(|fix| fix.ellipse(0.95)),
-        fix: fix.map(|fix| fix.position.map(f64::from)),
+        ellipses: fix.iter().map(|fix| fix.ellipse(0.95)).collect(),
         truth: Some(track.source),
+        ..Map::default()
     }
 }

@@ -1,0 +1,164 @@
+//! What came of a log from the field, kept for people: tables for a spreadsheet, a GeoJSON file for a map, a picture.
+//!
+//! A [`Recorder`] reads the bytes as the gateway of a vehicle does, by whatever locator, and notes what every bearing led
+//! to; the [`Archive`] is what that makes, and writes the files.
+
+mod coordinates;
+mod drawing;
+mod features;
+mod record;
+mod tables;
+
+#[cfg(test)]
+mod tests;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context, Result};
+use foxhunt::aoa::{
+    Observation, Source,
+    advice::Advice,
+    geodesy::{Geodetic, LocalPlane},
+    locator::Answer,
+    robust::{Bias, Hypothesis, Shares},
+};
+use serde::{Deserialize, Serialize};
+
+use crate::{density::Region, geodesy::Place, picture};
+pub use coordinates::coordinates;
+pub use record::Recorder;
+pub use tables::{BearingRow, FixRow};
+
+/// All that is known of a log.
+#[derive(Debug, Clone)]
+pub struct Archive {
+    /// Where the vehicle was, by its receiver.
+    pub track: Vec<Geodetic>,
+    /// What each bearing led to, in their order.
+    pub answers: Vec<Answered>,
+    /// Every bearing that was used, in the same order.
+    pub bearings: Vec<Taken>,
+    /// Where the source may be, at the end.
+    pub hypotheses: Vec<Hypothesis>,
+    /// The particles of each source, at the end: each is there as often as its weight says.
+    pub particles: Vec<[f64; 2]>,
+    /// How dense they are, for each source: regions, the widest first.
+    pub densities: Vec<Vec<Region>>,
+    /// Where to drive next.
+    pub advice: Option<Advice>,
+    /// Where the source was, if the log says it, as a simulated one does.
+    pub truth: Option<Place>,
+}
+
+/// What is known with a bearing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answered {
+    /// When the bearing was taken, in milliseconds after midnight UTC.
+    pub time_ms: u32,
+    /// Counts the searches, from 1: a restart begins another, with a plane of its own.
+    pub search: u32,
+    /// The plane of all places.
+    pub plane: LocalPlane,
+    /// How many bearings there were in this search.
+    pub bearings: u32,
+    /// What the gateway said.
+    pub answer: Answer,
+    /// The sources that have a fix, the best known first.
+    pub sources: Vec<Source>,
+    /// What all bearings are off by alike.
+    pub bias: Option<Bias>,
+    /// What bearings are.
+    pub shares: Option<Shares>,
+}
+
+/// A bearing that was used.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Taken {
+    /// When it was taken, in milliseconds after midnight UTC.
+    pub time_ms: u32,
+    /// As [`Answered::search`].
+    pub search: u32,
+    /// The plane of its place.
+    pub plane: LocalPlane,
+    /// The bearing.
+    pub observation: Observation,
+    /// What it probably is, by all that is known at the end of the log; `None` without a fix, for a locator that takes
+    /// every bearing for direct, and in a search before the last.
+    pub chances: Option<Shares>,
+    /// The source that it fits best, and how far it is off the direction of that, in radians counter-clockwise: less the
+    /// bias, and turned round if it is mirrored. `None` without a fix, and in a search before the last.
+    pub fits: Option<(Source, f64)>,
+}
+
+/// What a bearing is most probably.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// It points at the source.
+    Direct,
+    /// It points away from it.
+    Mirrored,
+    /// It says nothing of it.
+    Wild,
+}
+
+impl Taken {
+    /// What it is most probably.
+    pub fn kind(&self) -> Option<Kind> {
+        let Shares {
+            direct,
+            mirror,
+            wild,
+        } = self.chances?;
+        Some(if wild > direct.max(mirror) {
+            Kind::Wild
+        } else if mirror > direct {
+            Kind::Mirrored
+        } else {
+            Kind::Direct
+        })
+    }
+}
+
+/// The probabilities of the regions that densities are shown by.
+pub const PROBABILITIES: [f64; 4] = [0.95, 0.8, 0.5, 0.2];
+
+impl Archive {
+    /// What is known at the end.
+    pub fn last(&self) -> &Answered {
+        self.answers.last().expect("an archive has a bearing")
+    }
+
+    /// The bearings of the last search.
+    pub fn last_bearings(&self) -> impl Iterator<Item = &Taken> + Clone {
+        let search = self.last().search;
+        (self.bearings.iter()).filter(move |taken| taken.search == search)
+    }
+
+    /// Writes `fixes.csv`, `bearings.csv`, `archive.geojson`, `picture.svg` and `picture.png`; says which files these
+    /// are. The title is that of the picture.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn write(&self, directory: &Path, title: &str) -> Result<Vec<PathBuf>> {
+        fs::create_dir_all(directory)
+            .with_context(|| format!("cannot make {}", directory.display()))?;
+        let write = |name: &str, bytes: Vec<u8>| -> Result<PathBuf> {
+            let file = directory.join(name);
+            fs::write(&file, bytes).with_context(|| format!("cannot write {}", file.display()))?;
+            Ok(file)
+        };
+        let mut files = vec![
+            write("fixes.csv", tables::csv(&self.fix_rows())?)?,
+            write("bearings.csv", tables::csv(&self.bearing_rows())?)?,
+            write("archive.geojson", self.geojson()?.to_string().into_bytes())?,
+        ];
+        let stem = directory.join("picture");
+        picture::save(&self.map(title).svg()?, &stem)?;
+        files.extend(["svg", "png"].map(|ending| stem.with_extension(ending)));
+        Ok(files)
+    }
+}

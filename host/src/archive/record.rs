@@ -1,0 +1,167 @@
+//! What is noted while a log is read.
+
+use std::f64::consts::PI;
+
+use anyhow::{Context, Result};
+use foxhunt::{
+    aoa::{Locate, Observation, geodesy::Geodetic, robust::Shares},
+    gateway::{Event, Settings},
+};
+
+use super::{Answered, Archive, PROBABILITIES, Taken};
+use crate::{
+    Sight, density, drive,
+    replay::{Replay, SOURCES},
+    sight::wrap,
+};
+
+/// The most hypotheses that are asked for.
+const HYPOTHESES: usize = 16;
+/// A hypothesis of less than this share is not worth a line.
+const SMALLEST: f32 = 1e-3;
+
+/// Reads a log, and notes what every bearing led to.
+#[derive(Debug)]
+pub struct Recorder<L> {
+    replay: Replay<L>,
+    track: Vec<Geodetic>,
+    answers: Vec<Answered>,
+    taken: Vec<Taken>,
+    /// The beginning of the log, where a simulated one says where its source is.
+    beginning: Vec<u8>,
+}
+
+/// Bytes that the first sentence of a log may have.
+const SENTENCE: usize = 128;
+
+impl<L: Locate> Recorder<L> {
+    /// Has read nothing yet; nor should the locator know anything.
+    pub fn new(settings: Settings, locator: L) -> Self {
+        Self {
+            replay: Replay::new(settings, locator),
+            track: Vec::new(),
+            answers: Vec::new(),
+            taken: Vec::new(),
+            beginning: Vec::new(),
+        }
+    }
+
+    /// The gateway and what it said.
+    pub fn replay(&self) -> &Replay<L> {
+        &self.replay
+    }
+
+    /// What each bearing led to so far.
+    pub fn answers(&self) -> &[Answered] {
+        &self.answers
+    }
+
+    /// Reads on.
+    pub fn push(&mut self, bytes: &[u8]) {
+        let room = SENTENCE.saturating_sub(self.beginning.len());
+        self.beginning.extend(bytes.iter().take(room));
+        for &byte in bytes {
+            if let Some(Event::Fix(_) | Event::NotObservable(_)) = self.replay.step(byte) {
+                self.note();
+            }
+            if matches!(byte, b'\r' | b'\n')
+                && let Some(place) = self.replay.gateway().place()
+                && self.track.last() != Some(&place)
+            {
+                self.track.push(place);
+            }
+        }
+    }
+
+    /// After a bearing was used.
+    fn note(&mut self) {
+        let gateway = self.replay.gateway();
+        let (Some(plane), Some(observation), Some(time_ms)) =
+            (gateway.plane(), gateway.observation(), gateway.time_ms())
+        else {
+            return;
+        };
+        let bearings = self.replay.sights().len() as u32;
+        let last = self.answers.last().map_or(0, |last| last.search);
+        let search = last + u32::from(bearings == 1);
+        let locator = gateway.locator();
+        self.answers.push(Answered {
+            time_ms,
+            search,
+            plane: *plane,
+            bearings,
+            answer: locator.answer(),
+            sources: (0..SOURCES)
+                .map_while(|index| locator.source(index))
+                .collect(),
+            bias: locator.bias(),
+            shares: locator.shares(),
+        });
+        self.taken.push(Taken {
+            time_ms,
+            search,
+            plane: *plane,
+            observation,
+            chances: None,
+            fits: None,
+        });
+    }
+
+    /// What is known now.
+    ///
+    /// # Errors
+    /// If no bearing was used yet.
+    pub fn archive(&self) -> Result<Archive> {
+        let last = self.answers.last().context("no bearing was used")?;
+        let locator = self.replay.gateway().locator();
+        let bearings = (self.taken.iter())
+            .map(|taken| {
+                let current = taken.search == last.search;
+                let chances = current
+                    .then(|| locator.classify(&taken.observation))
+                    .flatten();
+                let fits = current
+                    .then(|| fits(last, &taken.observation, chances))
+                    .flatten();
+                Taken {
+                    chances,
+                    fits,
+                    ..*taken
+                }
+            })
+            .collect();
+        Ok(Archive {
+            track: self.track.clone(),
+            answers: self.answers.clone(),
+            bearings,
+            hypotheses: (0..HYPOTHESES)
+                .map_while(|index| locator.hypothesis(index))
+                .filter(|hypothesis| hypothesis.mass >= SMALLEST)
+                .collect(),
+            particles: self.replay.particles(),
+            densities: (self.replay.clouds())
+                .map(|cloud| density::regions(&cloud, &PROBABILITIES))
+                .collect(),
+            advice: locator.advice(),
+            truth: drive::truth(&self.beginning),
+        })
+    }
+}
+
+/// The source that a bearing fits best, and what it is off.
+fn fits(
+    known: &Answered,
+    observation: &Observation,
+    chances: Option<Shares>,
+) -> Option<(foxhunt::aoa::Source, f64)> {
+    let bias = known.bias.map_or(0.0, |bias| f64::from(bias.mean));
+    let mirrored = chances.is_some_and(|chances| chances.mirror > chances.direct);
+    let turn = bias + if mirrored { PI } else { 0.0 };
+    let sight = Sight::from(observation);
+    (known.sources.iter())
+        .map(|source| {
+            let off = sight.residual(source.fix.position.map(f64::from)) - turn;
+            (*source, wrap(off))
+        })
+        .min_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
+}

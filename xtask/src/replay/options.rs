@@ -1,0 +1,228 @@
+//! What a gateway and a locator are told.
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::ValueEnum;
+use foxhunt::{
+    aoa::robust::{self, Errors, Tails},
+    gateway::{
+        BearingReference, DeviationTable, Finder as Device, KrakenConfidence, Sense as Turn,
+        Settings, UbloxQuality,
+    },
+};
+
+/// What takes the bearings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Kind {
+    /// One source, and every bearing is right but for its error: the firmware `vehicle`.
+    Plain,
+    /// One source; bearings may be wild, mirrored, biased: the firmware `vehicle_robust`.
+    Robust,
+    /// Up to three of these.
+    Sources,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Finder {
+    Any,
+    Agrelo,
+    Kraken,
+    Ublox,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Reference {
+    /// From the bow: the heading is added.
+    Relative,
+    TrueNorth,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Sense {
+    Clockwise,
+    CounterClockwise,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Confidence {
+    Percent,
+    Decibels,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Deviations {
+    /// From --worst-deviation to --best-deviation.
+    Linear,
+    /// What is known of each device.
+    Devices,
+}
+
+/// How the log is read.
+#[derive(clap::Args)]
+#[command(next_help_heading = "The log")]
+pub struct Input {
+    /// The direction finder; lines of others are rejected.
+    #[arg(long, value_enum, default_value_t = Finder::Any)]
+    finder: Finder,
+    /// What the angles count from.
+    #[arg(long, value_enum, default_value_t = Reference::Relative)]
+    reference: Reference,
+    /// Which way the angles of a KrakenSDR or a u-blox board grow.
+    #[arg(long, value_enum, default_value_t = Sense::Clockwise)]
+    sense: Sense,
+    /// What the confidence of a KrakenSDR is.
+    #[arg(long, value_enum, default_value_t = Confidence::Percent)]
+    confidence: Confidence,
+    /// The frequency of the source: lines of others from a KrakenSDR are rejected.
+    #[arg(long, value_name = "HERTZ")]
+    frequency: Option<u32>,
+    /// The tag to look for, as a u-blox board names it: 12 hexadecimal digits.
+    #[arg(long, value_name = "TAG", value_parser = tag)]
+    tag: Option<u64>,
+    /// Bearings of a lower quality, 0 to 100, are rejected.
+    #[arg(long, value_name = "QUALITY", default_value_t = 40.0)]
+    minimum_quality: f32,
+    /// How deviations follow from the quality.
+    #[arg(long, value_enum, default_value_t = Deviations::Linear)]
+    deviations: Deviations,
+    /// Standard deviation of a bearing of quality 100.
+    #[arg(long, value_name = "DEGREES", default_value_t = 2.0)]
+    best_deviation: f32,
+    /// Standard deviation of a bearing of quality 0.
+    #[arg(long, value_name = "DEGREES", default_value_t = 10.0)]
+    worst_deviation: f32,
+    /// How far apart in time a bearing and its position or heading may be.
+    #[arg(long, value_name = "MILLISECONDS", default_value_t = 2_000)]
+    maximum_age: u32,
+    /// From this speed on the course over ground is the heading, where there is no compass.
+    #[arg(long, value_name = "METRES PER SECOND", default_value_t = 1.5)]
+    minimum_speed: f32,
+    /// Seeds the particles.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+fn tag(text: &str) -> Result<u64> {
+    ensure!(text.len() == 12, "a tag has 12 digits");
+    u64::from_str_radix(text, 16).context("a tag has hexadecimal digits")
+}
+
+impl Input {
+    /// The settings of the gateway.
+    pub fn settings(&self) -> Result<Settings> {
+        let [best, worst] = [self.best_deviation, self.worst_deviation].map(f32::to_radians);
+        let mut settings = Settings::new()
+            .with_finder(match self.finder {
+                Finder::Any => Device::Any,
+                Finder::Agrelo => Device::Agrelo,
+                Finder::Kraken => Device::Kraken,
+                Finder::Ublox => Device::Ublox,
+            })
+            .with_reference(match self.reference {
+                Reference::Relative => BearingReference::Relative,
+                Reference::TrueNorth => BearingReference::TrueNorth,
+            })
+            .with_sense(match self.sense {
+                Sense::Clockwise => Turn::Clockwise,
+                Sense::CounterClockwise => Turn::CounterClockwise,
+            })
+            .with_kraken_confidence(match self.confidence {
+                Confidence::Percent => KrakenConfidence::Percent,
+                Confidence::Decibels => KrakenConfidence::Decibels,
+            })
+            .with_seed(self.seed)
+            .with_minimum_quality(self.minimum_quality)?
+            .with_deviations(best, worst)?
+            .with_maximum_age_ms(self.maximum_age)?
+            .with_minimum_speed_m_s(self.minimum_speed)?;
+        if let Some(frequency) = self.frequency {
+            settings = settings.with_kraken_frequency_hz(frequency)?;
+        }
+        if let Some(tag) = self.tag {
+            settings = settings.with_ublox_tag(tag);
+        }
+        if self.deviations == Deviations::Devices {
+            let kraken = match self.confidence {
+                Confidence::Percent => &DeviationTable::KRAKEN_PERCENT,
+                Confidence::Decibels => &DeviationTable::KRAKEN_DECIBELS,
+            };
+            settings = settings
+                .with_deviation_table(Device::Agrelo, &DeviationTable::AGRELO)
+                .with_deviation_table(Device::Kraken, kraken)
+                .with_deviation_table(Device::Ublox, &DeviationTable::UBLOX)
+                .with_ublox_quality(UbloxQuality::Azimuth);
+        }
+        Ok(settings)
+    }
+}
+
+/// What is believed of the errors of bearings.
+#[derive(clap::Args)]
+#[command(next_help_heading = "The errors of bearings, for --locator robust and sources")]
+pub struct Belief {
+    /// Standard deviation of what all bearings are off by alike, as of an array that is not mounted straight; unless
+    /// given, 2.9 as in the firmware.
+    #[arg(long, value_name = "DEGREES")]
+    bias_deviation: Option<f32>,
+    /// Standard deviation of the places where bearings are taken; unless given, 3 as in the firmware.
+    #[arg(long, value_name = "METRES")]
+    position_deviation: Option<f32>,
+    /// Share of mirrored bearings, before it is learned; unless given, 0.08.
+    #[arg(long, value_name = "SHARE")]
+    mirrored: Option<f32>,
+    /// Share of wild bearings, before it is learned; unless given, 0.12.
+    #[arg(long, value_name = "SHARE")]
+    wild: Option<f32>,
+    /// Metres over which the errors of neighbouring bearings become independent; unless given, 5.
+    #[arg(long, value_name = "METRES")]
+    correlation_distance: Option<f32>,
+    /// Degrees of freedom of Student's t distribution, for errors with heavy tails; unless given, they are normal.
+    #[arg(long, value_name = "NUMBER")]
+    freedom: Option<u8>,
+    /// The source is as likely nearer than this as farther away; unless given, 20000.
+    #[arg(long, value_name = "METRES")]
+    range: Option<f32>,
+}
+
+impl Belief {
+    /// Fails if anything is told to a locator that does not listen.
+    pub fn ensure_default(&self) -> Result<()> {
+        for (name, given) in [
+            ("--bias-deviation", self.bias_deviation.is_some()),
+            ("--position-deviation", self.position_deviation.is_some()),
+            ("--mirrored", self.mirrored.is_some()),
+            ("--wild", self.wild.is_some()),
+            (
+                "--correlation-distance",
+                self.correlation_distance.is_some(),
+            ),
+            ("--freedom", self.freedom.is_some()),
+            ("--range", self.range.is_some()),
+        ] {
+            if given {
+                bail!("{name} needs --locator robust or sources");
+            }
+        }
+        Ok(())
+    }
+
+    /// The settings of the locator.
+    pub fn settings(&self) -> Result<robust::Settings> {
+        let bias = self.bias_deviation.map_or(0.05, f32::to_radians);
+        let (mirrored, wild) = (self.mirrored.unwrap_or(0.08), self.wild.unwrap_or(0.12));
+        let mut errors = Errors::new()
+            .bias_deviation(bias)?
+            .position_deviation(self.position_deviation.unwrap_or(3.0))?
+            .shares(mirrored, wild)?;
+        if let Some(distance) = self.correlation_distance {
+            errors = errors.correlation(0.9, distance, f32::INFINITY)?;
+        }
+        if let Some(freedom) = self.freedom {
+            errors = errors.tails(Tails::Student { freedom })?;
+        }
+        let settings = robust::Settings::new(errors);
+        Ok(match self.range {
+            Some(metres) => settings.range_m(metres)?,
+            None => settings,
+        })
+    }
+}

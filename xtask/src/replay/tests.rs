@@ -1,0 +1,86 @@
+use std::{env, fs, path::PathBuf, process};
+
+use clap::Parser;
+
+use super::*;
+
+#[derive(Parser)]
+struct Task {
+    #[command(flatten)]
+    options: Options,
+}
+
+fn replay(file: &Path, more: &[&str]) -> (Result<()>, PathBuf) {
+    let name = format!("foxhunt-replay-{}-{}", process::id(), more.join("-"));
+    let directory = env::temp_dir().join(name.replace('.', "-"));
+    let mut arguments = vec!["replay".into(), file.as_os_str().to_owned()];
+    arguments.extend(["--output".into(), directory.clone().into()]);
+    arguments.extend(more.iter().map(Into::into));
+    let task = Task::try_parse_from(arguments).expect("these are options");
+    (run(&task.options), directory)
+}
+
+/// The shipped drive, by every locator: all find the source within their ellipse, widened to 99.99 %.
+#[test]
+fn the_shipped_drive_is_kept() {
+    let file = project::root().join(crate::demo::EXAMPLE);
+    let truth = foxhunt_host::drive::truth(&fs::read(&file).unwrap()).unwrap();
+    for locator in ["plain", "robust", "sources"] {
+        let (done, directory) = replay(&file, &["--locator", locator]);
+        done.unwrap();
+        let table = fs::read_to_string(directory.join("fixes.csv")).unwrap();
+        let mut lines = table.lines();
+        let heads: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let last: Vec<&str> = lines.last().unwrap().split(',').collect();
+        let field = |name: &str| {
+            let column = heads.iter().position(|head| *head == name).unwrap();
+            last[column].parse::<f64>().unwrap()
+        };
+        let place = foxhunt_host::geodesy::Place {
+            latitude: field("latitude"),
+            longitude: field("longitude"),
+        };
+        let [east, north] = place.local(truth);
+        assert!(
+            east.hypot(north) < 4.3 / 2.448 * field("semi_major_m"),
+            "{locator}"
+        );
+        assert!(directory.join("archive.geojson").is_file());
+        assert!(directory.join("picture.svg").is_file());
+        fs::remove_dir_all(directory).unwrap();
+    }
+}
+
+#[test]
+fn nothing_is_written_of_nothing() {
+    let (done, directory) = replay(Path::new("no/such.log"), &["--seed", "2"]);
+    assert!(
+        done.unwrap_err()
+            .to_string()
+            .contains("cannot open no/such.log")
+    );
+    assert!(!directory.exists());
+
+    let file = project::root().join(crate::demo::EXAMPLE);
+    // The drive's finder is a KrakenSDR.
+    let (done, directory) = replay(&file, &["--finder", "agrelo"]);
+    assert!(
+        done.unwrap_err()
+            .to_string()
+            .contains("no bearing of drive.nmea was used")
+    );
+    assert!(!directory.exists());
+}
+
+#[test]
+fn what_a_locator_does_not_listen_to_is_refused() {
+    let file = project::root().join(crate::demo::EXAMPLE);
+    let (done, _) = replay(&file, &["--locator", "plain", "--bias-deviation", "3"]);
+    assert!(
+        done.unwrap_err()
+            .to_string()
+            .contains("--bias-deviation needs")
+    );
+    let (done, _) = replay(&file, &["--wild", "1.5"]);
+    assert!(done.unwrap_err().to_string().contains("wild"));
+}
