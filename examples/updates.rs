@@ -172,6 +172,10 @@ mod target {
 
     type Three = Sources<3, RobustLocator<256, 64>>;
 
+    /// Where a bearing is taken, and which source's it is.
+    type Way = fn(u32) -> [f32; 2];
+    type Whose = fn(u32) -> u32;
+
     static SOURCES: Three = Sources::new(
         sources::Settings::new(),
         [const { RobustLocator::new(robust::Settings::new(robust::Errors::new())) }; 3],
@@ -183,20 +187,20 @@ mod target {
     fn sources_updates(stopwatch: &Stopwatch) -> Updates {
         let mut updates = Updates::default();
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
-        let along = |i: u32| Track::A2.receiver(if i / 60 % 2 == 0 { i % 60 } else { 59 - i % 60 });
-        let ahead = |i: u32| {
+        let along: Way = |i| Track::A2.receiver(if i / 60 % 2 == 0 { i % 60 } else { 59 - i % 60 });
+        let ahead: Way = |i| {
             let along = if i < 70 { i as f32 } else { 70.0 };
             [-2000.0 + 30.0 * along, 60.0 * (i as f32 - along)]
         };
         const PLACES: [[f32; 2]; 3] = [[1200.0, 800.0], [2300.0, 300.0], [600.0, -700.0]];
         const AHEAD: [[f32; 2]; 3] = [[2000.0, 0.0]; 3];
-        let together: fn(u32) -> u32 = |i| i % 3;
-        let later: fn(u32) -> u32 = |i| if i < 240 { i % 2 } else { i % 3 };
-        let drives: [(u32, &dyn Fn(u32) -> [f32; 2], _, _, _); 4] = [
-            (120, &along, PLACES, together, 0.3),
-            (360, &along, PLACES, later, 0.3),
-            (130, &ahead, AHEAD, together, 0.3),
-            (130, &ahead, AHEAD, together, 0.0),
+        let together: Whose = |i| i % 3;
+        let later: Whose = |i| if i < 240 { i % 2 } else { i % 3 };
+        let drives: [(u32, Way, _, Whose, _); 4] = [
+            (120, along, PLACES, together, 0.3),
+            (360, along, PLACES, later, 0.3),
+            (130, ahead, AHEAD, together, 0.3),
+            (130, ahead, AHEAD, together, 0.0),
         ];
         for (count, place, truths, whose, share) in drives {
             let mut sources = SOURCES.clone();
