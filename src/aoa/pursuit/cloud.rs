@@ -10,7 +10,7 @@ use crate::resample::{Scheme, resample};
 use crate::weights;
 
 /// How many normal distributions the mixture is of.
-pub(super) const COMPONENTS: usize = 128;
+pub(super) const COMPONENTS: usize = 64;
 
 /// Normal distributions with weights: a mixture Kalman filter (Chen and Liu 2000), whose samples are the times at which
 /// the source departed, turned and stopped.

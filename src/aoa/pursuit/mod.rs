@@ -2,16 +2,22 @@
 //!
 //! [`Pursuit`] holds two explanations of the bearings and what either is worth. One is that the source is still where it
 //! was parked: a [`RobustLocator`], whose posterior is that of all bearings since. The other is that it has moved: a
-//! cloud of particles with velocities, whose newest were parked there until the latest bearing, and some of which have
-//! stopped. Their probabilities follow from how well each of them predicted every bearing: a jump Markov system
+//! cloud of normal distributions over places and velocities, whose newest were parked there until the latest bearing, and
+//! some of which have stopped. Their probabilities follow from how well each of them predicted every bearing: a jump Markov system
 //! (Ristic, Arulampalam and Gordon 2004, section 1.4), of which one regime is not filtered but known exactly.
 //!
 //! * The source moves once that is likelier than not; the answer then is the mean of both explanations, until that of
 //!   a parked source has next to no probability.
-//! * Once most of the particles have stopped, the robust locator starts afresh near there, from the bearings since, and
-//!   answers from its first fix on.
-//! * What fits no bearing for long is lost: particles are put on the rays of new bearings, ever further from where the
+//! * While the source drives, the robust locator starts again and again about where it is, and finds a place only if it
+//!   has stopped: that is the explanation that it is parked then, which is weighed as before.
+//! * What fits no bearing for long is lost: the cloud is spread on the rays of new bearings, ever further from where the
 //!   source was last seen; after that, everything starts again with the latest bearings.
+//!
+//! Bearings alone say little of how far away a source is that drives: its fix is as wide as it must be, and none if that
+//! is too wide. Of simulated chases by a vehicle of 10 to 15 m/s, with bearings of 2 to 3 degrees every second, one in ten
+//! wild, the ellipses of 95 % hold a source that is parked in 93 %, one that drives in 84 %, and in the first 15 s after
+//! its departure in 61 %, which until it has been noticed cannot be otherwise; this takes 4 s in the median, and
+//! 25 s that it has stopped and where.
 //!
 //! Time is what tells a parked source from a moving one: without the seconds between bearings, nothing ever moves.
 
@@ -37,7 +43,29 @@ use drive::Drive;
 use recent::{Old, Recent};
 pub use settings::{Settings, SettingsError};
 
-/// Locates one source that may move, with twice `N` particles and a buffer of `B` bearings, some of which may be wrong.
+/// Locates one source that may move, with `N` particles and a buffer of `B` bearings, some of which may be wrong.
+///
+/// With `N` = 256 and `B` = 64 it takes 18.9 kB, twice what a [`RobustLocator`] does. All of its state is plain data: a
+/// clone goes on as the original does.
+///
+/// ```
+/// use foxhunt::aoa::{Bearing, Observation, pursuit::{Pursuit, Settings}};
+/// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
+///
+/// let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+/// let mut pursuit = Pursuit::<256, 64>::new(Settings::default());
+/// // Driving round a source that is parked for a minute and then drives north.
+/// for second in 0..90 {
+///     let angle = 0.04 * second as f32;
+///     let [x, y] = [300.0 * angle.cos(), 300.0 * angle.sin()];
+///     let north = if second < 60 { 0.0 } else { 10.0 * (second - 60) as f32 };
+///     let bearing = Bearing::from_radians((north - y).atan2(-x));
+///     let observation = Observation::new([x, y], bearing, 0.04).unwrap();
+///     pursuit.push_after(observation, 1.0, &mut rng);
+/// }
+/// let motion = pursuit.motion().unwrap();
+/// assert!(motion.moving > 0.9 && motion.velocity[1] > 0.0);
+/// ```
 #[derive(Debug, Clone)]
 pub struct Pursuit<const N: usize, const B: usize = 64> {
     settings: Settings,
@@ -88,7 +116,7 @@ const GIVEN_UP: f32 = 1e-3;
 /// It survives any time between two bearings with this probability at least: who has gone may have come back.
 const RETURNED: f32 = 1e-3;
 /// Probability that a source has stopped where the locator has found a place.
-const STOPPED: f32 = 0.02;
+const STOPPED: f32 = 0.005;
 /// Share of what is at rest from which on the locator takes the bearings since.
 const PROBABLY_STOPPED: f32 = 0.3;
 /// Without one the locator starts afresh after so many bearings.
@@ -150,7 +178,8 @@ impl<const N: usize, const B: usize> Pursuit<N, B> {
 
     /// Takes one bearing, `seconds` after the one before, and says what is known with it. What is no such time is none.
     ///
-    /// At most what a [`RobustLocator`] takes for it, which while the source drives is nothing, and `2 N` likelihoods.
+    /// At most what a [`RobustLocator`] takes for it, `N` likelihoods, and a Kalman filter's step of each of the cloud's 64
+    /// distributions.
     pub fn push_after<R: Rng + ?Sized>(
         &mut self,
         observation: Observation,

@@ -18,6 +18,8 @@ pub struct Chase {
     pub circles: bool,
     pub sigma: f32,
     pub wild: f32,
+    /// Whether errors are correlated as the locator believes by default.
+    pub correlated: bool,
 }
 
 /// A bearing, when it was taken, in seconds, and where the source is.
@@ -44,6 +46,7 @@ impl Chase {
             circles: between(0.0, 1.0) < 0.5,
             sigma: between(0.035, 0.052),
             wild: 0.1,
+            correlated: false,
         }
     }
 
@@ -61,6 +64,12 @@ impl Chase {
     pub fn bearings(self, seed: u64) -> Vec<Step> {
         let mut rng = generator(seed ^ 0xc4a5e);
         let (mut source, mut hunter) = ([0.0f32; 2], self.hunter_start);
+        let r = if self.correlated {
+            0.9 * (-self.hunter_speed / 5.0).exp()
+        } else {
+            0.0
+        };
+        let mut error = normal(&mut rng);
         let mut out = Vec::new();
         for second in 0..self.end as u32 {
             let time = second as f32;
@@ -81,15 +90,16 @@ impl Chase {
             let course = sight + aside;
             hunter[0] += self.hunter_speed * course.cos();
             hunter[1] += self.hunter_speed * course.sin();
-            let error = if uniform(&mut rng) < self.wild {
+            error = r * error + (1.0 - r * r).sqrt() * normal(&mut rng);
+            let off = if uniform(&mut rng) < self.wild {
                 TAU * uniform(&mut rng)
             } else {
-                self.sigma * normal(&mut rng)
+                self.sigma * error
             };
             out.push(Step {
                 time,
                 source,
-                observation: towards(hunter, source, error, self.sigma),
+                observation: towards(hunter, source, off, self.sigma),
             });
         }
         out

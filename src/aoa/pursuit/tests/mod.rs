@@ -5,7 +5,7 @@ mod chases;
 mod oracle;
 mod parked;
 
-use core::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
+use core::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};
 
 use super::*;
 use crate::aoa::{Bearing, robust};
@@ -88,7 +88,6 @@ fn a_clone_goes_on_as_the_original() {
         }
         original.push_after(step.observation, 1.0, &mut rng);
     }
-    println!("{} bytes", size_of::<Pursuit<256, 64>>());
 }
 
 #[test]
@@ -131,4 +130,11 @@ fn anything_that_is_an_observation_is_taken() {
             }
         }
     }
+}
+
+#[test]
+fn memory_is_as_stated() {
+    let bytes = size_of::<Pursuit<256, 64>>();
+    println!("{bytes} bytes");
+    assert!(bytes <= 19_500);
 }
