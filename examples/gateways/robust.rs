@@ -13,10 +13,12 @@ use foxhunt::{
 type Track = RobustLocator<256, 64>;
 
 /// Up to three sources.
-pub type Gateway = Vehicle<Sources<3, Track>, LONG_REPORT>;
+pub type Locator = Sources<3, Track>;
+
+pub type Gateway = Vehicle<Locator, LONG_REPORT>;
 
 /// An array that may be turned by three degrees, places that may be three metres off.
-const ERRORS: Errors = {
+pub const ERRORS: Errors = {
     let Ok(errors) = Errors::new().bias_deviation(0.05) else {
         panic!("a small angle");
     };
@@ -26,9 +28,16 @@ const ERRORS: Errors = {
     errors
 };
 
-const TRACK: Track = RobustLocator::new(robust::Settings::new(ERRORS));
+/// By what is believed of the bearings.
+pub const fn locator(bearings: robust::Settings) -> Locator {
+    let tracks = [
+        Track::new(bearings),
+        Track::new(bearings),
+        Track::new(bearings),
+    ];
+    Sources::new(sources::Settings::new(), tracks)
+}
 
 pub const fn gateway() -> Gateway {
-    let sources = Sources::new(sources::Settings::new(), [TRACK; 3]);
-    Vehicle::new(Settings::new(), sources)
+    Vehicle::new(Settings::new(), locator(robust::Settings::new(ERRORS)))
 }

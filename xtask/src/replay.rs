@@ -1,5 +1,8 @@
 //! The task `replay`: a log from the field through a gateway, and what came of it as files for people.
 
+#[allow(dead_code, reason = "the firmware needs more of it")]
+#[path = "../../examples/gateways/robust.rs"]
+mod firmware;
 mod options;
 mod summary;
 
@@ -13,8 +16,8 @@ use anyhow::{Context, Result, bail};
 use foxhunt::aoa::{
     Locate,
     locator::{self, Locator},
+    pursuit::{self, Pursuit},
     robust::RobustLocator,
-    sources::{self, Sources},
 };
 use foxhunt_host::archive::Recorder;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -53,14 +56,14 @@ pub fn run(options: &Options) -> Result<()> {
             let locator = Locator::<200, 64>::new(locator::Settings::new());
             options.replay(locator)
         }
-        Kind::Robust => {
+        Kind::Robust => options.replay(firmware::locator(options.belief.settings()?)),
+        Kind::Single => {
             let locator = RobustLocator::<256, 64>::new(options.belief.settings()?);
             options.replay(locator)
         }
-        Kind::Sources => {
-            let settings = options.belief.settings()?;
-            let tracks = [(); 3].map(|()| RobustLocator::<256, 64>::new(settings));
-            options.replay(Sources::<3, _, 64>::new(sources::Settings::new(), tracks))
+        Kind::Moving => {
+            let settings = pursuit::Settings::new(options.belief.settings()?);
+            options.replay(Pursuit::<256, 64>::new(settings))
         }
     }
 }

@@ -20,7 +20,9 @@ impl Archive {
             sights: of_kind(&[None, Some(Kind::Direct)]),
             mirrored: of_kind(&[Some(Kind::Mirrored)]),
             rejected: of_kind(&[Some(Kind::Wild)]),
+            past: of_kind(&[Some(Kind::Past)]),
             track: self.way_on(&last.plane),
+            moves: self.moves().into_values().collect(),
             densities: self.densities.clone(),
             particles: self.particles.clone(),
             hypotheses: (self.hypotheses.iter())
@@ -40,13 +42,16 @@ impl Archive {
                 .filter(|taken| taken.kind() == Some(kind))
                 .count()
         };
-        let bearings = format!(
-            "{} bearings up to {} UTC, {} of them rejected and {} mirrored",
+        let mut bearings = format!(
+            "{} bearings up to {} UTC",
             last.bearings,
-            clock(last.time_ms),
-            count(Kind::Wild),
-            count(Kind::Mirrored),
+            clock(last.time_ms)
         );
+        for (kind, name) in [(Kind::Wild, "rejected"), (Kind::Mirrored, "mirrored")] {
+            if count(kind) > 0 {
+                bearings += &format!(", {} {name}", count(kind));
+            }
+        }
         let sources = last.sources.iter().map(|source| {
             let ellipse = source.fix.ellipse(0.95);
             let place = match coordinates(&last.plane, source.fix.position) {

@@ -26,7 +26,7 @@ const SHORTEST: f64 = 50.0;
 
 impl Archive {
     /// The features: of each source the regions of its density, its 95 % ellipse and where it is; hypotheses; bearings; the
-    /// way of the vehicle; the fixes on the way to the last one.
+    /// way of the vehicle and of sources that may move; the fixes on the way to the last one.
     ///
     /// # Errors
     /// If a row of the tables cannot be turned into properties.
@@ -36,6 +36,7 @@ impl Archive {
         self.hypotheses(&mut features);
         self.rays(&mut features)?;
         self.way(&mut features);
+        self.ways_of_sources(&mut features);
         self.fixes(&mut features)?;
         Ok(GeoJson::FeatureCollection(FeatureCollection::new(features)))
     }
@@ -84,6 +85,7 @@ impl Archive {
             let colour = match taken.kind() {
                 Some(Kind::Wild) => "#788288",
                 Some(Kind::Mirrored) => "#1e88e5",
+                Some(Kind::Past) => "#bc9e8a",
                 Some(Kind::Direct) | None => "#f08c28",
             };
             let mut properties = object(&BearingRow::of(taken))?;
@@ -108,6 +110,21 @@ impl Archive {
                 GeometryValue::new_line_string(track),
                 json!({"layer": "track", "stroke": "#263238", "stroke-width": 2}),
             ));
+        }
+    }
+
+    fn ways_of_sources(&self, features: &mut Vec<Feature>) {
+        let plane = self.last().plane;
+        for (source, places) in self.moves() {
+            let places: Vec<[f64; 2]> = thinned(&places, MOST_FIXES).copied().collect();
+            if places.len() >= 2 {
+                features.push(feature(
+                    GeometryValue::new_line_string(line(&plane, &places)),
+                    json!({
+                        "layer": "source track", "source": source, "stroke": "#d98ca1", "stroke-width": 1.5,
+                    }),
+                ));
+            }
         }
     }
 

@@ -13,6 +13,7 @@ mod tables;
 mod tests;
 
 use std::{
+    collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
 };
@@ -85,15 +86,18 @@ pub struct Taken {
     pub plane: LocalPlane,
     /// The bearing.
     pub observation: Observation,
-    /// What it probably is, by all that is known at the end of the log; `None` without a fix, for a locator that takes
-    /// every bearing for direct, and in a search before the last.
+    /// What it probably is, by all that is known at the end of the log; `None` without a fix, and for a locator that
+    /// takes every bearing for direct. In a search before the last, or of a source that has moved on since or is not known
+    /// any more, by what was known when it was taken.
     pub chances: Option<Shares>,
+    /// Whether it is of a source that has moved on since or is not known any more.
+    pub past: bool,
     /// The source that it fits best, and how far it is off the direction of that, in radians counter-clockwise: less the
-    /// bias, and turned round if it is mirrored. `None` without a fix, and in a search before the last.
+    /// bias, and turned round if it is mirrored. `None` without a fix.
     pub fits: Option<(Source, f64)>,
 }
 
-/// What a bearing is most probably.
+/// What a bearing is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
@@ -103,6 +107,8 @@ pub enum Kind {
     Mirrored,
     /// It says nothing of it.
     Wild,
+    /// It fitted where a source was when it was taken, which has moved on since or is not known any more.
+    Past,
 }
 
 impl Taken {
@@ -113,7 +119,9 @@ impl Taken {
             mirror,
             wild,
         } = self.chances?;
-        Some(if wild > direct.max(mirror) {
+        Some(if self.past {
+            Kind::Past
+        } else if wild > direct.max(mirror) {
             Kind::Wild
         } else if mirror > direct {
             Kind::Mirrored
@@ -136,6 +144,19 @@ impl Archive {
     pub fn last_bearings(&self) -> impl Iterator<Item = &Taken> + Clone {
         let search = self.last().search;
         (self.bearings.iter()).filter(move |taken| taken.search == search)
+    }
+
+    /// Where each source of the last search that may move was thought to be, bearing by bearing, in metres of the last plane.
+    pub fn moves(&self) -> BTreeMap<u16, Vec<[f64; 2]>> {
+        let search = self.last().search;
+        let mut moves = BTreeMap::<u16, Vec<[f64; 2]>>::new();
+        for known in self.answers.iter().filter(|known| known.search == search) {
+            for source in known.sources.iter().filter(|s| s.motion.is_some()) {
+                let places = moves.entry(source.identity).or_default();
+                places.push(source.fix.position.map(f64::from));
+            }
+        }
+        moves
     }
 
     /// Writes `fixes.csv`, `bearings.csv`, `archive.geojson`, `picture.svg` and `picture.png`; says which files these

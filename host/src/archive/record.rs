@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 
 use anyhow::{Context, Result};
 use foxhunt::{
-    aoa::{Locate, Observation, geodesy::Geodetic, robust::Shares},
+    aoa::{Locate, Observation, Source, geodesy::Geodetic, robust::Shares},
     gateway::{Event, Settings},
 };
 
-use super::{Answered, Archive, PROBABILITIES, Taken};
+use super::{Answered, Archive, Kind, PROBABILITIES, Taken};
 use crate::{
     Sight, density, drive,
     replay::{Replay, SOURCES},
@@ -85,7 +85,7 @@ impl<L: Locate> Recorder<L> {
         let last = self.answers.last().map_or(0, |last| last.search);
         let search = last + u32::from(bearings == 1);
         let locator = gateway.locator();
-        self.answers.push(Answered {
+        let known = Answered {
             time_ms,
             search,
             plane: *plane,
@@ -96,15 +96,18 @@ impl<L: Locate> Recorder<L> {
                 .collect(),
             bias: locator.bias(),
             shares: locator.shares(),
-        });
-        self.taken.push(Taken {
+        };
+        let taken = Taken {
             time_ms,
             search,
             plane: *plane,
             observation,
             chances: None,
+            past: false,
             fits: None,
-        });
+        };
+        self.taken.push(judged(taken, &known, locator));
+        self.answers.push(known);
     }
 
     /// What is known now.
@@ -114,22 +117,30 @@ impl<L: Locate> Recorder<L> {
     pub fn archive(&self) -> Result<Archive> {
         let last = self.answers.last().context("no bearing was used")?;
         let locator = self.replay.gateway().locator();
-        let bearings = (self.taken.iter())
-            .map(|taken| {
-                let current = taken.search == last.search;
-                let chances = current
-                    .then(|| locator.classify(&taken.observation))
-                    .flatten();
-                let fits = current
-                    .then(|| fits(last, &taken.observation, chances))
-                    .flatten();
+        let now = |then: &Taken| {
+            // Of a search before the last it is known what it was when it was taken.
+            if then.search != last.search {
+                return *then;
+            }
+            let now = judged(*then, last, locator);
+            let has_left = |(source, _): &(Source, f64)| {
+                let same = |other: &&Source| other.identity == source.identity;
+                let found = last.sources.iter().find(same);
+                found.is_none_or(|found| found.motion.is_some())
+            };
+            let is_past = now.kind() == Some(Kind::Wild)
+                && matches!(then.kind(), Some(Kind::Direct | Kind::Mirrored))
+                && then.fits.as_ref().is_some_and(has_left);
+            if is_past {
                 Taken {
-                    chances,
-                    fits,
-                    ..*taken
+                    past: true,
+                    ..*then
                 }
-            })
-            .collect();
+            } else {
+                now
+            }
+        };
+        let bearings = self.taken.iter().map(now).collect();
         Ok(Archive {
             track: self.track.clone(),
             answers: self.answers.clone(),
@@ -148,12 +159,22 @@ impl<L: Locate> Recorder<L> {
     }
 }
 
+/// The bearing with what it is by what a locator knows.
+fn judged<L: Locate>(taken: Taken, known: &Answered, locator: &L) -> Taken {
+    let chances = locator.classify(&taken.observation);
+    Taken {
+        chances,
+        fits: fits(known, &taken.observation, chances),
+        ..taken
+    }
+}
+
 /// The source that a bearing fits best, and what it is off.
 fn fits(
     known: &Answered,
     observation: &Observation,
     chances: Option<Shares>,
-) -> Option<(foxhunt::aoa::Source, f64)> {
+) -> Option<(Source, f64)> {
     let bias = known.bias.map_or(0.0, |bias| f64::from(bias.mean));
     let mirrored = chances.is_some_and(|chances| chances.mirror > chances.direct);
     let turn = bias + if mirrored { PI } else { 0.0 };

@@ -3,6 +3,7 @@ use std::fs;
 use foxhunt::{
     aoa::{
         locator::Answer,
+        pursuit::{self, Pursuit},
         robust::{Errors, RobustLocator, Settings as Robust},
         sources::{self, Sources},
     },
@@ -212,6 +213,30 @@ fn each_of_two_sources_has_its_parts() {
         direct > 200 && 20 * right > 19 * direct,
         "{right} of {direct}"
     );
+}
+
+/// A source that drives off: what it was heard at before is no wild bearing.
+#[test]
+fn bearings_of_the_past_are_not_rejected() {
+    let scene = Script::Departure.scene(1);
+    let settings = pursuit::Settings::new(Robust::new(Errors::new()));
+    let mut recorder = Recorder::new(Settings::new(), Pursuit::<256, 64>::new(settings));
+    recorder.push(scene.drive.bytes());
+    let archive = recorder.archive().unwrap();
+    let count = |kind| {
+        archive
+            .bearings
+            .iter()
+            .filter(|t| t.kind() == Some(kind))
+            .count()
+    };
+    // One bearing in twenty is wild.
+    assert!(count(Kind::Past) > 60, "{}", count(Kind::Past));
+    assert!(count(Kind::Wild) < 80, "{}", count(Kind::Wild));
+    let collection = collection(&archive);
+    assert_eq!(layer(&collection, "source track").len(), 1);
+    let row = archive.fix_rows().pop().unwrap();
+    assert!(row.moving_probability.is_some() && row.speed_m_s.is_some());
 }
 
 #[test]

@@ -75,6 +75,12 @@ impl Frame {
         (-(width.min(height) / 16.0).log10().floor()).clamp(0.0, 4.0) as usize
     }
 
+    pub fn contains(&self, place: [f64; 2]) -> bool {
+        [0, 1]
+            .into_iter()
+            .all(|d| (self.low[d]..=self.high[d]).contains(&place[d]))
+    }
+
     /// The part of a bearing's ray that lies inside.
     pub fn ray(&self, sight: &Sight) -> Option<[(f64, f64); 2]> {
         let (sin, cos) = sight.bearing.sin_cos();
@@ -82,16 +88,24 @@ impl Frame {
     }
 
     /// The parts of a line that lie inside.
-    pub fn line(&self, places: impl IntoIterator<Item = [f64; 2]>) -> Vec<[(f64, f64); 2]> {
-        let mut places = places.into_iter();
-        let mut last = places.next();
-        places
-            .filter_map(|place| {
-                let from = last.replace(place)?;
-                let step = [place[0] - from[0], place[1] - from[1]];
-                self.part(from, step, 1.0)
-            })
-            .collect()
+    pub fn line(&self, places: impl IntoIterator<Item = [f64; 2]>) -> Vec<Vec<(f64, f64)>> {
+        let mut parts: Vec<Vec<(f64, f64)>> = Vec::new();
+        let mut last: Option<[f64; 2]> = None;
+        let mut is_open = false;
+        for place in places {
+            let Some(from) = last.replace(place) else {
+                continue;
+            };
+            let step = [place[0] - from[0], place[1] - from[1]];
+            if let Some([near, far]) = self.part(from, step, 1.0) {
+                match parts.last_mut().filter(|_| is_open) {
+                    Some(part) => part.push(far),
+                    None => parts.push(vec![near, far]),
+                }
+            }
+            is_open = self.contains(place);
+        }
+        parts
     }
 
     /// The part inside of what goes from a place in a direction, up to so many times its length.
@@ -159,13 +173,19 @@ mod tests {
                 .is_empty()
         );
 
-        let parts = FRAME.line([[-5.0, 2.0], [5.0, 2.0], [5.0, 3.0], [5.0, 9.0], [8.0, 9.0]]);
+        let parts = FRAME.line([
+            [-5.0, 2.0],
+            [5.0, 2.0],
+            [5.0, 3.0],
+            [5.0, 9.0],
+            [9.0, 9.0],
+            [9.0, -1.0],
+        ]);
         assert_eq!(
             parts,
             [
-                [(0.0, 2.0), (5.0, 2.0)],
-                [(5.0, 2.0), (5.0, 3.0)],
-                [(5.0, 3.0), (5.0, 4.0)]
+                vec![(0.0, 2.0), (5.0, 2.0), (5.0, 3.0), (5.0, 4.0)],
+                vec![(9.0, 4.0), (9.0, 0.0)],
             ]
         );
     }

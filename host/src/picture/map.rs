@@ -24,12 +24,15 @@ const FOOTER: u32 = 56;
 const MARGIN: u32 = 16;
 /// Room for the numbers left of and below a panel.
 const LABELS: u32 = 58;
+/// The most surroundings that are shown.
+const PANELS: usize = 3;
 
 const BEARING: RGBColor = RGBColor(240, 140, 40);
 const PARTICLE: RGBColor = RGBColor(0, 137, 150);
 const FIX: RGBColor = RGBColor(200, 30, 70);
 const HYPOTHESIS: RGBColor = RGBColor(94, 53, 177);
 const MIRRORED: RGBColor = RGBColor(30, 136, 229);
+const PAST: RGBColor = RGBColor(188, 158, 138);
 const REJECTED: RGBColor = RGBColor(120, 130, 136);
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
@@ -47,6 +50,10 @@ pub struct Map {
     pub mirrored: Vec<Sight>,
     /// Bearings that the estimate does not rest on: where they were taken there is a cross.
     pub rejected: Vec<Sight>,
+    /// Bearings that fitted what was known when they were taken.
+    pub past: Vec<Sight>,
+    /// Where sources that move went.
+    pub moves: Vec<Vec<[f64; 2]>>,
     /// Where the vehicle went.
     pub track: Vec<[f64; 2]>,
     /// How dense the particles are, for each source: regions, the widest first.
@@ -62,8 +69,8 @@ pub struct Map {
 }
 
 impl Map {
-    /// The picture: on the left the whole drive, on the right the surroundings of the fix, both with
-    /// the same scale in both directions.
+    /// The picture: on the left the whole drive, on the right the surroundings of the fix, or of the first three one below
+    /// the other; all with the same scale in both directions.
     ///
     /// # Errors
     /// If it cannot be drawn.
@@ -85,9 +92,18 @@ impl Map {
                 (LABELS as i32 + 16, 54),
                 font(16),
             ))?;
-            let (left, right) = panels.split_horizontally(WIDTH / 2);
+            let divided = !self.ellipses.is_empty();
+            let (left, right) = panels.split_horizontally(if divided { WIDTH / 2 } else { WIDTH });
             self.panel(&left, self.whole(), "the drive", true)?;
-            self.panel(&right, self.surroundings(), "round the fix", false)?;
+            let near = &self.ellipses[..self.ellipses.len().min(PANELS)];
+            if let [_, _, ..] = near {
+                for (panel, ellipse) in right.split_evenly((near.len(), 1)).iter().zip(near) {
+                    let frame = Frame::round(outline(ellipse)).widened(1.3);
+                    self.panel(panel, frame, "round one fix", false)?;
+                }
+            } else if let [ellipse] = near {
+                self.panel(&right, self.surroundings(ellipse), "round the fix", false)?;
+            }
             self.legend(&footer)?;
             area.present()?;
         }
@@ -98,6 +114,7 @@ impl Map {
         (self.sights.iter())
             .chain(&self.mirrored)
             .chain(&self.rejected)
+            .chain(&self.past)
     }
 
     /// The box of everything.
@@ -116,13 +133,12 @@ impl Map {
         Frame::round(all).widened(1.12)
     }
 
-    /// The box of the ellipses and the truth.
-    fn surroundings(&self) -> Frame {
-        if self.ellipses.is_empty() {
-            return self.whole();
-        }
-        let ellipses = self.ellipses.iter().flat_map(outline);
-        Frame::round(ellipses.chain(self.truth)).widened(1.3)
+    /// The box of the ellipse, and of the truth unless that is far off.
+    fn surroundings(&self, ellipse: &Ellipse) -> Frame {
+        let frame = Frame::round(outline(ellipse));
+        let region = frame.widened(4.0);
+        let near = self.truth.filter(|truth| region.contains(*truth));
+        Frame::round(outline(ellipse).chain(near)).widened(1.3)
     }
 
     fn panel(
@@ -152,7 +168,7 @@ impl Map {
             .label_style(font(14))
             .axis_desc_style(font(15))
             .x_labels(8)
-            .y_labels(10)
+            .y_labels((height / 70) as usize)
             .x_label_formatter(&number)
             .y_label_formatter(&number)
             .x_desc(format!("metres east ({name})"))
@@ -161,7 +177,7 @@ impl Map {
 
         self.draw_density(&mut chart, &frame)?;
         self.draw_bearings(&mut chart, &frame, whole)?;
-        self.draw_cloud(&mut chart, whole)?;
+        self.draw_cloud(&mut chart, &frame, whole)?;
         self.draw_way(&mut chart, &frame, whole)?;
         self.draw_answer(&mut chart, &frame, whole)?;
         chart.plotting_area().draw(&Rectangle::new(
@@ -190,14 +206,20 @@ impl Map {
     }
 
     fn draw_bearings(&self, chart: &mut Chart, frame: &Frame, whole: bool) -> Result<()> {
-        let opacity = if whole { 0.35 } else { 0.5 };
+        /// More bearings are fainter, or nothing else could be seen.
+        const FEW: f64 = 80.0;
+        let crowd = (FEW / self.all_sights().count().max(1) as f64)
+            .sqrt()
+            .min(1.0);
+        let opacity = crowd * if whole { 0.35 } else { 0.5 };
         let turned = self.mirrored.iter().map(|sight| Sight {
             bearing: sight.bearing + PI,
             ..*sight
         });
         let mirrored: Vec<Sight> = self.mirrored.iter().copied().chain(turned).collect();
         for (sights, colour) in [
-            (&self.rejected, REJECTED.mix(0.6)),
+            (&self.past, PAST.mix(opacity)),
+            (&self.rejected, REJECTED.mix(1.5 * opacity)),
             (&self.sights, BEARING.mix(opacity)),
             (&mirrored, MIRRORED.mix(opacity)),
         ] {
@@ -210,31 +232,34 @@ impl Map {
 
     fn draw_way(&self, chart: &mut Chart, frame: &Frame, whole: bool) -> Result<()> {
         let style = INK.stroke_width(2);
-        let (x, y) = (chart.x_range(), chart.y_range());
-        let inside = |sight: &&Sight| {
-            let [east, north] = sight.position;
-            x.contains(&east) && y.contains(&north)
-        };
+        let inside = |sight: &&Sight| frame.contains(sight.position);
         let place = |sight: &Sight| (sight.position[0], sight.position[1]);
         if whole {
             let way = frame.line(self.track.iter().copied());
             chart.draw_series(way.into_iter().map(|part| PathElement::new(part, style)))?;
             let places = self.all_sights().map(place);
-            chart.draw_series(places.map(|place| Circle::new(place, 3, INK.filled())))?;
+            let size = if self.all_sights().count() > 100 {
+                2
+            } else {
+                3
+            };
+            chart.draw_series(places.map(|place| Circle::new(place, size, INK.filled())))?;
         }
-        let style = REJECTED.stroke_width(2);
         let rejected = self.rejected.iter().filter(inside).map(place);
-        chart.draw_series(rejected.map(|place| Cross::new(place, 5, style)))?;
+        let discs = rejected
+            .clone()
+            .map(|place| Circle::new(place, 7, WHITE.filled()));
+        chart.draw_series(discs)?;
+        let style = REJECTED.stroke_width(1);
+        chart.draw_series(rejected.clone().map(|place| Circle::new(place, 7, style)))?;
+        let style = REJECTED.stroke_width(2);
+        chart.draw_series(rejected.map(|place| Cross::new(place, 4, style)))?;
         Ok(())
     }
 
-    fn draw_cloud(&self, chart: &mut Chart, whole: bool) -> Result<()> {
+    fn draw_cloud(&self, chart: &mut Chart, frame: &Frame, whole: bool) -> Result<()> {
         let (size, opacity) = if whole { (2, 0.25) } else { (4, 0.45) };
-        let (x, y) = (chart.x_range(), chart.y_range());
-        let inside = self
-            .particles
-            .iter()
-            .filter(|p| x.contains(&p[0]) && y.contains(&p[1]));
+        let inside = self.particles.iter().filter(|p| frame.contains(**p));
         let style = PARTICLE.mix(opacity).filled();
         chart.draw_series(inside.map(|p| Circle::new((p[0], p[1]), size, style)))?;
         Ok(())
@@ -247,14 +272,22 @@ impl Map {
             chart.draw_series(parts.map(|part| PathElement::new(part, style)))?;
         }
         let style = FIX.stroke_width(if whole { 1 } else { 3 });
+        for places in &self.moves {
+            let parts = frame.line(places.iter().copied()).into_iter();
+            let thin = FIX.mix(0.5).stroke_width(1);
+            chart.draw_series(parts.map(|part| PathElement::new(part, thin)))?;
+        }
         for ellipse in &self.ellipses {
-            let outline = outline(ellipse).map(|[x, y]| (x, y));
-            chart.draw_series([PathElement::new(outline.collect::<Vec<_>>(), style)])?;
+            let parts = frame.line(outline(ellipse)).into_iter();
+            chart.draw_series(parts.map(|part| PathElement::new(part, style)))?;
             let [x, y] = ellipse.centre.map(f64::from);
+            if !frame.contains([x, y]) {
+                continue;
+            }
             let size = if whole { 5 } else { 7 };
             chart.draw_series([Circle::new((x, y), size, FIX.filled())])?;
         }
-        if let Some(truth) = self.truth {
+        if let Some(truth) = self.truth.filter(|truth| frame.contains(*truth)) {
             let size = if whole { 9 } else { 12 };
             chart.draw_series([Cross::new((truth[0], truth[1]), size, INK.stroke_width(3))])?;
         }
@@ -284,8 +317,13 @@ impl Map {
         if !self.rejected.is_empty() {
             entry("rejected", &|x| {
                 line(x, REJECTED.stroke_width(2))?;
-                Ok(area.draw(&Cross::new((x + 4, 21), 5, REJECTED.stroke_width(2)))?)
+                area.draw(&Circle::new((x + 6, 21), 7, WHITE.filled()))?;
+                area.draw(&Circle::new((x + 6, 21), 7, REJECTED.stroke_width(1)))?;
+                Ok(area.draw(&Cross::new((x + 6, 21), 4, REJECTED.stroke_width(2)))?)
             })?;
+        }
+        if !self.past.is_empty() {
+            entry("of the past", &|x| Ok(line(x, PAST.stroke_width(2))?))?;
         }
         if !self.mirrored.is_empty() {
             entry("mirrored", &|x| Ok(line(x, MIRRORED.stroke_width(2))?))?;

@@ -50,6 +50,28 @@ fn last_bearing(settings: Settings, text: &str) -> Result<f32, Rejected> {
 }
 
 #[test]
+fn when_and_where_the_vehicle_was() {
+    let mut gateway = gateway(Settings::default());
+    assert_eq!((gateway.time_ms(), gateway.place()), (None, None));
+    let receiver = Geodetic::new(481_173_000, 115_166_666).unwrap();
+    push(&mut gateway, &rmc("120000"));
+    assert_eq!((gateway.time_ms(), gateway.place()), (None, Some(receiver)));
+    push(&mut gateway, &kraken(NOON + 250, 10.0, NOWHERE));
+    assert_eq!(gateway.time_ms(), Some(43_200_250));
+    gateway.restart();
+    assert_eq!((gateway.time_ms(), gateway.place()), (None, Some(receiver)));
+
+    // Where no receiver says it, the direction finder does.
+    let mut gateway = super::tests::gateway(Settings::default());
+    push(
+        &mut gateway,
+        &kraken(NOON, 10.0, "48.5, 11.25, 90, 90, GPS"),
+    );
+    let own = Geodetic::new(485_000_000, 112_500_000).unwrap();
+    assert_eq!(gateway.place(), Some(own));
+}
+
+#[test]
 fn heading_by_compass_by_course_or_none() {
     let settings = Settings::default();
     let near = |result: Result<f32, Rejected>, degrees: f32| {

@@ -3,22 +3,26 @@
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use foxhunt::{
-    aoa::robust::{self, Errors, Tails},
+    aoa::robust::{self, Tails},
     gateway::{
         BearingReference, DeviationTable, Finder as Device, KrakenConfidence, Sense as Turn,
         Settings, UbloxQuality,
     },
 };
 
+use super::firmware;
+
 /// What takes the bearings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Kind {
     /// One source, and every bearing is right but for its error: the firmware `vehicle`.
     Plain,
-    /// One source; bearings may be wild, mirrored, biased: the firmware `vehicle_robust`.
+    /// Several sources; bearings may be wild, mirrored, biased: the firmware `vehicle_robust`.
     Robust,
-    /// Up to three of these.
-    Sources,
+    /// One source that stays where it is, with such bearings.
+    Single,
+    /// One source that may move, with such bearings.
+    Moving,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -157,7 +161,7 @@ impl Input {
 
 /// What is believed of the errors of bearings.
 #[derive(clap::Args)]
-#[command(next_help_heading = "The errors of bearings, for --locator robust and sources")]
+#[command(next_help_heading = "The errors of bearings, of all locators but plain")]
 pub struct Belief {
     /// Standard deviation of what all bearings are off by alike, as of an array that is not mounted straight; unless
     /// given, 2.9 as in the firmware.
@@ -199,7 +203,7 @@ impl Belief {
             ("--range", self.range.is_some()),
         ] {
             if given {
-                bail!("{name} needs --locator robust or sources");
+                bail!("{name} is of no use to --locator plain");
             }
         }
         Ok(())
@@ -207,12 +211,17 @@ impl Belief {
 
     /// The settings of the locator.
     pub fn settings(&self) -> Result<robust::Settings> {
-        let bias = self.bias_deviation.map_or(0.05, f32::to_radians);
-        let (mirrored, wild) = (self.mirrored.unwrap_or(0.08), self.wild.unwrap_or(0.12));
-        let mut errors = Errors::new()
-            .bias_deviation(bias)?
-            .position_deviation(self.position_deviation.unwrap_or(3.0))?
-            .shares(mirrored, wild)?;
+        let mut errors = firmware::ERRORS;
+        if let Some(degrees) = self.bias_deviation {
+            errors = errors.bias_deviation(degrees.to_radians())?;
+        }
+        if let Some(metres) = self.position_deviation {
+            errors = errors.position_deviation(metres)?;
+        }
+        if self.mirrored.is_some() || self.wild.is_some() {
+            let (mirrored, wild) = (self.mirrored.unwrap_or(0.08), self.wild.unwrap_or(0.12));
+            errors = errors.shares(mirrored, wild)?;
+        }
         if let Some(distance) = self.correlation_distance {
             errors = errors.correlation(0.9, distance, f32::INFINITY)?;
         }

@@ -103,10 +103,11 @@ pub fn answer(archive: &Archive) -> String {
             archive.last_bearings().filter(is).count()
         };
         line(format_args!(
-            "bearings: {} direct, {} mirrored, {} rejected as wild",
+            "bearings: {} direct, {} mirrored, {} rejected as wild, {} of what has moved on or is not known any more",
             count(Kind::Direct),
             count(Kind::Mirrored),
             count(Kind::Wild),
+            count(Kind::Past),
         ));
     }
     if let (true, Some(advice)) = (last.sources.is_empty(), archive.advice) {

@@ -25,7 +25,7 @@ fn replay(file: &Path, more: &[&str]) -> (Result<()>, PathBuf) {
 fn the_shipped_drive_is_kept() {
     let file = project::root().join(crate::demo::EXAMPLE);
     let truth = foxhunt_host::drive::truth(&fs::read(&file).unwrap()).unwrap();
-    for locator in ["plain", "robust", "sources"] {
+    for locator in ["plain", "robust", "single", "moving"] {
         let (done, directory) = replay(&file, &["--locator", locator]);
         done.unwrap();
         let table = fs::read_to_string(directory.join("fixes.csv")).unwrap();
@@ -79,7 +79,7 @@ fn what_a_locator_does_not_listen_to_is_refused() {
     assert!(
         done.unwrap_err()
             .to_string()
-            .contains("--bias-deviation needs")
+            .contains("--bias-deviation is of no use")
     );
     let (done, _) = replay(&file, &["--wild", "1.5"]);
     assert!(done.unwrap_err().to_string().contains("wild"));
