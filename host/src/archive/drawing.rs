@@ -3,8 +3,12 @@
 use foxhunt::aoa::geodesy::LocalPlane;
 
 use super::coordinates::{clock, coordinates};
-use super::{Archive, Kind, Taken};
+use super::{Archive, Kind, Taken, thinned};
 use crate::{Sight, geodesy::Place, picture::Map};
+
+/// The most of each kind that can be told apart: of a longer log every second, third, ... is drawn.
+const MOST_BEARINGS: usize = 500;
+const MOST_PLACES: usize = 4_000;
 
 impl Archive {
     /// The last search, to be drawn.
@@ -12,7 +16,8 @@ impl Archive {
         let last = self.last();
         let of_kind = |wanted: &[Option<Kind>]| {
             let is = |taken: &&Taken| wanted.contains(&taken.kind());
-            self.last_bearings().filter(is).map(sight).collect()
+            let all: Vec<Sight> = self.last_bearings().filter(is).map(sight).collect();
+            thinned(&all, MOST_BEARINGS).copied().collect()
         };
         Map {
             title: title.into(),
@@ -47,7 +52,11 @@ impl Archive {
             last.bearings,
             clock(last.time_ms)
         );
-        for (kind, name) in [(Kind::Wild, "rejected"), (Kind::Mirrored, "mirrored")] {
+        for (kind, name) in [
+            (Kind::Wild, "rejected"),
+            (Kind::Mirrored, "mirrored"),
+            (Kind::Past, "of the past"),
+        ] {
             if count(kind) > 0 {
                 bearings += &format!(", {} {name}", count(kind));
             }
@@ -71,7 +80,7 @@ impl Archive {
 
     /// The way of the vehicle, as far as it is on the plane.
     fn way_on(&self, plane: &LocalPlane) -> Vec<[f64; 2]> {
-        (self.track.iter())
+        thinned(&self.track, MOST_PLACES)
             .filter_map(|place| plane.to_local(*place).ok())
             .map(|place| place.map(f64::from))
             .collect()

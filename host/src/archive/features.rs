@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::coordinates::{coordinates, degrees, rounded};
 use super::tables::{BearingRow, FixRow};
-use super::{Archive, Kind, Taken};
+use super::{Archive, Kind, Taken, thinned};
 use crate::picture::outline;
 
 /// The most of each: of a longer log every second, third, ... is shown. The tables have all.
@@ -233,27 +233,9 @@ fn object(row: &impl Serialize) -> Result<JsonObject> {
     Ok(fields.into_iter().filter(|(_, v)| !v.is_null()).collect())
 }
 
-/// At most so many of them, evenly, and the last one.
-fn thinned<T>(all: &[T], most: usize) -> impl Iterator<Item = &T> {
-    let step = all.len().div_ceil(most).max(1);
-    let offset = all.len().saturating_sub(1) % step;
-    all.iter().skip(offset).step_by(step)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_long_list_is_thinned_to_its_end() {
-        let all: Vec<usize> = (0..1001).collect();
-        let some: Vec<&usize> = thinned(&all, 100).collect();
-        assert_eq!(some.last(), Some(&&1000));
-        assert_eq!(some.len(), 91);
-        assert_eq!(thinned(&all, 1001).count(), 1001);
-        assert_eq!(thinned(&all[..0], 5).count(), 0);
-        assert_eq!(thinned(&all[..1], 5).count(), 1);
-    }
 
     #[test]
     fn the_date_line_is_crossed_the_short_way() {

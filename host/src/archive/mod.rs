@@ -183,3 +183,10 @@ impl Archive {
         Ok(files)
     }
 }
+
+/// At most so many of them, evenly, and the last one.
+fn thinned<T>(all: &[T], most: usize) -> impl Iterator<Item = &T> {
+    let step = all.len().div_ceil(most).max(1);
+    let offset = all.len().saturating_sub(1) % step;
+    all.iter().skip(offset).step_by(step)
+}

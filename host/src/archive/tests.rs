@@ -313,3 +313,14 @@ fn files_are_written() {
     }
     fs::remove_dir_all(directory).unwrap();
 }
+
+#[test]
+fn a_long_list_is_thinned_to_its_end() {
+    let all: Vec<usize> = (0..1001).collect();
+    let some: Vec<&usize> = thinned(&all, 100).collect();
+    assert_eq!(some.last(), Some(&&1000));
+    assert_eq!(some.len(), 91);
+    assert_eq!(thinned(&all, 1001).count(), 1001);
+    assert_eq!(thinned(&all[..0], 5).count(), 0);
+    assert_eq!(thinned(&all[..1], 5).count(), 1);
+}

@@ -1,5 +1,7 @@
 //! Where everything was: the whole drive, and what is left of the uncertainty.
 
+mod legend;
+
 use std::{
     f64::consts::PI,
     iter::{once, repeat},
@@ -290,84 +292,6 @@ impl Map {
         if let Some(truth) = self.truth.filter(|truth| frame.contains(*truth)) {
             let size = if whole { 9 } else { 12 };
             chart.draw_series([Cross::new((truth[0], truth[1]), size, INK.stroke_width(3))])?;
-        }
-        Ok(())
-    }
-
-    fn legend(&self, area: &DrawingArea<SVGBackend, Shift>) -> Result<()> {
-        let mut x = LABELS as i32 + 16;
-        let mut entry = |name: &str, draw: &dyn Fn(i32) -> Result<()>| -> Result<()> {
-            draw(x)?;
-            let style = font(16);
-            let end = x + 34 + width(area, name, &style)?;
-            area.draw(&Text::new(name, (x + 34, 12), style))?;
-            x = end + 32;
-            Ok(())
-        };
-        let line = |x, style| area.draw(&PathElement::new([(x, 21), (x + 26, 21)], style));
-        entry("where bearings were taken", &|x| {
-            if !self.track.is_empty() {
-                line(x, INK.stroke_width(2))?;
-            }
-            Ok(area.draw(&Circle::new((x + 13, 21), 3, INK.filled()))?)
-        })?;
-        entry("bearings", &|x| {
-            Ok(line(x, BEARING.mix(0.7).stroke_width(2))?)
-        })?;
-        if !self.rejected.is_empty() {
-            entry("rejected", &|x| {
-                line(x, REJECTED.stroke_width(2))?;
-                area.draw(&Circle::new((x + 6, 21), 7, WHITE.filled()))?;
-                area.draw(&Circle::new((x + 6, 21), 7, REJECTED.stroke_width(1)))?;
-                Ok(area.draw(&Cross::new((x + 6, 21), 4, REJECTED.stroke_width(2)))?)
-            })?;
-        }
-        if !self.past.is_empty() {
-            entry("of the past", &|x| Ok(line(x, PAST.stroke_width(2))?))?;
-        }
-        if !self.mirrored.is_empty() {
-            entry("mirrored", &|x| Ok(line(x, MIRRORED.stroke_width(2))?))?;
-        }
-        if let Some(regions) = self.densities.first() {
-            let shares = regions
-                .iter()
-                .map(|r| format!("{:.0}", 100.0 * r.probability));
-            let name = format!("{} % of the density", shares.collect::<Vec<_>>().join(", "));
-            entry(&name, &|x| {
-                for index in 0..regions.len() {
-                    let inset = 3 * index as i32;
-                    area.draw(&Rectangle::new(
-                        [
-                            (x + inset, 11 + inset / 2),
-                            (x + 26 - inset, 31 - inset / 2),
-                        ],
-                        shade(index, regions.len()).filled(),
-                    ))?;
-                }
-                Ok(())
-            })?;
-        }
-        if !self.particles.is_empty() {
-            entry("particles", &|x| {
-                for (dx, dy) in [(4, 24), (12, 17), (20, 23)] {
-                    area.draw(&Circle::new((x + dx, dy), 4, PARTICLE.mix(0.6).filled()))?;
-                }
-                Ok(())
-            })?;
-        }
-        if !self.hypotheses.is_empty() {
-            entry("hypotheses", &|x| Ok(line(x, HYPOTHESIS.stroke_width(2))?))?;
-        }
-        if !self.ellipses.is_empty() {
-            entry("fix and its 95 % ellipse", &|x| {
-                line(x, FIX.stroke_width(3))?;
-                Ok(area.draw(&Circle::new((x + 13, 21), 6, FIX.filled()))?)
-            })?;
-        }
-        if self.truth.is_some() {
-            entry("true place", &|x| {
-                Ok(area.draw(&Cross::new((x + 13, 21), 8, INK.stroke_width(3)))?)
-            })?;
         }
         Ok(())
     }

@@ -53,7 +53,7 @@ fn last_bearing(settings: Settings, text: &str) -> Result<f32, Rejected> {
 fn when_and_where_the_vehicle_was() {
     let mut gateway = gateway(Settings::default());
     assert_eq!((gateway.time_ms(), gateway.place()), (None, None));
-    let receiver = Geodetic::new(481_173_000, 115_166_666).unwrap();
+    let receiver = Geodetic::new(481_173_000, 115_166_667).unwrap();
     push(&mut gateway, &rmc("120000"));
     assert_eq!((gateway.time_ms(), gateway.place()), (None, Some(receiver)));
     push(&mut gateway, &kraken(NOON + 250, 10.0, NOWHERE));
