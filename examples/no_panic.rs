@@ -21,6 +21,7 @@ mod proof {
             pursuit::{self, Pursuit},
             robust::{self, RobustLocator, Tails},
             sources::{self, Sources},
+            spectrum::{Spectrum, SpectrumLikelihood, Temper},
             triangulation,
         },
         estimate::{self, Ellipse},
@@ -30,8 +31,8 @@ mod proof {
             PacketModel, Posterior, RadioMap, Reading, Samples, TableMatcher, tracker,
         },
         gateway::{
-            self, BearingReference, DeviationTable, Finder, KrakenConfidence, Sense, UbloxQuality,
-            Vehicle,
+            self, BearingReference, DeviationTable, Finder, KrakenConfidence, SHORT_REPORT, Sense,
+            SpectrumReader, UbloxQuality, Vehicle,
         },
         kalman::{Covariance, Gaussian, Unscented},
         math,
@@ -495,6 +496,33 @@ mod proof {
             _ = black_box(vehicle.restore(some(&any(buffer))));
         }
         vehicle.restart();
+        spectrum(settings);
+    }
+
+    fn spectrum(settings: gateway::Settings) {
+        let Ok(temper) = Temper::new(any(0.0)) else {
+            return;
+        };
+        let mut vehicle = any(Vehicle::<_, SHORT_REPORT, _>::with_spectrum(
+            settings,
+            RobustLocator::<50, 16>::new(robust::Settings::default()),
+            SpectrumReader::new(temper),
+        ));
+        let mut spectrum = any(Spectrum::new());
+        for _ in 0..any(100) {
+            black_box(vehicle.push(any(0)));
+            black_box((vehicle.line(), vehicle.spectrum().spectrum()));
+            _ = black_box(spectrum.push(any(0.0)));
+        }
+        black_box(spectrum.peaks(temper));
+        black_box(spectrum.log_likelihood(any(0.0), temper));
+        let axis = Bearing::from_radians(any(0.0));
+        let likelihood = SpectrumLikelihood::new(&spectrum, any([0.0; 2]), axis, temper);
+        let mut out = any([0.0; 50]);
+        let [x, y] = any([[0.0; 50]; 2]);
+        likelihood.log_likelihoods(&[some(&x), some(&y)], some_mut(&mut out));
+        black_box((likelihood.log_likelihood(&any([0.0; 2])), out));
+        spectrum.clear();
     }
 
     fn site(bytes: &[u8]) -> Option<tracker::Site<'_>> {

@@ -7,16 +7,20 @@
 use crc::{CRC_32_ISO_HDLC, Crc};
 use foxhunt::{
     aoa::{
-        Locate,
+        Locate, Observation,
         locator::{self, Locator},
         robust::{self, RobustLocator},
         sources::{self, Sources},
+        spectrum::Temper,
     },
     fingerprint::{
         Encoding, GaussianMatcher, Matcher, Neighbours, Posterior, RadioMap, Reading, TableMatcher,
         tracker::{self, Heard, Site, Tracker, Workspace},
     },
-    gateway::{Event, Finder, LONG_REPORT, Settings, Vehicle, beacon},
+    gateway::{
+        Event, Finder, LONG_REPORT, SHORT_REPORT, Settings, SpectrumReader, TakeSpectrum, Vehicle,
+        beacon,
+    },
     random::{SeedableRng, Xoshiro128PlusPlus},
     snapshot::{Persist, largest},
 };
@@ -26,8 +30,6 @@ const START: &str = "GPRMC,120000,A,4807.038,N,01131.000,E,50.0,090.0,221126,,,A
 
 /// The most lines of one input: a vehicle with few particles works on so many in a moment.
 const LINES: usize = 64;
-
-type Gateway = Vehicle<Locator<24, 8>>;
 
 /// Adds the frame and the checksum of NMEA.
 fn sentence(payload: &[u8]) -> Vec<u8> {
@@ -43,11 +45,31 @@ fn sentence(payload: &[u8]) -> Vec<u8> {
 /// Gives a vehicle's gateway lines made from those of `data`.
 pub fn vehicle(finder: Finder, data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
     let settings = Settings::new().with_finder(finder);
-    let mut vehicle = Box::new(Gateway::new(
-        settings,
-        Locator::new(locator::Settings::new()),
-    ));
-    let push = |vehicle: &mut Gateway, bytes: &[u8]| -> Vec<Event> {
+    let locator = Locator::<24, 8>::new(locator::Settings::new());
+    lines(Vehicle::new(settings, locator), data, line, |locator| {
+        locator.observations().to_vec()
+    });
+}
+
+/// The same for one that reads the spectra of a KrakenSDR.
+pub fn spectra(data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
+    let settings = Settings::new().with_finder(Finder::Kraken);
+    let locator = RobustLocator::<24, 8>::new(robust::Settings::default());
+    let reader = SpectrumReader::new(Temper::new(0.2).expect("in range"));
+    let vehicle = Vehicle::with_spectrum(settings, locator, reader);
+    lines(vehicle, data, line, |locator| {
+        locator.observations().copied().collect()
+    });
+}
+
+fn lines<L: Locate, S: TakeSpectrum>(
+    vehicle: Vehicle<L, SHORT_REPORT, S>,
+    data: &[u8],
+    line: impl Fn(&[u8]) -> Vec<u8>,
+    observations: impl Fn(&L) -> Vec<Observation>,
+) {
+    let mut vehicle = Box::new(vehicle);
+    let push = |vehicle: &mut Vehicle<L, SHORT_REPORT, S>, bytes: &[u8]| -> Vec<Event> {
         bytes
             .iter()
             .filter_map(|byte| vehicle.push(*byte))
@@ -55,21 +77,42 @@ pub fn vehicle(finder: Finder, data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
     };
     push(&mut vehicle, &sentence(START.as_bytes()));
     for text in data.split(|byte| *byte == b'\n').take(LINES) {
-        let state = |vehicle: &Gateway| {
+        let state = |vehicle: &Vehicle<L, SHORT_REPORT, S>| {
             let locator = vehicle.locator();
             let bearings = vehicle.counters().bearings;
-            (locator.answer(), locator.observations().to_vec(), bearings)
+            (locator.answer(), observations(locator), bearings)
         };
         let before = state(&vehicle);
         let events = push(&mut vehicle, &line(text));
-        if events
-            .iter()
-            .all(|event| matches!(event, Event::Rejected(_) | Event::Queried))
-        {
+        let idle =
+            |event: &Event| matches!(event, Event::Rejected(_) | Event::Queried | Event::Other);
+        if events.iter().all(idle) {
             assert_eq!(state(&vehicle), before, "{events:?}");
         }
         assert!(vehicle.report().len() <= 320);
     }
+}
+
+/// A KrakenSDR's line of which the spectrum is made of a text's bytes, over and over; and one that ends as the text says.
+pub fn kraken(text: &[u8]) -> Vec<u8> {
+    const FIELDS: &str =
+        "1795348800000, 45, 80, -30, 1, UCA, 0, fox, 0.0, 0.0, 0, 0, GPS, R, R, R, R";
+    let bytes = text.iter().chain(&[0]).cycle().take(360);
+    let values: String = bytes
+        .map(|byte| format!(", {}.{}", byte / 4, byte % 4))
+        .collect();
+    let mut cut = values.clone().into_bytes();
+    cut.truncate(cut.len().saturating_sub(text.len()));
+    let lines = [
+        FIELDS.as_bytes(),
+        values.as_bytes(),
+        b"\n",
+        FIELDS.as_bytes(),
+        &cut,
+        text,
+        b"\n",
+    ];
+    lines.concat()
 }
 
 /// A sentence of NMEA with a right checksum, and one with whatever stands there.

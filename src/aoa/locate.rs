@@ -1,9 +1,9 @@
 //! What locators have in common.
 
-use super::Observation;
 use super::advice::Advice;
 use super::locator::{Answer, Fix, Locator, Moves};
 use super::robust::{Bias, Hypothesis, RobustLocator, Shares};
+use super::{Alternative, Observation};
 use crate::random::Rng;
 
 /// What takes bearings and says where sources are.
@@ -11,6 +11,10 @@ use crate::random::Rng;
 /// A [`Locator`] and a [`RobustLocator`] know of one source that stays where it is. What one of them does not estimate is
 /// `None` here, at no cost.
 pub trait Locate {
+    /// Whether it takes bearings that exclude each other, by [`push_alternative`](Self::push_alternative). What does not is
+    /// to be given the best of them alone.
+    const ALTERNATIVES: bool = false;
+
     /// Takes one bearing, `seconds` after the one before, and says what is known with it.
     fn push_after<R: Rng + ?Sized>(
         &mut self,
@@ -18,6 +22,17 @@ pub trait Locate {
         seconds: f32,
         rng: &mut R,
     ) -> Answer;
+
+    /// Takes one of several bearings of a reading that exclude each other: one after the other, all but the first no
+    /// seconds after it. It is taken for certain where [`ALTERNATIVES`](Self::ALTERNATIVES) are not known.
+    fn push_alternative<R: Rng + ?Sized>(
+        &mut self,
+        alternative: Alternative,
+        seconds: f32,
+        rng: &mut R,
+    ) -> Answer {
+        self.push_after(*alternative.observation(), seconds, rng)
+    }
 
     /// What is known of the source; of the best known, where there are several.
     fn answer(&self) -> Answer;
@@ -146,6 +161,8 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Locator<N, B, M> {
 }
 
 impl<const N: usize, const B: usize> Locate for RobustLocator<N, B> {
+    const ALTERNATIVES: bool = true;
+
     fn push_after<R: Rng + ?Sized>(
         &mut self,
         observation: Observation,
@@ -153,6 +170,15 @@ impl<const N: usize, const B: usize> Locate for RobustLocator<N, B> {
         rng: &mut R,
     ) -> Answer {
         self.push_after(observation, seconds, rng)
+    }
+
+    fn push_alternative<R: Rng + ?Sized>(
+        &mut self,
+        alternative: Alternative,
+        seconds: f32,
+        rng: &mut R,
+    ) -> Answer {
+        self.push_alternative(alternative, seconds, rng)
     }
 
     fn answer(&self) -> Answer {

@@ -17,9 +17,10 @@ mod observation;
 pub mod pursuit;
 pub mod robust;
 pub mod sources;
+pub mod spectrum;
 pub mod triangulation;
 
 pub use bearing::Bearing;
 pub use likelihood::BearingLikelihood;
 pub use locate::{Cloud, Locate, Motion, Source};
-pub use observation::{Observation, ObservationError};
+pub use observation::{Alternative, Observation, ObservationError};

@@ -25,6 +25,8 @@ pub enum ObservationError {
     Bearing,
     /// `deviation` is not within [`Observation::MIN_DEVIATION_RAD`] and [`Observation::MAX_DEVIATION_RAD`].
     Deviation,
+    /// `share` is not within 0 and 1.
+    Share,
 }
 
 impl fmt::Display for ObservationError {
@@ -33,6 +35,7 @@ impl fmt::Display for ObservationError {
             Self::Position => "position is not finite or too far from the origin",
             Self::Bearing => "bearing is not finite",
             Self::Deviation => "deviation is out of range",
+            Self::Share => "share is not within 0 and 1",
         })
     }
 }
@@ -92,6 +95,47 @@ impl Observation {
     /// What the bearing counts for beside others: the inverse of its variance.
     pub(super) fn information(&self) -> f32 {
         1.0 / (self.deviation * self.deviation)
+    }
+}
+
+/// One of several bearings of one reading that exclude each other, like the peaks of a [spectrum](super::spectrum).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Alternative {
+    observation: Observation,
+    share: f32,
+}
+
+impl Alternative {
+    /// A bearing with the probability, beside the others, that it is the one if any is. All together are to have one.
+    ///
+    /// # Errors
+    /// When the `share` is outside 0 to 1.
+    pub const fn new(observation: Observation, share: f32) -> Result<Self, ObservationError> {
+        if !(share >= 0.0 && share <= 1.0) {
+            return Err(ObservationError::Share);
+        }
+        Ok(Self { observation, share })
+    }
+
+    /// The bearing.
+    pub const fn observation(&self) -> &Observation {
+        &self.observation
+    }
+
+    /// Its share.
+    pub const fn share(&self) -> f32 {
+        self.share
+    }
+}
+
+impl From<Observation> for Alternative {
+    /// Without any other.
+    fn from(observation: Observation) -> Self {
+        Self {
+            observation,
+            share: 1.0,
+        }
     }
 }
 

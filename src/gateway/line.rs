@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use super::Rejected;
+use super::{Rejected, TakeSpectrum};
 
 /// Longest NMEA sentence: the standard says 82, receivers send up to 102.
 const NMEA_BYTES: usize = 120;
@@ -31,26 +31,40 @@ pub(super) enum Kind {
 
 /// Collects the bytes of one line, as many as its kind may have.
 #[derive(Debug)]
-pub(super) struct LineReader {
+pub(super) struct LineReader<S> {
     kind: Option<Kind>,
     bytes: Vec<u8, KRAKEN_BYTES>,
     /// All bytes of the line, also those not kept.
     length: u16,
     commas: u8,
     overlong: bool,
+    spectrum: S,
 }
 
-impl LineReader {
-    pub const fn new() -> Self {
+impl<S> LineReader<S> {
+    pub const fn new(spectrum: S) -> Self {
         Self {
             kind: None,
             bytes: Vec::new(),
             length: 0,
             commas: 0,
             overlong: false,
+            spectrum,
         }
     }
 
+    /// The line that has just ended, until the next byte is pushed.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// Its spectrum.
+    pub const fn spectrum(&self) -> &S {
+        &self.spectrum
+    }
+}
+
+impl<S: TakeSpectrum> LineReader<S> {
     /// Takes a byte; says what has ended with it, if anything. Empty lines end nothing.
     pub fn push(&mut self, byte: u8) -> Option<Result<Kind, Rejected>> {
         match byte {
@@ -66,11 +80,6 @@ impl LineReader {
             _ => self.extend(byte),
         }
         None
-    }
-
-    /// The line that has just ended, until the next byte is pushed.
-    pub fn bytes(&self) -> &[u8] {
-        &self.bytes
     }
 
     /// Whether the first byte of a line may also stand within this one: both in the name of a KrakenSDR's
@@ -97,6 +106,9 @@ impl LineReader {
         self.length = 0;
         self.commas = 0;
         self.overlong = false;
+        if self.kind == Some(Kind::Kraken) {
+            self.spectrum.begin();
+        }
         self.extend(byte);
     }
 
@@ -114,7 +126,10 @@ impl LineReader {
             self.overlong = true;
         }
         if self.kind == Some(Kind::Kraken) {
-            self.commas = self.commas.saturating_add(u8::from(byte == b','));
+            if self.commas >= KRAKEN_FIELDS {
+                return self.spectrum.take(byte);
+            }
+            self.commas += u8::from(byte == b',');
             if self.commas >= KRAKEN_FIELDS {
                 return;
             }
@@ -129,6 +144,9 @@ impl LineReader {
             return None;
         }
         self.length = 0;
+        if self.kind == Some(Kind::Kraken) {
+            self.spectrum.end();
+        }
         Some(match self.kind {
             _ if self.overlong => Err(Rejected::Overlong),
             Some(kind) => Ok(kind),
@@ -141,10 +159,11 @@ impl LineReader {
 mod tests {
     extern crate std;
     use super::*;
+    use crate::gateway::SkipSpectrum;
     use std::{format, string::String, vec::Vec};
 
     fn read(input: &str) -> Vec<Result<(Kind, String), Rejected>> {
-        let mut reader = LineReader::new();
+        let mut reader = LineReader::new(SkipSpectrum);
         let mut lines = Vec::new();
         for byte in input.bytes() {
             if let Some(end) = reader.push(byte) {

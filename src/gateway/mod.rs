@@ -15,7 +15,7 @@
 //! | `$--VTG` | speed and course over ground |
 //! | `$--HDT` `$--THS` | true heading |
 //! | `%BBB/Q` | Agrelo: bearing in degrees, quality 0 to 9 |
-//! | `1756823719250, 297, 87.8, ...` | KrakenSDR's app format: time, bearing, confidence, frequency, and unless it is zero its own position and heading; the spectrum is skipped |
+//! | `1756823719250, 297, 87.8, ...` | KrakenSDR's app format: time, bearing, confidence, frequency, and unless it is zero its own position and heading; the spectrum is skipped, unless there is a [`SpectrumReader`] for it |
 //! | `+UUDF:6C1DEBA4241B,-65,26,...` | u-blox: tag and azimuth within a quarter turn of where the board faces; nine fields or ten |
 //! | `$PFOXQ*50` | a query: the answer and the status are sent whenever they were sent last |
 //! | `$PFOXR*53` | a restart, to look for another source: [`Vehicle::restart`] |
@@ -24,7 +24,7 @@
 //! see [`Settings::with_sense`] and [`Settings::with_kraken_confidence`]. If it watches several frequencies,
 //! say which is the source's: [`Settings::with_kraken_frequency_hz`].
 //!
-//! Every NMEA sentence must carry its checksum. Other correct sentences are ignored and counted; everything
+//! Every NMEA sentence must carry its checksum. Other correct sentences are counted and left to others, by [`Event::Other`]; everything
 //! else that is not used is counted by its reason, [`Rejected`], and has no effect on the locator.
 //!
 //! A bearing belongs to where the vehicle was when it was taken: the time of a KrakenSDR's line less the latency that it
@@ -89,14 +89,16 @@ mod nmea;
 mod report;
 mod sentence;
 mod settings;
+mod spectrum;
 mod tally;
 mod ublox;
 mod vehicle;
 
 pub use counters::{Counters, Rejected};
 pub use deviations::{DeviationTable, TableError};
-pub use report::LONG_REPORT;
+pub use report::{LONG_REPORT, SHORT_REPORT};
 pub use settings::{
     BearingReference, Finder, KrakenConfidence, Sense, Settings, SettingsError, UbloxQuality,
 };
+pub use spectrum::{SkipSpectrum, SpectrumReader, TakeSpectrum};
 pub use vehicle::{Event, Vehicle};

@@ -12,7 +12,7 @@ use crate::estimate::Ellipse;
 use crate::math::{atan2, sqrt};
 
 /// Room for a fix and a status.
-pub(super) const SHORT_REPORT: usize = 320;
+pub const SHORT_REPORT: usize = 320;
 
 /// Bytes of the longest report of a locator that knows of several sources, of their motion, of hypotheses and of errors.
 pub const LONG_REPORT: usize = 1_024;

@@ -8,10 +8,12 @@ use super::history::{Compass, History};
 use super::line::{Kind, LineReader};
 use super::nmea::{self, Motion, Sentence};
 use super::report::{Context, Report, SHORT_REPORT};
-use super::{BearingReference, Counters, Finder, Rejected, Settings};
+use super::sentence::DEGREES;
+use super::{BearingReference, Counters, Finder, Rejected, Settings, SkipSpectrum, TakeSpectrum};
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
 use crate::aoa::locator::{Answer, Fix, NotObservable};
-use crate::aoa::{Bearing, Locate, Observation};
+use crate::aoa::spectrum::Peak;
+use crate::aoa::{Alternative, Bearing, Locate, Observation};
 use crate::math::sqrt;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 
@@ -30,6 +32,8 @@ pub enum Event {
     Queried,
     /// The host looks for another source: as [`Vehicle::restart`], and [`Vehicle::report`] confirms it.
     Restarted,
+    /// A correct sentence that is none of the gateway's: [`Vehicle::line`] has it for others.
+    Other,
 }
 
 /// Bytes of a receiver and of a direction finder in, fixes out, by the locator `L`. See the [module](super) for the
@@ -49,11 +53,11 @@ pub enum Event {
 /// ```
 ///
 /// `REPORT` bytes are there for what one line is answered by. The default is enough for one source; a locator with more to
-/// say needs [`LONG_REPORT`](super::LONG_REPORT).
+/// say needs [`LONG_REPORT`](super::LONG_REPORT). `S` is what becomes of a KrakenSDR's spectra: [`Vehicle::with_spectrum`].
 #[derive(Debug)]
-pub struct Vehicle<L, const REPORT: usize = SHORT_REPORT> {
+pub struct Vehicle<L, const REPORT: usize = SHORT_REPORT, S = SkipSpectrum> {
     settings: Settings,
-    reader: LineReader,
+    reader: LineReader<S>,
     counters: Counters,
     receiver: Clock,
     finder: Clock,
@@ -80,9 +84,27 @@ pub struct Vehicle<L, const REPORT: usize = SHORT_REPORT> {
 impl<L, const REPORT: usize> Vehicle<L, REPORT> {
     /// Knows nothing yet, and nor should the locator. Fit for a `static`.
     pub const fn new(settings: Settings, locator: L) -> Self {
+        Self::with_spectrum(settings, locator, SkipSpectrum)
+    }
+}
+
+impl<L, const REPORT: usize, S> Vehicle<L, REPORT, S> {
+    /// The same, for a KrakenSDR whose whole spectrum is to be used: bearings are then the peaks of it.
+    ///
+    /// ```
+    /// use foxhunt::aoa::robust::{RobustLocator, Settings as Robust};
+    /// use foxhunt::aoa::spectrum::Temper;
+    /// use foxhunt::gateway::{SHORT_REPORT, Settings, SpectrumReader, Vehicle};
+    ///
+    /// let locator = RobustLocator::<256>::new(Robust::default());
+    /// let spectrum = SpectrumReader::new(Temper::new(0.2)?);
+    /// let vehicle: Vehicle<_, SHORT_REPORT, _> = Vehicle::with_spectrum(Settings::new(), locator, spectrum);
+    /// # Ok::<(), foxhunt::aoa::spectrum::SpectrumError>(())
+    /// ```
+    pub const fn with_spectrum(settings: Settings, locator: L, spectrum: S) -> Self {
         Self {
             settings,
-            reader: LineReader::new(),
+            reader: LineReader::new(spectrum),
             counters: Counters::new(),
             receiver: Clock::new(),
             finder: Clock::new(),
@@ -102,7 +124,7 @@ impl<L, const REPORT: usize> Vehicle<L, REPORT> {
     }
 }
 
-impl<L: Locate, const REPORT: usize> Vehicle<L, REPORT> {
+impl<L: Locate, const REPORT: usize, S: TakeSpectrum> Vehicle<L, REPORT, S> {
     /// Strays that move the origin: one wild position is not to blind the gateway.
     const STRAYS: u8 = 3;
 
@@ -142,6 +164,16 @@ impl<L: Locate, const REPORT: usize> Vehicle<L, REPORT> {
     /// ends.
     pub fn report(&self) -> &str {
         self.report.as_str()
+    }
+
+    /// The last line as it came, without its end; of a KrakenSDR's without the spectrum. Holds until the next byte.
+    pub fn line(&self) -> &[u8] {
+        self.reader.bytes()
+    }
+
+    /// What becomes of spectra.
+    pub fn spectrum(&self) -> &S {
+        self.reader.spectrum()
     }
 
     /// What became of the lines so far.
@@ -219,7 +251,7 @@ impl<L: Locate, const REPORT: usize> Vehicle<L, REPORT> {
             }
             Sentence::Other => {
                 self.counters.ignored = self.counters.ignored.saturating_add(1);
-                return Ok(None);
+                return Ok(Some(Event::Other));
             }
         }
         self.counters.sentences = self.counters.sentences.saturating_add(1);
@@ -233,7 +265,14 @@ impl<L: Locate, const REPORT: usize> Vehicle<L, REPORT> {
         let bytes = self.reader.bytes();
         match kind {
             Kind::Agrelo if is(Finder::Agrelo) => BearingLine::from_agrelo(bytes),
-            Kind::Kraken if is(Finder::Kraken) => BearingLine::from_kraken(bytes, &self.settings),
+            Kind::Kraken if is(Finder::Kraken) => {
+                match BearingLine::from_kraken(bytes, &self.settings) {
+                    Ok(_) if S::READS && !self.reader.spectrum().is_valid() => {
+                        Err(Rejected::Unparsable)
+                    }
+                    line => line,
+                }
+            }
             Kind::Ublox if is(Finder::Ublox) => BearingLine::from_ublox(bytes, &self.settings),
             _ => Err(Rejected::OtherFinder),
         }
@@ -256,6 +295,14 @@ impl<L: Locate, const REPORT: usize> Vehicle<L, REPORT> {
         if line.quality < self.settings.minimum_quality() {
             return Err(Rejected::LowQuality);
         }
+        let peaks = if S::READS && line.finder == Finder::Kraken {
+            self.reader.spectrum().peaks()
+        } else {
+            None
+        };
+        if S::READS && matches!(peaks, Some([None, ..])) {
+            return Err(Rejected::LowQuality);
+        }
         let time = match line.time {
             Some(time) => time.before(line.latency_ms),
             None => self.receiver.lend(self.settings.undated_bearings())?,
@@ -264,18 +311,37 @@ impl<L: Locate, const REPORT: usize> Vehicle<L, REPORT> {
             Some(pose) => (pose.place, self.own_heading(time, &pose)),
             None => (self.place_at(time)?, None),
         };
-        let bearing = match self.settings.reference() {
-            BearingReference::TrueNorth => Bearing::from_compass_degrees(line.degrees),
+        let heading = match self.settings.reference() {
+            BearingReference::TrueNorth => None,
             BearingReference::Relative => {
-                let heading = own_heading.map_or_else(|| self.heading_at(time), Ok)?;
-                Bearing::from_relative_degrees(line.degrees, heading)
+                Some(own_heading.map_or_else(|| self.heading_at(time), Ok)?)
             }
+        };
+        let bearing = |degrees: f32| match heading {
+            None => Bearing::from_compass_degrees(degrees),
+            Some(heading) => Bearing::from_relative_degrees(degrees, heading),
         };
         let plane = self.plane_for(place)?;
         let position = plane.to_local(place).map_err(|_| Rejected::OutOfRange)?;
         let deviation = self.settings.deviation_of_rad(line.finder, line.quality);
-        let observation =
-            Observation::new(position, bearing, deviation).map_err(|_| Rejected::OutOfRange)?;
+        let mut observation = Observation::new(position, bearing(line.degrees), deviation)
+            .map_err(|_| Rejected::OutOfRange)?;
+        let mut alternatives = [None; 3];
+        if S::READS
+            && let Some([Some(best), second, third]) = peaks
+        {
+            let of = |peak: Peak| {
+                let bearing = bearing(-peak.angle * DEGREES);
+                let seen = Observation::new(position, bearing, peak.deviation);
+                seen.and_then(|seen| Alternative::new(seen, peak.share))
+                    .ok()
+            };
+            let best = of(best).ok_or(Rejected::OutOfRange)?;
+            observation = *best.observation();
+            if L::ALTERNATIVES {
+                alternatives = [second.and_then(of), third.and_then(of), Some(best)];
+            }
+        }
 
         // From here on nothing is rejected.
         if self.plane.is_some_and(|old| old != plane) {
@@ -286,8 +352,18 @@ impl<L: Locate, const REPORT: usize> Vehicle<L, REPORT> {
             .generator
             .get_or_insert_with(|| Xoshiro128PlusPlus::seed_from_u64(seed));
         let elapsed = self.latest.map_or(0, |(latest, _)| time.since(latest));
-        let seconds = 1e-3 * elapsed.max(0) as f32;
-        let answer = self.locator.push_after(observation, seconds, generator);
+        let mut seconds = 1e-3 * elapsed.max(0) as f32;
+        let mut answer = None;
+        if S::READS && L::ALTERNATIVES {
+            for alternative in alternatives.into_iter().flatten() {
+                answer = Some((self.locator).push_alternative(alternative, seconds, generator));
+                seconds = 0.0;
+            }
+        }
+        let answer = match answer {
+            Some(answer) => answer,
+            None => self.locator.push_after(observation, seconds, generator),
+        };
         self.plane = Some(plane);
         self.latest = Some((time, observation));
         self.given = self.given.saturating_add(1);

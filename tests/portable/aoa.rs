@@ -1,6 +1,6 @@
 use foxhunt::{
     aoa::{
-        Bearing, Locate, Observation,
+        Alternative, Bearing, Locate, Observation,
         correction::{Correction, Pull},
         gauss_newton::{Errors, solve},
         geodesy::{Geodetic, LocalPlane},
@@ -8,8 +8,10 @@ use foxhunt::{
         pursuit::{self, Pursuit},
         robust::{self, Errors as Faulty, RobustLocator, Tails},
         sources::{self, Sources},
+        spectrum::{Spectrum, SpectrumLikelihood, Temper},
     },
     math,
+    model::Likelihood,
     random::{SeedableRng, Xoshiro128PlusPlus, normal},
     refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Refinement},
 };
@@ -31,6 +33,10 @@ pub const CASES: &[Case] = &[
     ),
     ("aoa::two_sources_are_found", two_sources_are_found),
     ("aoa::pursuit_follows_a_source", pursuit_follows_a_source),
+    (
+        "aoa::robust_locator_with_spectra",
+        robust_locator_with_spectra,
+    ),
     (
         "aoa::gauss_newton_finds_the_source",
         gauss_newton_finds_the_source,
@@ -109,6 +115,44 @@ fn robust_locator_finds_the_source() -> Digest {
             digest.add(&[hypothesis.mass]);
         }
     }
+    digest
+}
+
+/// Every reading with a reflection, which is as high.
+fn robust_locator_with_spectra() -> Digest {
+    let temper = Temper::new(0.2).expect("in range");
+    let settings = robust::Settings::new(Faulty::new());
+    let mut locator = RobustLocator::<128, 64>::new(settings);
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
+    let mut digest = Digest::new();
+    for (i, observation) in drive().into_iter().enumerate() {
+        let tops = [observation.bearing().radians(), 0.7 * i as f32];
+        let mut spectrum = Spectrum::new();
+        for degree in 0..360_u16 {
+            let level = tops.iter().fold(0.0, |level: f32, top| {
+                let off = math::wrap(f32::from(degree) * 0.017_453_3 - top);
+                level.max(20.0 - 6e3 * off * off)
+            });
+            spectrum.push(level).expect("in range");
+        }
+        for peak in spectrum.peaks(temper).into_iter().rev().flatten() {
+            digest.add(&[peak.angle, peak.deviation, peak.share]);
+            let bearing = Bearing::from_radians(peak.angle);
+            let seen = Observation::new(observation.position(), bearing, peak.deviation);
+            let seen = Alternative::new(seen.expect("in range"), peak.share);
+            locator.push_alternative(seen.expect("in range"), 0.0, &mut rng);
+        }
+        let axis = Bearing::from_radians(0.3);
+        let likelihood = SpectrumLikelihood::new(&spectrum, [0.0; 2], axis, temper);
+        digest.add(&[likelihood.log_likelihood(&SOURCE)]);
+        if let Answer::Fix(fix) = locator.answer() {
+            digest.add(&fix.position);
+        }
+    }
+    let Answer::Fix(fix) = locator.answer() else {
+        panic!("no fix")
+    };
+    assert!(is_near(fix.position, 100.0), "{:?}", fix.position);
     digest
 }
 

@@ -81,10 +81,19 @@ impl Density<'_> {
     }
 
     /// Adds, `weight` times, how many bearings are direct, mirrored and wild if the source is at `state`.
-    pub(super) fn count(&self, state: &State, weight: f32, counts: &mut Shares) {
-        for term in self.terms {
+    ///
+    /// Of bearings that exclude each other, whose `portions` are a whole, the sum is one, whichever fits.
+    pub(super) fn count(
+        &self,
+        state: &State,
+        weight: f32,
+        portions: impl Iterator<Item = f32>,
+        counts: &mut Shares,
+    ) {
+        for (term, portion) in self.terms.iter().zip(portions) {
             let reading = term.read(state, self.bias_deviation * state[2]);
             counts.add(&reading, weight);
+            counts.wild -= weight * (1.0 - portion);
         }
     }
 }

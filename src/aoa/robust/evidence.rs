@@ -8,7 +8,7 @@ use super::merge::{Sight, agree};
 use super::mode::{Mode, Modes};
 use super::split::{Seed, explains};
 use super::term::{State, Term};
-use crate::aoa::Observation;
+use crate::aoa::{Alternative, Observation};
 use crate::math::{ln, sqrt, wrap};
 use crate::snapshot::{Error, Persist, Reader, Value, Writer, list, shape};
 
@@ -21,7 +21,8 @@ pub(super) struct Evidence<const B: usize> {
     /// Where the source was thought to be when the terms were made.
     source: Option<State>,
     latest: Option<Observation>,
-    count: u32,
+    /// Bearings that went in, in which those that exclude each other are one.
+    count: f32,
 }
 
 /// What a new bearing changed.
@@ -30,6 +31,8 @@ pub(super) struct Change {
     pub(super) new: Term,
     /// and what no longer is said, if it has been joined with a former one.
     pub(super) old: Option<Term>,
+    /// It has no alternative that is more likely.
+    pub(super) likely: bool,
 }
 
 impl<const B: usize> Evidence<B> {
@@ -43,7 +46,7 @@ impl<const B: usize> Evidence<B> {
             },
             source: None,
             latest: None,
-            count: 0,
+            count: 0.0,
         }
     }
 
@@ -52,7 +55,7 @@ impl<const B: usize> Evidence<B> {
         self.terms.clear();
         self.source = None;
         self.latest = None;
-        self.count = 0;
+        self.count = 0.0;
     }
 
     pub(super) fn observations(&self) -> impl ExactSizeIterator<Item = &Observation> {
@@ -65,7 +68,7 @@ impl<const B: usize> Evidence<B> {
 
     /// How many bearings went in.
     pub(super) fn count(&self) -> u32 {
-        self.count
+        (self.count + 0.5) as u32
     }
 
     /// The latest bearing.
@@ -88,7 +91,7 @@ impl<const B: usize> Evidence<B> {
         self.region.centre = (seed.latest).map_or([0.0; 2], Observation::position);
         self.source = Some(seed.mode.mean);
         for sight in seed.own() {
-            self.count = self.count.saturating_add(sight.readings() as u32);
+            self.count += sight.readings() * sight.share;
             let term = self.term(sight, errors);
             self.add(*sight, term, Some(&seed.mode.mean), errors);
         }
@@ -101,12 +104,12 @@ impl<const B: usize> Evidence<B> {
         self.sights.retain(|sight| {
             let stays = left.next().unwrap_or(true);
             if !stays {
-                gone += sight.readings();
+                gone += sight.readings() * sight.share;
             }
             stays
         });
         self.terms.retain(|term| !explains(mode, term, errors));
-        self.count = self.count.saturating_sub(gone as u32);
+        self.count -= if gone < self.count { gone } else { self.count };
     }
 
     /// The bearings in which a mode of all may be looked for.
@@ -147,22 +150,24 @@ impl<const B: usize> Evidence<B> {
 
     /// What a bearing says that is not in the buffer.
     pub(super) fn single(&self, observation: &Observation, errors: &Errors) -> Term {
-        self.term(&Sight::new(*observation), errors)
+        self.term(&Sight::new(*observation, 1.0), errors)
     }
 
     fn term(&self, sight: &Sight, errors: &Errors) -> Term {
-        Term::new(&sight.observation, errors, self.variance(sight, errors))
+        Term::new(&sight.observation, errors, self.variance(sight, errors)).with_share(sight.share)
     }
 
     /// Takes a bearing, `seconds` after the one before. `source` is where the source is thought to be, if anywhere.
     pub(super) fn push(
         &mut self,
-        observation: Observation,
+        bearing: impl Into<Alternative>,
         seconds: f32,
         source: Option<&State>,
         errors: &Errors,
     ) -> Change {
-        if self.count == 0 {
+        let bearing = bearing.into();
+        let (observation, share) = (*bearing.observation(), bearing.share());
+        if self.count == 0.0 {
             self.region.centre = observation.position();
         }
         // Before a fix, the range is that of the best hypothesis.
@@ -170,31 +175,35 @@ impl<const B: usize> Evidence<B> {
             self.source = source.copied();
         }
         self.latest = Some(observation);
-        self.count = self.count.saturating_add(1);
+        self.count += share;
+        let likely = share > 0.5;
         for sight in &mut self.sights {
             sight.age_s += seconds;
         }
-        let mut observation = observation;
+        let mut new = Sight::new(observation, share);
         let correlation = errors.correlation;
         if correlation.at_rest > 0.0
-            && let Some((place, distance)) = self.nearest_alike(&observation, source, errors)
+            && let Some((place, distance)) = self.nearest_alike(&new, source, errors)
             && let Some(sight) = self.sights.get_mut(place)
         {
             let worth = correlation.worth(correlation.lengths(distance, sight.age_s));
             if distance < 0.25 * correlation.distance_m {
-                sight.join(&observation, worth, source);
+                sight.join(&new, worth, source);
                 let sight = *sight;
                 let new = self.term(&sight, errors);
                 let old = self.terms.get_mut(place);
                 let old = old.map(|term| core::mem::replace(term, new));
-                return Change { new, old };
+                return Change { new, old, likely };
             }
-            observation = tempered(observation, worth);
+            new.observation = tempered(observation, worth);
         }
-        let sight = Sight::new(observation);
-        let new = self.term(&sight, errors);
-        self.add(sight, new, source, errors);
-        Change { new, old: None }
+        let term = self.term(&new, errors);
+        self.add(new, term, source, errors);
+        Change {
+            new: term,
+            old: None,
+            likely,
+        }
     }
 
     fn add(&mut self, new: Sight, term: Term, source: Option<&State>, errors: &Errors) {
@@ -228,14 +237,15 @@ impl<const B: usize> Evidence<B> {
     /// The nearest bearing that says the same, and how far away it was taken, in metres.
     fn nearest_alike(
         &self,
-        new: &Observation,
+        new: &Sight,
         source: Option<&State>,
         errors: &Errors,
     ) -> Option<(usize, f32)> {
         let mut best = None;
         let mut least = f32::INFINITY;
-        for (i, old) in self.observations().enumerate() {
-            let square = square_of_distance(old.position(), new.position());
+        let place = new.observation.position();
+        for (i, old) in self.sights.iter().enumerate() {
+            let square = square_of_distance(old.observation.position(), place);
             if square < least && agree(old, new, source, errors) {
                 least = square;
                 best = Some(i);
@@ -262,20 +272,26 @@ impl<const B: usize> Evidence<B> {
     fn most_alike(&self, source: Option<&State>, errors: &Errors) -> Option<Pair> {
         /// How many times as far, squared, a pair that disagrees counts as.
         const PENALTY: f32 = 4.0;
-        /// Its least squared distance, so that this holds at one place, too.
+        /// Its least squared distance, so that this holds at one place, too;
         const APART: f32 = 1e-6;
+        /// and if they exclude each other: both are to be kept, for it may be either. As seen from the source, or in metres.
+        const EXCLUSIVE: f32 = 0.01;
+        const EXCLUSIVE_M: f32 = 1e4;
+        let exclusive = source.map_or(EXCLUSIVE_M, |_| EXCLUSIVE);
         let mut best = None;
         let mut least = f32::INFINITY;
-        for (i, a) in self.observations().enumerate() {
-            let range = source.map_or(1.0, |s| square_of_distance([s[0], s[1]], a.position()));
-            for (j, b) in self.observations().enumerate().skip(i + 1) {
-                let difference = square_of_distance(a.position(), b.position()) / range;
+        for (i, a) in self.sights.iter().enumerate() {
+            let place = a.observation.position();
+            let range = source.map_or(1.0, |s| square_of_distance([s[0], s[1]], place));
+            for (j, b) in self.sights.iter().enumerate().skip(i + 1) {
+                let difference = square_of_distance(place, b.observation.position()) / range;
                 if difference < least {
                     let agree = agree(a, b, source, errors);
                     let difference = if agree {
                         difference
                     } else {
-                        PENALTY * (difference + APART)
+                        let both = a.is_one_of_several() && b.is_one_of_several();
+                        PENALTY * (difference + if both { exclusive } else { APART })
                     };
                     if difference < least {
                         least = difference;
@@ -292,7 +308,7 @@ impl<const B: usize> Evidence<B> {
         self.source = Some(*source);
         for (sight, term) in self.sights.iter().zip(&mut self.terms) {
             let variance = errors.variance(&sight.observation, sight.worth, Some(source));
-            *term = Term::new(&sight.observation, errors, variance);
+            *term = Term::new(&sight.observation, errors, variance).with_share(sight.share);
         }
     }
 
@@ -330,7 +346,10 @@ impl<const B: usize> Evidence<B> {
         }
         (
             best,
-            self.observations().map(Observation::information).sum(),
+            self.sights
+                .iter()
+                .map(|sight| sight.share * sight.observation.information())
+                .sum(),
         )
     }
 }
@@ -369,7 +388,7 @@ impl<const B: usize> Persist for Evidence<B> {
 }
 
 /// In a snapshot, what is behind the lists.
-type Rest = ((Region, u32), (Option<State>, Option<Observation>));
+type Rest = ((Region, f32), (Option<State>, Option<Observation>));
 
 /// Two places in the buffer.
 struct Pair {

@@ -20,6 +20,8 @@
 //! * Readings of one place are one bearing, their mean, which is worth as many independent ones as their correlation
 //!   leaves.
 //! * A receiver that does not know exactly where it is may say how well it does: [`Errors::position_deviation`].
+//! * A reading of several bearings that exclude each other, as the peaks of a [spectrum](super::spectrum), is taken bearing
+//!   by bearing, each with its share.
 //! * A full buffer averages the two bearings that say most nearly the same, and forgets the less likely of two that
 //!   contradict each other at nearly the same place.
 
@@ -38,9 +40,9 @@ mod term;
 
 use core::f32::consts::LN_2;
 
-use super::Observation;
 use super::advice::{Advice, Belief};
 use super::locator::{self, Answer, Fix, NotObservable};
+use super::{Alternative, Observation};
 use crate::estimate::{Ellipse, largest_variance};
 use crate::filter::ParticleFilter;
 use crate::math::{exp, sqrt};
@@ -133,7 +135,7 @@ impl Hypothesis {
 
 /// Locates one source that does not move, with `N` particles and a buffer of `B` bearings, some of which may be wrong.
 ///
-/// With `N` = 256 and `B` = 64 it takes 9.5 kB, and 6 kB of stack while a bearing is taken. All of its state is plain
+/// With `N` = 256 and `B` = 64 it takes 9.8 kB, and 6 kB of stack while a bearing is taken. All of its state is plain
 /// data: a clone goes on as the original does.
 ///
 /// ```
@@ -222,6 +224,17 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
         seconds: f32,
         rng: &mut R,
     ) -> Answer {
+        self.push_alternative(observation.into(), seconds, rng)
+    }
+
+    /// Like [`push_after`](Self::push_after), for one of several bearings of a reading that exclude each other: one after
+    /// the other, all but the first no seconds after it.
+    pub fn push_alternative<R: Rng + ?Sized>(
+        &mut self,
+        alternative: Alternative,
+        seconds: f32,
+        rng: &mut R,
+    ) -> Answer {
         let seconds = if (0.0..=1e9).contains(&seconds) {
             seconds
         } else {
@@ -232,7 +245,7 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
         let errors = &self.errors;
         let change = self
             .evidence
-            .push(observation, seconds, source.as_ref(), errors);
+            .push(alternative, seconds, source.as_ref(), errors);
         let answer = if fixed {
             self.weigh(&change, rng);
             // When hypotheses have come apart there is no fix until they separate: by some hysteresis.
@@ -337,7 +350,7 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
         };
         // The likelihood is finite, so the update cannot fail. As an evidence it is the mean of 1 + odds.
         let evidence = self.filter.update(&likelihood).unwrap_or(0.0);
-        let surprising = change.old.is_none() && evidence < LN_2;
+        let surprising = change.likely && change.old.is_none() && evidence < LN_2;
         self.since_search += 1;
         let share = self.settings.common.resample_share * N as f32;
         let needed = if share > 2.0 { share } else { 2.0 };
@@ -394,7 +407,12 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
         let mut counts = Shares::NONE;
         let density = self.evidence.density(&self.errors);
         for mode in &self.modes {
-            density.count(&mode.mean, mode.share, &mut counts);
+            let portions = self.evidence.sights().iter().map(|sight| sight.share);
+            density.count(&mode.mean, mode.share, portions, &mut counts);
+        }
+        // What excluded a bearing that fits may have been forgotten.
+        if counts.wild < 0.0 {
+            counts.wild = 0.0;
         }
         counts.wild += self.withheld * (counts.direct + counts.mirror + counts.wild);
         self.errors.learn(&self.settings.errors, &counts);

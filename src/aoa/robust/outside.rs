@@ -3,7 +3,7 @@
 use super::RobustLocator;
 use super::errors::{Errors, Shares, Tails};
 use super::evidence::tempered;
-use super::merge::agree;
+use super::merge::{Sight, agree};
 use super::term::{State, Term};
 use crate::aoa::Observation;
 use crate::math::{exp, ln, sqrt};
@@ -73,11 +73,12 @@ pub(in crate::aoa) fn independent<'a>(
     errors: &Errors,
 ) -> Observation {
     let [x, y] = observation.position();
+    let new = Sight::new(*observation, 1.0);
     let mut least = f32::INFINITY;
     for (old, seconds) in earlier {
         let (dx, dy) = (old.position()[0] - x, old.position()[1] - y);
         let lengths = errors.correlation.lengths(sqrt(dx * dx + dy * dy), seconds);
-        if lengths < least && agree(old, observation, None, errors) {
+        if lengths < least && agree(&Sight::new(*old, 1.0), &new, None, errors) {
             least = lengths;
         }
     }

@@ -53,7 +53,8 @@ pub(super) fn search<R: Rng + ?Sized, const B: usize>(
     for sight in evidence.sights() {
         let deviation = WIDENING * sqrt(evidence.variance(sight, errors));
         let variance = deviation * deviation + bias * bias;
-        let _ = wide.push(Term::new(&sight.observation, errors, variance));
+        let term = Term::new(&sight.observation, errors, variance);
+        let _ = wide.push(term.with_share(sight.share));
     }
     let wide = Density {
         terms: &wide,
@@ -103,6 +104,7 @@ fn candidates<R: Rng + ?Sized, const B: usize>(
                 let a = sights.get((uniform(rng) * n) as usize);
                 let b = sights.get((uniform(rng) * n) as usize);
                 if let Some((a, b)) = a.zip(b)
+                    && !a.excludes(b)
                     && let Some(meeting) = crossing(&a.observation, &b.observation, LEAST_SINE)
                 {
                     let [x, y] = meeting.position;

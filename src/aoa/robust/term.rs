@@ -77,6 +77,16 @@ impl Term {
         }
     }
 
+    /// The same of a bearing that has alternatives: of those that lie apart, 1 + a + b is nearly (1 + a) (1 + b).
+    pub(super) fn with_share(mut self, share: f32) -> Self {
+        if share < 1.0 {
+            let share = ln(share);
+            self.direct += share;
+            self.mirror += share;
+        }
+        self
+    }
+
     /// Error of the line and which of its sides the state is on, given its bias in radians. Exact up to half a turn,
     /// beyond which a large bias may push an error: the line's other side is as far then.
     #[inline(always)]

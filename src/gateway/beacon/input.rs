@@ -4,6 +4,7 @@ use cobs::{DecodeResult, DecoderState};
 use heapless::Vec;
 
 use super::{Framing, Packet, Rejected};
+use crate::gateway::SkipSpectrum;
 use crate::gateway::line::{Kind, LineReader};
 use crate::gateway::sentence;
 
@@ -26,14 +27,14 @@ pub(super) enum Message {
 )]
 #[derive(Debug)]
 pub(super) enum Input {
-    Lines(LineReader),
+    Lines(LineReader<SkipSpectrum>),
     Frames(FrameReader),
 }
 
 impl Input {
     pub const fn new(framing: Framing) -> Self {
         match framing {
-            Framing::Lines => Self::Lines(LineReader::new()),
+            Framing::Lines => Self::Lines(LineReader::new(SkipSpectrum)),
             Framing::Frames => Self::Frames(FrameReader::new()),
         }
     }

@@ -3,12 +3,12 @@
 use super::Vehicle;
 use crate::aoa::geodesy::LocalPlane;
 use crate::aoa::{Locate, Observation};
-use crate::gateway::Counters;
 use crate::gateway::clock::TimeOfDay;
+use crate::gateway::{Counters, TakeSpectrum};
 use crate::random::Xoshiro128PlusPlus;
 use crate::snapshot::{self, Error, Persist, Reader, Value, Writer, shape};
 
-impl<L: Locate + Persist, const REPORT: usize> Vehicle<L, REPORT> {
+impl<L: Locate + Persist, const REPORT: usize, S: TakeSpectrum> Vehicle<L, REPORT, S> {
     /// Writes all that is known of the source to the front of `buffer`, and returns that part of it: see
     /// [`snapshot::save`] and, for the size, [`snapshot::largest`].
     ///
@@ -45,7 +45,7 @@ type Rest = (
     ),
 );
 
-impl<L: Locate + Persist, const REPORT: usize> Persist for Vehicle<L, REPORT> {
+impl<L: Locate + Persist, const REPORT: usize, S: TakeSpectrum> Persist for Vehicle<L, REPORT, S> {
     const SHAPE: u32 = shape("Vehicle", &[L::SHAPE, Rest::SIZE as u32]);
     const BYTES: usize = L::BYTES + Rest::SIZE;
 

@@ -423,7 +423,7 @@ fn sentences_are_counted() {
     assert!(
         events(settings, &text)
             .iter()
-            .all(|e| matches!(e, Event::Rejected(_)))
+            .all(|e| matches!(e, Event::Rejected(_) | Event::Other))
     );
 }
 
@@ -477,3 +477,19 @@ fn a_restored_gateway_goes_on() {
     assert_eq!(other.restore(bytes), Err(Error::Settings));
     assert!(other.plane().is_none());
 }
+
+#[test]
+fn sentences_of_others_are_left_to_them() {
+    let mut gateway = gateway(Settings::new());
+    let text = "PUBX,00,081350.00,4717.113210,N";
+    let events = push(&mut gateway, &sentence(text));
+    assert_eq!(events, [Event::Other]);
+    assert!(
+        gateway
+            .line()
+            .starts_with(b"$PUBX,00,081350.00,4717.113210,N*")
+    );
+    assert_eq!((gateway.report(), gateway.counters().ignored), ("", 1));
+}
+
+mod spectrum;

@@ -1,0 +1,227 @@
+//! The peaks of a spectrum, as bearings that exclude each other.
+
+use core::f32::consts::PI;
+
+use super::{Spectrum, Temper};
+use crate::aoa::Observation;
+use crate::math::{exp, sqrt, wrap};
+
+/// A direction from which a source may be heard.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Peak {
+    /// Radians counter-clockwise from the array's axis, within -pi and pi.
+    pub angle: f32,
+    /// Standard deviation, in radians: that of the normal distribution whose logarithm is the parabola through the top
+    /// and the points either side at which the tempered spectrum has fallen to exp(-1/2) of it, or the next dip.
+    pub deviation: f32,
+    /// Share of the mass of the tempered spectrum, up to the dips either side, in that of all peaks returned.
+    pub share: f32,
+}
+
+/// Peaks are at most so many.
+pub(super) const PEAKS: usize = 3;
+
+/// A peak ends where the level rises again by so many hundredths of a decibel.
+const DIP: f32 = 100.0;
+/// Peaks with less of the mass are none.
+const LEAST_SHARE: f32 = 0.02;
+/// Deviation of what is only known to a degree.
+const FINEST: f32 = 0.289 * DEGREE;
+const DEGREE: f32 = PI / 180.0;
+
+/// A top, and how many degrees it reaches down either side.
+#[derive(Clone, Copy)]
+struct Hill {
+    top: usize,
+    left: usize,
+    right: usize,
+}
+
+impl Spectrum {
+    /// The peaks, that with the most mass first; none of a flat spectrum. Those less than three deviations of their
+    /// difference apart are one, with the mean and the variance of both.
+    ///
+    /// As bearings they exclude each other: [`Alternative`](crate::aoa::Alternative).
+    #[inline(never)]
+    pub fn peaks(&self, temper: Temper) -> [Option<Peak>; PEAKS] {
+        let scale = temper.per_level();
+        let highest = self.highest();
+        let mut hills = [None; PEAKS];
+        let mut peaks = [None; PEAKS];
+        let mut total = 0.0;
+        for place in 0..PEAKS {
+            let Some(hill) = self.next_hill(&hills) else {
+                break;
+            };
+            let mass = self.mass(&hill, scale, highest);
+            if let (Some(kept), Some(peak)) = (hills.get_mut(place), peaks.get_mut(place)) {
+                *kept = Some(hill);
+                *peak = self.parabola(&hill, scale).map(|(angle, deviation)| Peak {
+                    angle,
+                    deviation,
+                    share: mass,
+                });
+                total += if peak.is_some() { mass } else { 0.0 };
+            }
+        }
+        let [a, b, c] = &mut peaks;
+        merge(a, b);
+        merge(a, c);
+        merge(b, c);
+        normalise(&mut peaks, total);
+        peaks
+    }
+
+    /// The highest top that no other hill holds.
+    #[inline(never)]
+    fn next_hill(&self, known: &[Option<Hill>]) -> Option<Hill> {
+        let mut best = None;
+        let mut above = -1.0;
+        for degree in 0..Self::CELLS {
+            let level = self.level(degree);
+            if level > above && !known.iter().flatten().any(|hill| hill.holds(degree)) {
+                (best, above) = (Some(degree), level);
+            }
+        }
+        let top = best?;
+        let hill = Hill {
+            top,
+            left: self.reach(top, Self::CELLS - 1),
+            right: self.reach(top, 1),
+        };
+        // What ends in a slope is the foot of another.
+        (hill.left > 0 && hill.right > 0).then_some(hill)
+    }
+
+    /// How many steps of so many degrees it goes down from a top.
+    fn reach(&self, top: usize, step: usize) -> usize {
+        let (mut lowest, mut reach) = (self.level(top), 0);
+        let mut degree = top;
+        for steps in 1..Self::CELLS / 2 {
+            degree += step;
+            if degree >= Self::CELLS {
+                degree -= Self::CELLS;
+            }
+            let level = self.level(degree);
+            if level < lowest {
+                (lowest, reach) = (level, steps);
+            } else if level > lowest + DIP {
+                break;
+            }
+        }
+        reach
+    }
+
+    /// The mass of the tempered spectrum in a hill.
+    fn mass(&self, hill: &Hill, scale: f32, highest: f32) -> f32 {
+        let first = hill.top + Self::CELLS - hill.left;
+        let degrees = (0..=hill.left + hill.right).map(|i| circle(first + i));
+        degrees
+            .map(|degree| exp(scale * (self.level(degree) - highest)))
+            .sum()
+    }
+
+    /// Angle and deviation of the parabola through a top and a point either side.
+    fn parabola(&self, hill: &Hill, scale: f32) -> Option<(f32, f32)> {
+        let top = self.level(hill.top);
+        let fall = |most: usize, step: usize| {
+            let mut degree = hill.top;
+            let mut found = (0.0, 0.0);
+            for steps in 1..=most {
+                degree = circle(degree + step);
+                let drop = scale * (top - self.level(degree));
+                found = (steps as f32, drop);
+                if drop >= 0.5 {
+                    break;
+                }
+            }
+            found
+        };
+        let (l, drop_left) = fall(hill.left, Self::CELLS - 1);
+        let (r, drop_right) = fall(hill.right, 1);
+        // y = -drop at -l and r, 0 at 0: its slope at 0 and its curvature.
+        let width = l * r * (l + r);
+        let curvature = 2.0 * (drop_left * r + drop_right * l) / width;
+        let slope = (drop_left * r * r - drop_right * l * l) / width;
+        if !(curvature > 0.0 && width > 0.0) {
+            return None;
+        }
+        let offset = slope / curvature;
+        let angle = wrap((hill.top as f32 + offset) * DEGREE);
+        let deviation = DEGREE / sqrt(curvature);
+        Some((
+            angle,
+            if deviation > FINEST {
+                deviation
+            } else {
+                FINEST
+            },
+        ))
+    }
+}
+
+impl Hill {
+    fn holds(&self, degree: usize) -> bool {
+        let from_left = circle(degree + Spectrum::CELLS + self.left - self.top);
+        from_left <= self.left + self.right
+    }
+}
+
+/// A degree within the circle, from one within thrice.
+fn circle(mut degree: usize) -> usize {
+    while degree >= Spectrum::CELLS {
+        degree -= Spectrum::CELLS;
+    }
+    degree
+}
+
+/// Two peaks that a bearing could be of either become one, with the mean and the variance of both: what is taken for
+/// bearings that exclude each other must lie apart.
+fn merge(one: &mut Option<Peak>, other: &mut Option<Peak>) {
+    let (Some(a), Some(b)) = (*one, *other) else {
+        return;
+    };
+    let turn = wrap(b.angle - a.angle);
+    let variances = (a.deviation * a.deviation, b.deviation * b.deviation);
+    if turn * turn >= 9.0 * (variances.0 + variances.1) {
+        return;
+    }
+    let mass = a.share + b.share;
+    let (p, q) = (a.share / mass, b.share / mass);
+    let variance = p * variances.0 + q * variances.1 + p * q * turn * turn;
+    *one = Some(Peak {
+        angle: wrap(a.angle + q * turn),
+        deviation: sqrt(variance).clamp(FINEST, Observation::MAX_DEVIATION_RAD),
+        share: mass,
+    });
+    *other = None;
+}
+
+/// From masses to shares, without those that are next to nothing, the largest first.
+fn normalise(peaks: &mut [Option<Peak>; PEAKS], total: f32) {
+    let mut kept = 0.0;
+    for slot in peaks.iter_mut() {
+        if let Some(peak) = *slot {
+            if peak.share < LEAST_SHARE * total {
+                *slot = None;
+            } else {
+                kept += peak.share;
+            }
+        }
+    }
+    for peak in peaks.iter_mut().flatten() {
+        peak.share /= kept;
+    }
+    let share = |peak: &Option<Peak>| peak.map_or(-1.0, |peak| peak.share);
+    let [a, b, c] = peaks;
+    for (one, other) in [(0, 1), (1, 2), (0, 1)] {
+        let (one, other) = match (one, other) {
+            (0, 1) => (&mut *a, &mut *b),
+            _ => (&mut *b, &mut *c),
+        };
+        if share(other) > share(one) {
+            core::mem::swap(one, other);
+        }
+    }
+}

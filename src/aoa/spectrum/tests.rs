@@ -1,0 +1,175 @@
+extern crate std;
+
+use super::*;
+use crate::aoa::Bearing;
+use crate::model::Likelihood;
+use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
+use std::vec::Vec;
+
+fn of(level: impl Fn(f32) -> f32) -> Spectrum {
+    let mut spectrum = Spectrum::new();
+    for degree in 0..360 {
+        spectrum.push(level(degree as f32)).unwrap();
+    }
+    spectrum
+}
+
+/// Degrees from one direction to another.
+fn apart(a: f32, b: f32) -> f32 {
+    (a - b + 540.0).rem_euclid(360.0) - 180.0
+}
+
+fn temper(exponent: f32) -> Temper {
+    Temper::new(exponent).unwrap()
+}
+
+/// Two normal peaks in linear power over a floor, in decibels above the least.
+fn two(a: f32, b: f32, second: f32, width: f32) -> Spectrum {
+    let power = |d: f32| (-0.5 * (d / width).powi(2)).exp();
+    let at = |degree: f32| power(apart(degree, a)) + second * power(apart(degree, b)) + 1e-3;
+    of(|degree| 10.0 * at(degree).log10() + 30.0)
+}
+
+#[test]
+fn a_peak_is_found_between_degrees_with_its_deviation_and_share() {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+    for _ in 0..500 {
+        let a = 360.0 * uniform(&mut rng);
+        let b = a + 90.0 + 180.0 * uniform(&mut rng);
+        let (width, second) = (4.0 + 8.0 * uniform(&mut rng), 0.3 + uniform(&mut rng));
+        let exponent = 0.3 + 0.7 * uniform(&mut rng);
+        let peaks = two(a, b, second, width).peaks(temper(exponent));
+        let peaks: Vec<Peak> = peaks.into_iter().flatten().collect();
+        assert_eq!(peaks.len(), 2);
+        let shares: f32 = peaks.iter().map(|peak| peak.share).sum();
+        assert!((shares - 1.0).abs() < 1e-5 && peaks[0].share >= peaks[1].share);
+        for (angle, height) in [(a, 1.0_f32), (b, second)] {
+            let off = |peak: &Peak| apart(peak.angle.to_degrees(), angle).abs();
+            let peak = peaks.iter().find(|peak| off(peak) < 20.0).unwrap();
+            assert!(off(peak) < 0.15, "{} at {width}", off(peak));
+            // A normal peak to the power of t is narrower by its root.
+            let deviation = peak.deviation.to_degrees() * exponent.sqrt() / width;
+            assert!((deviation - 1.0).abs() < 0.1, "{deviation}");
+            // The floor adds to both.
+            let share = height.powf(exponent) / (1.0 + second.powf(exponent));
+            assert!((peak.share - share).abs() < 0.1, "{} {share}", peak.share);
+        }
+    }
+}
+
+#[test]
+fn peaks_that_overlap_are_one() {
+    // To the power of a quarter twice as wide: 12 degrees, and 51 are three deviations of the difference.
+    for (distance, count) in [(45.0, 1), (60.0, 2)] {
+        let spectrum = two(350.0, 350.0 + distance, 1.0, 6.0);
+        let peaks = spectrum.peaks(temper(0.25));
+        assert_eq!(peaks.iter().flatten().count(), count);
+        let exponents = [10.0, 10.0].map(temper);
+        assert!(
+            exponents
+                .iter()
+                .all(|t| spectrum.peaks(*t).iter().flatten().count() == 2)
+        );
+        if let (1, Some(one)) = (count, peaks[0]) {
+            assert!(apart(one.angle.to_degrees(), 12.5).abs() < 0.5, "{one:?}");
+            let exact = (12.0_f32.powi(2) + 22.5 * 22.5).sqrt();
+            assert!(
+                (one.deviation.to_degrees() / exact - 1.0).abs() < 0.05,
+                "{one:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn peaks_over_the_ends_of_the_circle_and_none_of_a_flat_one() {
+    for at in [0.0, 0.4, 179.6, 359.7] {
+        let [Some(peak), None, None] = two(at, at, 1.0, 6.0).peaks(temper(0.5)) else {
+            panic!("there is one at {at}");
+        };
+        assert!(apart(peak.angle.to_degrees(), at).abs() < 0.1);
+        assert!(peak.angle.abs() <= PI + 1e-5 && (peak.share - 1.0).abs() < 1e-6);
+    }
+    for level in [0.0, 30.0, 600.0] {
+        assert_eq!(of(|_| level).peaks(temper(1.0)), [None; 3]);
+    }
+    // As sharp as can be: no sharper than a degree is wide.
+    let needle = of(|degree| if degree == 77.0 { 100.0 } else { 0.0 });
+    let [Some(peak), None, None] = needle.peaks(temper(10.0)) else {
+        panic!("there is one");
+    };
+    assert!((peak.deviation.to_degrees() - 0.289).abs() < 1e-3);
+    assert!((peak.angle.to_degrees() - 77.0).abs() < 0.01);
+    // Many are three.
+    let comb = of(|degree| 20.0 + 10.0 * (degree.to_radians() * 8.0).cos());
+    assert_eq!(comb.peaks(temper(1.0)).iter().flatten().count(), 3);
+}
+
+#[test]
+fn anything_has_peaks_that_are_directions() {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
+    for run in 0..2000 {
+        let steep = 60.0 * uniform(&mut rng);
+        let cells: Vec<f32> = (0..360)
+            .map(|_| (steep * normal(&mut rng)).abs().min(600.0))
+            .collect();
+        let spectrum = of(|degree| cells[degree as usize]);
+        let exponent = [0.001, 0.2, 10.0][run % 3];
+        let peaks = spectrum.peaks(temper(exponent));
+        let shares: Vec<f32> = peaks.iter().flatten().map(|peak| peak.share).collect();
+        assert!(shares.is_empty() || (shares.iter().sum::<f32>() - 1.0).abs() < 1e-4);
+        for peak in peaks.iter().flatten() {
+            assert!(peak.angle.abs() <= PI + 1e-5 && peak.deviation > 0.005 && peak.share > 0.0);
+        }
+    }
+}
+
+#[test]
+fn the_likelihood_is_the_tempered_level_between_two_degrees() {
+    let spectrum = of(|degree| (degree - 100.0).abs() * 0.1);
+    let per_decibel = 0.3 * LN_10 / 10.0;
+    for (degrees, level) in [
+        (10.5_f32, 8.95),
+        (-90.0, 17.0),
+        (359.5, 17.95),
+        (100.0, 0.0),
+    ] {
+        let got = spectrum.log_likelihood(degrees.to_radians(), temper(0.3));
+        let exact = per_decibel * (level - 25.9);
+        assert!((got - exact).abs() < 1e-3, "{degrees}: {got} {exact}");
+    }
+    let axis = Bearing::from_compass_degrees(30.0);
+    let likelihood = SpectrumLikelihood::new(&spectrum, [5.0, -3.0], axis, temper(0.3));
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(3);
+    let places: [[f32; 100]; 2] =
+        core::array::from_fn(|_| core::array::from_fn(|_| 300.0 * normal(&mut rng)));
+    let mut out = [0.0; 100];
+    likelihood.log_likelihoods(&[&places[0], &places[1]], &mut out);
+    for ((x, y), got) in places[0].iter().zip(places[1]).zip(out) {
+        assert_eq!(Likelihood::<2>::log_likelihood(&likelihood, &[*x, y]), got);
+        // The axis points to 60 degrees counter-clockwise from east.
+        let angle = (y + 3.0).atan2(x - 5.0) - 60.0_f32.to_radians();
+        let exact = spectrum.log_likelihood(angle, temper(0.3));
+        assert!((got - exact).abs() < 1e-3, "{got} {exact}");
+    }
+}
+
+#[test]
+fn values_are_checked() {
+    let mut spectrum = Spectrum::new();
+    for level in [-0.1, 600.1, f32::NAN] {
+        assert_eq!(spectrum.push(level), Err(SpectrumError::Level));
+    }
+    for degree in 0..360 {
+        assert!(!spectrum.is_whole());
+        spectrum.push(degree as f32).unwrap();
+    }
+    assert!(spectrum.is_whole());
+    assert_eq!(spectrum.push(1.0), Err(SpectrumError::Values));
+    spectrum.clear();
+    assert_eq!(spectrum, Spectrum::new());
+    for exponent in [0.0, 11.0, f32::NAN] {
+        assert_eq!(Temper::new(exponent), Err(SpectrumError::Temper));
+    }
+    assert_eq!(size_of::<Spectrum>(), 722);
+}

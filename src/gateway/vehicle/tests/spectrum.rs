@@ -1,0 +1,141 @@
+//! Lines of a KrakenSDR with their spectra.
+
+use super::*;
+use crate::aoa::robust::{Errors, RobustLocator, Settings as Robust};
+use crate::aoa::spectrum::Temper;
+use crate::gateway::{SHORT_REPORT, SpectrumReader};
+
+fn reader() -> SpectrumReader {
+    SpectrumReader::new(Temper::new(0.2).unwrap())
+}
+
+type Whole<L> = Vehicle<L, SHORT_REPORT, SpectrumReader>;
+
+fn robust() -> Whole<RobustLocator<256, 64>> {
+    let errors = Errors::new().correlation(0.0, 1.0, 1.0).unwrap();
+    let settings = Settings::new().with_reference(BearingReference::TrueNorth);
+    Vehicle::with_spectrum(settings, RobustLocator::new(Robust::new(errors)), reader())
+}
+
+/// A line taken on the equator, so many metres east of the meridian, with peaks at compass degrees, `decibels` high.
+fn line(number: i64, east: f64, peaks: &[(f32, f32)]) -> String {
+    // Not on the meridian: that is nowhere.
+    let longitude = (east + 1000.0) / 111_319.49;
+    let mut line = format!(
+        "{}, 0, 80.0, -30, 433920000, UCA, 0, fox, 0.0000000, {longitude:.7}, 0, 0, Compass, R, R, R, R",
+        NOON + 1000 * number
+    );
+    for degree in 0..360 {
+        // Counter-clockwise from where the array looks.
+        let compass = 360.0 - degree as f32;
+        let level = peaks.iter().fold(0.0_f32, |level, (at, decibels)| {
+            let off = (compass - at + 540.0).rem_euclid(360.0) - 180.0;
+            level.max(decibels - 0.5 * off * off)
+        });
+        line += &format!(", {level:.2}");
+    }
+    line + " \n"
+}
+
+fn push<L: Locate>(vehicle: &mut Whole<L>, text: &str) -> Vec<Event> {
+    text.bytes().filter_map(|byte| vehicle.push(byte)).collect()
+}
+
+#[test]
+fn bearings_are_the_peaks() {
+    let mut vehicle = robust();
+    let events = push(&mut vehicle, &line(0, 0.0, &[(30.3, 20.0), (200.0, 22.0)]));
+    assert!(matches!(events[..], [Event::NotObservable(_)]));
+    let mut seen: Vec<f32> = (vehicle.locator().observations())
+        .map(|o| o.bearing().compass_degrees())
+        .collect();
+    seen.sort_by(f32::total_cmp);
+    let [direct, reflected] = seen[..] else {
+        panic!("{seen:?}");
+    };
+    assert!(
+        (direct - 30.3).abs() < 0.1 && (reflected - 200.0).abs() < 0.1,
+        "{seen:?}"
+    );
+    // The best is what was used.
+    let best = vehicle.observation().unwrap();
+    assert!((best.bearing().compass_degrees() - 200.0).abs() < 0.1);
+    assert_eq!(vehicle.counters().bearings, 1);
+
+    // By a heading: the array's axis is the car's.
+    let mut vehicle = robust();
+    vehicle.settings = Settings::new();
+    let turned = line(0, 0.0, &[(30.0, 20.0)]).replace("0, 0, Compass", "0, 90.0, Compass");
+    push(&mut vehicle, &turned);
+    let bearing = vehicle.observation().unwrap().bearing().compass_degrees();
+    assert!((bearing - 120.0).abs() < 0.1, "{bearing}");
+}
+
+#[test]
+fn a_plain_locator_gets_the_largest_peak() {
+    let settings = Settings::new().with_reference(BearingReference::TrueNorth);
+    let locator = Locator::<60, 16>::new(locator::Settings::new());
+    let mut vehicle: Whole<_> = Vehicle::with_spectrum(settings, locator, reader());
+    push(&mut vehicle, &line(0, 0.0, &[(30.0, 20.0), (200.0, 18.0)]));
+    let [one] = vehicle.locator().observations() else {
+        panic!("one line, one bearing");
+    };
+    assert!((one.bearing().compass_degrees() - 30.0).abs() < 0.1);
+}
+
+#[test]
+fn a_drive_among_reflections_leads_to_a_fix() {
+    let mut vehicle = robust();
+    let mut last = None;
+    for i in 0..12 {
+        let east = 100.0 * f64::from(i);
+        // The source is 800 m to the north of 600 m; the reflection is the higher one of every other line.
+        let direct = (600.0 - east as f32)
+            .atan2(800.0)
+            .to_degrees()
+            .rem_euclid(360.0);
+        let reflected = (100.0 + 53.0 * i as f32) % 360.0;
+        let higher = if i % 2 == 0 { 21.0 } else { 19.0 };
+        let text = line(i64::from(i), east, &[(direct, 20.0), (reflected, higher)]);
+        last = push(&mut vehicle, &text).pop();
+    }
+    let Some(Event::Fix(fix)) = last else {
+        panic!("{last:?}")
+    };
+    assert_eq!(fix.bearings, 12);
+    assert!(fix.ellipse(0.95).contains([600.0, 800.0]), "{fix:?}");
+}
+
+#[test]
+fn a_line_without_its_spectrum_changes_nothing() {
+    let whole = line(0, 0.0, &[(30.0, 20.0)]);
+    let ended = |end: &str| whole.replace(", 0.00 \n", end);
+    for (text, reason) in [
+        (ended("\n"), Rejected::Unparsable),
+        (ended(", 0.00, 0.00\n"), Rejected::Unparsable),
+        (ended(", nan\n"), Rejected::Unparsable),
+        (ended(", -1.00\n"), Rejected::Unparsable),
+        (
+            kraken(NOON, 30.0, "0.0, 1.0, 0, 0, GPS"),
+            Rejected::Unparsable,
+        ),
+        (line(0, 0.0, &[]), Rejected::LowQuality),
+    ] {
+        let mut vehicle = robust();
+        assert_eq!(push(&mut vehicle, &text), [Event::Rejected(reason)]);
+        assert_eq!(vehicle.locator().observations().len(), 0);
+        assert_eq!(vehicle.observation(), None);
+        // The next is whole.
+        assert!(matches!(
+            push(&mut vehicle, &whole)[..],
+            [Event::NotObservable(_)]
+        ));
+    }
+    // Other finders' lines have none.
+    let mut vehicle = robust();
+    let other = format!("{}%030/9\r", rmc("120000"));
+    assert!(matches!(
+        push(&mut vehicle, &other)[..],
+        [Event::NotObservable(_)]
+    ));
+}
