@@ -95,6 +95,7 @@ fn main() -> ! {
     target::steps();
     target::kernels();
     target::refinements();
+    target::robust();
     board::semihosting::exit(true)
 }
 
@@ -102,6 +103,7 @@ fn main() -> ! {
 mod target {
     use cortex_m_semihosting::hprintln;
     use foxhunt::{
+        aoa::robust::{self, RobustLocator},
         model::Likelihood,
         refine::{
             Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Memory, Refinement,
@@ -187,6 +189,33 @@ mod target {
         refinement::<N>("m4f.refine.evolution.greedy", &evolution, &bowl);
         let metropolis = evolution.acceptance(Acceptance::Metropolis);
         refinement::<N>("m4f.refine.evolution.metropolis", &metropolis, &bowl);
+    }
+
+    /// A bearing that has a robust locator search for its modes and move its particles: few of them, for a log of all
+    /// instructions.
+    pub fn robust() {
+        robust_updates::<16>("m4f.robust.n16.update");
+        robust_updates::<64>("m4f.robust.n64.update");
+    }
+
+    fn robust_updates<const M: usize>(name: &str) {
+        let mut locator = black_box(RobustLocator::<M, 64>::new(robust::Settings::default()));
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(3);
+        for second in 0..72 {
+            let east = 20.0 * second as f32;
+            let error = BEARING_DEVIATION * normal(&mut rng);
+            let wild = if second % 5 == 0 { east } else { 0.0 };
+            let direction = math::atan2(SOURCE[1], SOURCE[0] - east) + error + wild;
+            let bearing = Bearing::from_radians(direction);
+            let observation = Observation::new([east, 0.0], bearing, BEARING_DEVIATION);
+            let observation = observation.expect("the drive is short");
+            // One of eight bearings has them moved.
+            if second < 64 {
+                locator.push(observation, &mut rng);
+            } else {
+                region(name, 8, || locator.push(observation, &mut rng));
+            }
+        }
     }
 
     /// As wide as the clouds of tracks are when they begin.

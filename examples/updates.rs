@@ -18,6 +18,7 @@ mod gateways {
     pub mod evolution;
     pub mod firefly;
     pub mod fish;
+    pub mod robust;
 }
 
 #[cfg(target_os = "none")]
@@ -41,7 +42,7 @@ mod target {
     use heapless::String;
 
     use crate::board::{semihosting, stopwatch::Stopwatch};
-    use crate::gateways::{evolution, firefly, fish};
+    use crate::gateways::{evolution, firefly, fish, robust as city};
 
     const DRIVE: &[u8] = include_bytes!("data/drive.nmea");
 
@@ -59,6 +60,7 @@ mod target {
         Updates::of_drive(black_box(fish::gateway()), one).print("vehicle.fish");
         Updates::of_drive(black_box(firefly::gateway()), one).print("vehicle.firefly");
         Updates::of_drive(black_box(evolution::gateway()), one).print("vehicle.evolution");
+        Updates::of_drive(black_box(city::gateway()), one).print("vehicle.robust");
         Updates::of_drive(greedy(school()), one).print("vehicle.fish.greedy");
         Updates::of_drive(greedy(swarm()), one).print("vehicle.firefly.greedy");
         Updates::of_drive(greedy(evolved()), one).print("vehicle.evolution.greedy");
@@ -107,7 +109,10 @@ mod target {
     }
 
     impl Updates {
-        fn of_drive<L: Locate>(mut gateway: Vehicle<L>, stopwatch: &Stopwatch) -> Self {
+        fn of_drive<L: Locate, const R: usize>(
+            mut gateway: Vehicle<L, R>,
+            stopwatch: &Stopwatch,
+        ) -> Self {
             let mut updates = Self::default();
             for byte in DRIVE {
                 let (event, instructions) = stopwatch.instructions(|| gateway.push(*byte));

@@ -1,16 +1,17 @@
 //! The gateway of a vehicle in a city, with everything on: bearings may be wild, mirrored, correlated and biased, and of
-//! more than one source; places are those of an ordinary receiver.
+//! more than one source, any of which may drive off; places are those of an ordinary receiver.
 
 use foxhunt::{
     aoa::{
-        robust::{self, Errors, RobustLocator},
+        pursuit::{self, Pursuit},
+        robust::{self, Errors},
         sources::{self, Sources},
     },
     gateway::{LONG_REPORT, Settings, Vehicle},
 };
 
 /// 256 particles for each source and a memory of 64 of its bearings.
-type Track = RobustLocator<256, 64>;
+type Track = Pursuit<256, 64>;
 
 /// Up to three sources.
 pub type Locator = Sources<3, Track>;
@@ -30,11 +31,8 @@ pub const ERRORS: Errors = {
 
 /// By what is believed of the bearings.
 pub const fn locator(bearings: robust::Settings) -> Locator {
-    let tracks = [
-        Track::new(bearings),
-        Track::new(bearings),
-        Track::new(bearings),
-    ];
+    let track = pursuit::Settings::new(bearings);
+    let tracks = [Track::new(track), Track::new(track), Track::new(track)];
     Sources::new(sources::Settings::new(), tracks)
 }
 

@@ -160,3 +160,31 @@ fn two_sources_are_told_apart() {
     // Fewer than 33 of 40 at 95 %: one seed in 300.
     assert!(found >= 19 && held >= 33, "{found} {held}");
 }
+
+/// Nothing moves before it does; the departure is noticed within 20 s; in the end the source is at rest, the only one, and
+/// where its ellipse says.
+#[test]
+fn a_source_that_drives_off_is_followed() {
+    let [start, _] = Script::MOVES.map(|t| t as usize);
+    let (mut early, mut noticed, mut at_rest, mut held) = (0, 0, 0, 0);
+    for seed in 0..SEEDS {
+        let outcome = run(Script::Departure, seed);
+        let moving = |step: &Step| {
+            let motion = step.sources.first().and_then(|source| source.motion);
+            motion.map_or(0.0, |motion| motion.moving)
+        };
+        let moves = |step: &&Step| moving(step) > 0.5;
+        early += outcome.steps[60..start].iter().filter(moves).count();
+        noticed += u32::from(outcome.steps[start..start + 20].iter().any(|s| moves(&s)));
+        let last = outcome.last();
+        let is_alone = last.sources.len() == 1;
+        at_rest += u32::from(is_alone && moving(last) < 0.2 && outcome.error(last) < 50.0);
+        held += u32::from(is_alone && outcome.is_held(last, 0.95));
+    }
+    // Of 1,200 seconds one in fifty; runs as above.
+    assert!(
+        early <= 24 && noticed >= 18 && at_rest >= 18,
+        "{early} {noticed} {at_rest}"
+    );
+    assert!(held >= 16, "{held}");
+}

@@ -124,6 +124,19 @@ impl Cloud {
         exp(normalised.shift + normalised.log_sum - before)
     }
 
+    /// Mean odds of a bearing not being wild, if everything goes straight on until it is taken; none if nothing has moved.
+    pub(super) fn odds(&self, observation: &Observation, errors: &Errors, seconds: f32) -> f32 {
+        if !self.alive {
+            return 0.0;
+        }
+        let odds = self.iter().map(|(component, weight)| {
+            let mut component = *component;
+            component.travel(seconds, 1.0);
+            weight * (component.take(observation, errors) - 1.0)
+        });
+        odds.sum()
+    }
+
     pub(super) fn resample_below<R: Rng + ?Sized>(&mut self, share: f32, rng: &mut R) {
         if self.effective_sample_size < share * COMPONENTS as f32 {
             self.resample(rng);

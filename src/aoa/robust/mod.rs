@@ -173,7 +173,7 @@ pub struct RobustLocator<const N: usize, const B: usize = 64> {
 }
 
 /// Moves of every particle for the first fix.
-const START_MOVES: u8 = 4;
+const START_MOVES: u8 = 3;
 
 /// Particles are moved after so many bearings at the latest: cheap insurance against a mode that has been missed.
 const AT_LEAST_EVERY: u32 = 8;
@@ -209,7 +209,7 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
 
     /// Takes one bearing, and says what is known with it.
     ///
-    /// Evaluates `N` likelihoods of one bearing; `N B (moves + 1)` more when particles are moved, and `5 N B` for the
+    /// Evaluates `N` likelihoods of one bearing; `N B (moves + 1)` more when particles are moved, and `4 N B` for the
     /// first fix (with `N` rounded up to a multiple of 16); and up to `200 B` for the search before either. A full
     /// buffer compares its `B^2 / 2` pairs.
     pub fn push<R: Rng + ?Sized>(&mut self, observation: Observation, rng: &mut R) -> Answer {
