@@ -36,7 +36,7 @@ fn run(script: Script, seed: u64) -> Outcome {
         let Some(event) = gateway.push(byte) else {
             continue;
         };
-        if event == Event::Rejected(Rejected::NoFix) {
+        if matches!(event, Event::Rejected(Rejected::NoFix) | Event::Other) {
             continue;
         }
         let sources = (0..).map_while(|index| gateway.locator().source(index));
