@@ -46,7 +46,7 @@ mod proof {
             fish,
         },
         resample::{Scheme, resample},
-        snapshot::{self, Persist},
+        snapshot::{self, Keeper, Persist},
         weights,
     };
 
@@ -433,6 +433,10 @@ mod proof {
             let mut buffer = any([0; 2000]);
             _ = black_box(snapshot::save(state, some_mut(&mut buffer)));
             _ = black_box(snapshot::restore(state, some(&any(buffer))));
+            let [mut one, mut other] = any([[0; 2000]; 2]);
+            let mut keeper = Keeper::new([some_mut(&mut one), some_mut(&mut other)]);
+            _ = black_box(keeper.restore(state));
+            _ = black_box(keeper.save(state));
         }
         let settings = any(locator::Settings::new());
         let place = Geodetic::new(any(0), any(0));

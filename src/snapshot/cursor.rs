@@ -50,7 +50,7 @@ impl<'a> Writer<'a> {
 }
 
 /// Gives the bytes of a snapshot.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Reader<'a> {
     rest: &'a [u8],
 }

@@ -46,6 +46,7 @@
 //! 18 kB of stack, and there was a panic in it.
 
 mod cursor;
+mod keeper;
 pub(crate) mod list;
 mod persist;
 #[cfg(test)]
@@ -55,6 +56,7 @@ use core::fmt;
 
 use crate::checksum::crc32_by_table;
 pub use cursor::{Reader, Writer};
+pub use keeper::Keeper;
 pub use persist::{Persist, shape};
 pub(crate) use persist::{Value, by_value, value};
 
@@ -133,13 +135,17 @@ pub fn save<'b, T: Persist>(state: &T, buffer: &'b mut [u8]) -> Result<&'b [u8],
 /// When the bytes do not begin with a snapshot of such a type with such settings, whole and unharmed; `state` is then as
 /// it was before.
 pub fn restore<T: Persist>(state: &mut T, bytes: &[u8]) -> Result<(), Error> {
-    let content = open(bytes, T::SHAPE)?;
-    let mut reader = Reader::new(content);
+    take(state, Reader::new(open(bytes, T::SHAPE)?))
+}
+
+/// Reads the whole of a content, after a check of all.
+fn take<T: Persist>(state: &mut T, mut content: Reader<'_>) -> Result<(), Error> {
+    let mut reader = content.clone();
     state.check(&mut reader)?;
     if !reader.is_at_end() {
         return Err(Error::Malformed);
     }
-    state.load(&mut Reader::new(content))
+    state.load(&mut content)
 }
 
 /// Puts a header and a checksum round the content.

@@ -15,7 +15,7 @@ use crate::{
     fuzz,
     project::{self, BARE_METAL, BOARD, cargo},
     qemu::Machine,
-    setup, trace,
+    reset, setup, trace,
 };
 
 /// The options of `cargo xtask test`.
@@ -52,6 +52,7 @@ const STEPS: &[Step] = &[
     }),
     ("portable tests, emulated board", portable_on_board),
     ("whole drives, board against host", trace::compare),
+    ("a reset in the middle of a drive", reset::compare),
     (
         "people in a tunnel, board against host",
         trace::compare_tunnel,
