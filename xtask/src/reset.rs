@@ -1,15 +1,10 @@
 //! A reset in the middle of a drive: the firmware `vehicle_kept` loses no more than what comes while it is down.
 
-use std::{fs, path::Path, time::Duration};
+use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
 use foxhunt::{aoa::locator::Fix, gateway::Event};
 use foxhunt_host::scripts::Script;
-use object::{
-    Endianness,
-    elf::{FileHeader32, PT_LOAD},
-    read::elf::{ElfFile, ProgramHeader},
-};
 
 // The source of the firmware.
 #[path = "../../examples/gateways/kept.rs"]
@@ -125,13 +120,10 @@ struct Board {
 
 impl Board {
     fn boot() -> Result<Self> {
-        let elf = project::firmware(KEPT)?;
-        let image = elf.with_extension("bin");
-        fs::write(&image, flash(&elf)?)?;
         let listener = Listener::new()?;
         let limit = Duration::from_secs(120);
         let monitor = ["-qmp", &listener.address()?];
-        let machine = Machine::boot_with(&image, limit, &monitor)?;
+        let machine = Machine::boot_with(&project::firmware(KEPT)?, limit, &monitor)?;
         let monitor = listener.accept()?;
         Ok(Self { machine, monitor })
     }
@@ -146,27 +138,4 @@ impl Board {
         }
         Ok(output)
     }
-}
-
-/// What the flash of a board holds from address zero on. Of an ELF file the emulator would write the variables, too, at
-/// every reset.
-fn flash(elf: &Path) -> Result<Vec<u8>> {
-    let data = fs::read(elf)?;
-    let file = ElfFile::<FileHeader32<Endianness>>::parse(data.as_slice())?;
-    let endian = file.endian();
-    let mut flash = Vec::new();
-    for header in file.elf_program_headers() {
-        let content = header.data(endian, data.as_slice());
-        let content = content.map_err(|()| anyhow::anyhow!("a segment is cut off"))?;
-        if header.p_type(endian) != PT_LOAD || content.is_empty() {
-            continue;
-        }
-        let begin = header.p_paddr(endian) as usize;
-        let end = begin + content.len();
-        if flash.len() < end {
-            flash.resize(end, 0xFF);
-        }
-        flash[begin..end].copy_from_slice(content);
-    }
-    Ok(flash)
 }
