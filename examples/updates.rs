@@ -65,7 +65,8 @@ mod target {
         Updates::of_drive(greedy(swarm()), one).print("vehicle.firefly.greedy");
         Updates::of_drive(greedy(evolved()), one).print("vehicle.evolution.greedy");
         robust_updates(&stopwatch).print("robust");
-        sources_updates(&stopwatch).print("sources");
+        sources_updates(&SOURCES, one).print("sources");
+        sources_updates(&CITY, one).print("vehicle.robust.sources");
         let bytes = core::mem::size_of::<Three>();
         hprintln!("figure\tsources.bytes\t{}\tbytes", bytes);
         snapshots("locator", vehicle(), one);
@@ -177,48 +178,64 @@ mod target {
 
     type Three = Sources<3, RobustLocator<256, 64>>;
 
-    /// Where a bearing is taken, and which source's it is.
-    type Way = fn(u32) -> [f32; 2];
-    type Whose = fn(u32) -> u32;
-
     static SOURCES: Three = Sources::new(
         sources::Settings::new(),
         [const { RobustLocator::new(robust::Settings::new(robust::Errors::new())) }; 3],
     );
 
+    /// Everything on.
+    static CITY: city::Locator = city::locator(robust::Settings::new(city::ERRORS));
+
+    /// Where a bearing is taken, or where its source is.
+    type Where = fn(u32) -> [f32; 2];
+
     /// What several sources take: three tenths of the bearings wild, three sources that are heard from the start, along a
-    /// track, and three of which the third comes when the memory of wild bearings is full; and one straight ahead, which
-    /// becomes observable only then, when the vehicle turns aside, with as many wild bearings and with none.
-    fn sources_updates(stopwatch: &Stopwatch) -> Updates {
+    /// track, and three of which the third comes when the memory of wild bearings is full; one straight ahead, which
+    /// becomes observable only then, when the vehicle turns aside, with as many wild bearings and with none; and one of
+    /// two that drives off for a while, round which the vehicle drives.
+    fn sources_updates<L: Locate + Clone>(locator: &L, stopwatch: &Stopwatch) -> Updates {
+        const PLACES: [[f32; 2]; 3] = [[1200.0, 800.0], [2300.0, 300.0], [600.0, -700.0]];
         let mut updates = Updates::default();
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
-        let along: Way = |i| Track::A2.receiver(if i / 60 % 2 == 0 { i % 60 } else { 59 - i % 60 });
-        let ahead: Way = |i| {
+        let along: Where =
+            |i| Track::A2.receiver(if i / 60 % 2 == 0 { i % 60 } else { 59 - i % 60 });
+        let ahead: Where = |i| {
             let along = if i < 70 { i as f32 } else { 70.0 };
             [-2000.0 + 30.0 * along, 60.0 * (i as f32 - along)]
         };
-        const PLACES: [[f32; 2]; 3] = [[1200.0, 800.0], [2300.0, 300.0], [600.0, -700.0]];
-        const AHEAD: [[f32; 2]; 3] = [[2000.0, 0.0]; 3];
-        let together: Whose = |i| i % 3;
-        let later: Whose = |i| if i < 240 { i % 2 } else { i % 3 };
-        let drives: [(u32, Way, _, Whose, _); 4] = [
-            (120, along, PLACES, together, 0.3),
-            (360, along, PLACES, later, 0.3),
-            (130, ahead, AHEAD, together, 0.3),
-            (130, ahead, AHEAD, together, 0.0),
+        let round: Where = |i| {
+            let (sin, cos) = foxhunt::math::sin_cos(0.025 * i as f32);
+            [1200.0 + 500.0 * cos, 800.0 + 500.0 * sin]
+        };
+        let together: Where = |i| PLACES[i as usize % 3];
+        let later: Where = |i| PLACES[i as usize % if i < 240 { 2 } else { 3 }];
+        let there: Where = |_| [2000.0, 0.0];
+        let driving: Where = |i| {
+            let way = 10.0 * i.clamp(120, 210) as f32 - 1200.0;
+            if i.is_multiple_of(4) {
+                PLACES[1]
+            } else {
+                [PLACES[0][0], PLACES[0][1] - way]
+            }
+        };
+        let drives: [(u32, Where, Where, f32); 5] = [
+            (120, along, together, 0.3),
+            (360, along, later, 0.3),
+            (130, ahead, there, 0.3),
+            (130, ahead, there, 0.0),
+            (360, round, driving, 0.3),
         ];
-        for (count, place, truths, whose, share) in drives {
-            let mut sources = SOURCES.clone();
+        for (count, place, truth, share) in drives {
+            let mut sources = locator.clone();
             for i in 0..count {
-                let [px, py] = place(i);
-                let [x, y] = truths[whose(i) as usize];
+                let ([px, py], [x, y]) = (place(i), truth(i));
                 let (error, kind) = (0.0195 * normal(&mut rng), uniform(&mut rng));
                 let wild = if kind < share { 20.0 * kind } else { 0.0 };
                 let bearing = foxhunt::math::atan2(y - py, x - px) + error + wild;
                 let bearing = Bearing::from_radians(bearing);
                 let observation = Observation::new([px, py], bearing, 0.0195).expect("in range");
                 let (_, instructions) =
-                    stopwatch.instructions(|| sources.push(observation, &mut rng));
+                    stopwatch.instructions(|| sources.push_after(observation, 1.0, &mut rng));
                 updates.count += 1;
                 updates.sum += instructions;
                 updates.worst = updates.worst.max(instructions);

@@ -151,7 +151,12 @@ fn worst_milliseconds(figures: &[Figure]) -> Result<Figure> {
     };
     let cycles = with_256("cycles_modelled")? / with_256("instructions")?;
     let mut worst = 0.0;
-    for what in ["robust", "sources", "vehicle.robust"] {
+    for what in [
+        "robust",
+        "sources",
+        "vehicle.robust",
+        "vehicle.robust.sources",
+    ] {
         worst = f64::max(worst, value(&format!("{what}.update.worst.instructions"))?);
     }
     let milliseconds = worst * cycles / CYCLES;
