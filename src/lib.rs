@@ -17,13 +17,13 @@
 //! | [`estimate`] | mean, covariance, quantiles, credible ellipses |
 //! | [`kalman`] | normal distributions; the linear and the unscented Kalman filter |
 //! | [`proposal`] | filters that look at the measurement before they move: unscented, auxiliary, point mass |
-//! | [`aoa`] | bearings and their conventions, triangulation, Gauss-Newton, the locator |
+//! | [`aoa`] | bearings and their conventions, triangulation, Gauss-Newton; locators of one source or several, at rest or not |
 //! | [`fingerprint`] | radio maps in flash, and matching of signal strengths with them |
 //! | [`problems`] | the problems of the published experiments, ready to run |
 //! | [`snapshot`] | the whole state of a locator as bytes, and back, for boards that lose power |
 //! | `gateway` (feature) | bytes in, fixes out: the state machine that firmware, host tools and tests share |
 //!
-//! Start at [`aoa::locator::Locator`] to find a transmitter from bearings, at [`model`] to track something of
+//! Start at [`aoa::locator::Locator`] to find a transmitter from clean bearings, at [`aoa::robust`] where they are not, at [`model`] to track something of
 //! your own.
 //!
 //! # Conventions

@@ -84,6 +84,15 @@ pub trait Locate {
     }
 }
 
+/// Seconds since the bearing before; none, where what was given is no such time.
+pub(super) fn elapsed(seconds: f32) -> f32 {
+    if (0.0..=1e9).contains(&seconds) {
+        seconds
+    } else {
+        0.0
+    }
+}
+
 /// Particles that stand for where a source may be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cloud<'a> {

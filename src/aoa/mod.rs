@@ -2,8 +2,9 @@
 //!
 //! The way of a bearing: a [`Bearing`] taken somewhere becomes an [`Observation`]; several at one stop may be
 //! pulled together by a [`correction`]; a [`locator`] collects them and says where the source is, or why that
-//! cannot be said yet. Where bearings may be wild, mirrored or biased, it is a [`robust`] one that does; where there may
-//! be several sources, [`sources`] has one for each.
+//! cannot be said yet. Where bearings may be wild, mirrored or biased, it is a [`robust`] one that does; where the source
+//! may drive off, a [`pursuit`]; where there may be several sources, [`sources`] has one of either for each. All of them
+//! [`Locate`], and [`advice`] is where to drive. A direction finder that gives the whole circle has a [`spectrum`].
 
 pub mod advice;
 mod bearing;

@@ -41,6 +41,7 @@ mod term;
 use core::f32::consts::LN_2;
 
 use super::advice::{Advice, Belief};
+use super::locate::elapsed;
 use super::locator::{self, Answer, Fix, NotObservable};
 use super::{Alternative, Observation};
 use crate::estimate::{Ellipse, largest_variance};
@@ -235,11 +236,7 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
         seconds: f32,
         rng: &mut R,
     ) -> Answer {
-        let seconds = if (0.0..=1e9).contains(&seconds) {
-            seconds
-        } else {
-            0.0
-        };
+        let seconds = elapsed(seconds);
         let fixed = matches!(self.answer, Answer::Fix(_));
         let source = fixed.then(|| self.filter.mean());
         let errors = &self.errors;

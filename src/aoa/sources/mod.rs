@@ -16,6 +16,7 @@ mod track;
 
 use super::Observation;
 use super::advice::Advice;
+use super::locate::elapsed;
 use super::locator::{Answer, Fix, NotObservable};
 use super::robust::{Bias, Hypothesis, Nursery, Shares};
 use super::{Cloud, Locate, Source};
@@ -253,11 +254,7 @@ impl<const K: usize, T: Track, const B: usize> Locate for Sources<K, T, B> {
         seconds: f32,
         rng: &mut R,
     ) -> Answer {
-        let seconds = if (0.0..=1e9).contains(&seconds) {
-            seconds
-        } else {
-            0.0
-        };
+        let seconds = elapsed(seconds);
         let Settings {
             bearings: count,
             seconds: time,
