@@ -455,6 +455,9 @@ mod proof {
         both_ways(&mut any(RobustLocator::<50, 16>::new(any(
             robust::Settings::default(),
         ))));
+        both_ways(&mut any(Pursuit::<20, 8>::new(any(
+            pursuit::Settings::default(),
+        ))));
         both_ways(&mut any(Locator::<50, 16>::new(settings).answer()));
         let track = || any(RobustLocator::<20, 8>::new(robust::Settings::default()));
         both_ways(&mut any(Sources::<2, _, 16>::new(

@@ -197,23 +197,39 @@ impl<A: Value, B: Value> Value for (A, B) {
     }
 }
 
-/// Whether there is one, and which.
-impl<T: Value> Value for Option<T> {
-    const SIZE: usize = 1 + T::SIZE;
+impl Value for bool {
+    const SIZE: usize = 1;
 
     fn write(&self, to: &mut Writer<'_>) {
-        u8::from(self.is_some()).write(to);
+        u8::from(*self).write(to);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        match u8::read(from)? {
+            0 => Ok(false),
+            1 => Ok(true),
+            _ => Err(Error::Malformed),
+        }
+    }
+}
+
+/// Whether there is one, and which.
+impl<T: Value> Value for Option<T> {
+    const SIZE: usize = bool::SIZE + T::SIZE;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        self.is_some().write(to);
         if let Some(value) = self {
             value.write(to);
         }
     }
 
     fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
-        match u8::read(from)? {
-            0 => Ok(None),
-            1 => T::read(from).map(Some),
-            _ => Err(Error::Malformed),
-        }
+        Ok(if bool::read(from)? {
+            Some(T::read(from)?)
+        } else {
+            None
+        })
     }
 }
 

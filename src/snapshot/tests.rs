@@ -6,12 +6,13 @@ use std::{format, string::String, vec, vec::Vec};
 use super::*;
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
 use crate::aoa::locator::{self, Answer, Locator, Moves};
+use crate::aoa::pursuit::{self, Pursuit};
 use crate::aoa::robust::{self, RobustLocator, Tails};
 use crate::aoa::sources::{self, Sources};
 use crate::aoa::{Bearing, Locate, Observation};
 use crate::checksum::crc32;
 use crate::filter::ParticleFilter;
-use crate::math::atan2;
+use crate::math::{atan2, sin_cos};
 use crate::model::RandomWalk;
 use crate::random::{Rng, SeedableRng, Xoshiro128PlusPlus, normal};
 use crate::refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths};
@@ -136,6 +137,50 @@ fn so_does_a_robust_one() {
         let new = || RobustLocator::<64, 12>::new(robust::Settings::new(errors));
         let snapshot = goes_on(new, true, |a, b| assert_eq!(text(a), text(b)));
         assert!(snapshot.len() <= largest::<(RobustLocator<64, 12>, Xoshiro128PlusPlus)>());
+    }
+}
+
+/// Of a source that is parked and then drives off.
+#[test]
+fn so_does_a_pursuit() {
+    let errors = robust::Errors::new().bias_deviation(0.05).unwrap();
+    let habits = pursuit::Settings::new(robust::Settings::new(errors));
+    let new = || Pursuit::<64, 12>::new(habits);
+    let mut rng = generator();
+    let round = |i: usize| {
+        let (sin, cos) = sin_cos(0.08 * i as f32);
+        let [x, y] = [300.0 * cos, 300.0 * sin];
+        let north = 10.0 * i.saturating_sub(40) as f32;
+        let radians = atan2(north - y, -x) + 0.02 * normal(&mut rng);
+        Observation::new([x, y], Bearing::from_radians(radians), 0.02).unwrap()
+    };
+    let drive: Vec<Observation> = (0..80).map(round).collect();
+    let mut going = (new(), generator());
+    let mut phases = std::collections::BTreeSet::new();
+    for (i, observation) in drive.iter().enumerate() {
+        going.0.push_after(*observation, 1.0, &mut going.1);
+        let moving = going.0.motion().map_or(0.0, |motion| motion.moving);
+        phases.insert((10.0 * moving) as u32);
+        let mut restored = (new(), Xoshiro128PlusPlus::seed_from_u64(99));
+        for other in drive.iter().rev().step_by(7) {
+            restored.0.push_after(*other, 1.0, &mut restored.1);
+        }
+        let snapshot = saved(&going);
+        restore(&mut restored, &snapshot).unwrap();
+        assert_eq!(saved(&restored), snapshot);
+        assert_eq!(text(&restored), text(&going));
+        // A few on, which is where what was forgotten would show.
+        let mut on = going.clone();
+        for observation in drive.iter().skip(i + 1).take(5) {
+            on.0.push_after(*observation, 1.0, &mut on.1);
+            restored.0.push_after(*observation, 1.0, &mut restored.1);
+        }
+        assert_eq!(text(&restored), text(&on));
+    }
+    assert!(phases.contains(&0) && phases.contains(&9), "{phases:?}");
+    for other in [habits.speed(2.0), habits.straight_s(10.0)] {
+        let mut other = (Pursuit::<64, 12>::new(other.unwrap()), generator());
+        assert_eq!(assert_refused(&mut other, &saved(&going)), Error::Settings);
     }
 }
 

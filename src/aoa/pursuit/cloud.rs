@@ -16,14 +16,14 @@ pub(super) const COMPONENTS: usize = 64;
 /// the source departed, turned and stopped.
 #[derive(Debug, Clone)]
 pub(super) struct Cloud {
-    components: [Component; COMPONENTS],
-    log_weights: [f32; COMPONENTS],
+    pub(super) components: [Component; COMPONENTS],
+    pub(super) log_weights: [f32; COMPONENTS],
     /// They sum to one.
-    weights: [f32; COMPONENTS],
+    pub(super) weights: [f32; COMPONENTS],
     /// Logarithm of what the log-weights stand for.
-    log_sum: f32,
-    effective_sample_size: f32,
-    alive: bool,
+    pub(super) log_sum: f32,
+    pub(super) effective_sample_size: f32,
+    pub(super) alive: bool,
 }
 
 /// What of a cloud is at rest.

@@ -26,6 +26,7 @@ mod component;
 mod drive;
 mod recent;
 mod settings;
+mod snapshot;
 mod track;
 
 use super::Observation;

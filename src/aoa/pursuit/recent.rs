@@ -10,7 +10,7 @@ pub(super) const RECENT: usize = 32;
 #[derive(Debug, Clone)]
 pub(super) struct Recent {
     /// The oldest first.
-    bearings: Deque<Old, RECENT>,
+    pub(super) bearings: Deque<Old, RECENT>,
 }
 
 #[derive(Debug, Clone, Copy)]
