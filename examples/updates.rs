@@ -18,6 +18,7 @@ mod gateways {
     pub mod evolution;
     pub mod firefly;
     pub mod fish;
+    pub mod kept;
     pub mod robust;
 }
 
@@ -33,7 +34,7 @@ mod target {
             robust::{self, RobustLocator},
             sources::{self, Sources},
         },
-        gateway::{Event, Settings, Vehicle},
+        gateway::{Event, SHORT_REPORT, Settings, Vehicle},
         problems::bearings::Track,
         random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform},
         refine::{DifferentialEvolution, Firefly, FishSchool, Lengths, Refinement},
@@ -42,7 +43,7 @@ mod target {
     use heapless::String;
 
     use crate::board::{semihosting, stopwatch::Stopwatch};
-    use crate::gateways::{evolution, firefly, fish, robust as city};
+    use crate::gateways::{evolution, firefly, fish, kept, robust as city};
 
     const DRIVE: &[u8] = include_bytes!("data/drive.nmea");
 
@@ -71,7 +72,8 @@ mod target {
         hprintln!("figure\tsources.bytes\t{}\tbytes", bytes);
         snapshots("locator", vehicle(), one);
         let robust = RobustLocator::<256, 64>::new(robust::Settings::default());
-        snapshots("robust", Vehicle::new(Settings::new(), robust), one);
+        snapshots::<_, SHORT_REPORT>("robust", Vehicle::new(Settings::new(), robust), one);
+        snapshots("kept", black_box(kept::gateway()), one);
         let worst = worst_byte(vehicle(), &stopwatch);
         hprintln!(
             "figure\tvehicle.byte.worst.instructions\t{}\tinstructions",
@@ -246,11 +248,15 @@ mod target {
     }
 
     /// What a gateway that knows the recorded drive takes to be saved and restored.
-    fn snapshots<L: Locate + Persist>(name: &str, mut gateway: Vehicle<L>, stopwatch: &Stopwatch) {
+    fn snapshots<L: Locate + Persist, const REPORT: usize>(
+        name: &str,
+        mut gateway: Vehicle<L, REPORT>,
+        stopwatch: &Stopwatch,
+    ) {
         for byte in DRIVE {
             gateway.push(*byte);
         }
-        let mut buffer = black_box([0; 10_000]);
+        let mut buffer = black_box([0; 30_000]);
         let (bytes, save) = stopwatch.instructions(|| gateway.snapshot(&mut buffer));
         let bytes = black_box(bytes.expect("the buffer is large enough"));
         let (result, restore) = stopwatch.instructions(|| gateway.restore(bytes));
