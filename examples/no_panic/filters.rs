@@ -1,0 +1,208 @@
+//! Filters, and what they are made of.
+
+use core::hint::black_box;
+
+use foxhunt::{
+    aoa::BearingLikelihood,
+    estimate::{self, Ellipse},
+    filter::ParticleFilter,
+    kalman::{Covariance, Gaussian, Unscented},
+    math,
+    model::{ConstantVelocity, Dynamics, RandomWalk, Static},
+    particles::{self, Particles},
+    problems::{bearings::Track, gamma, growth},
+    proposal::{AuxiliaryFilter, PointMassFilter, Transition, UnscentedParticleFilter},
+    random::{self, SeedableRng, Xoshiro128PlusPlus},
+    refine::{
+        Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Memory, Refinement, fish,
+    },
+    resample::{Scheme, resample},
+    weights,
+};
+
+use crate::{
+    bearings::observation,
+    values::{any, some, some_mut},
+};
+
+pub fn math() {
+    black_box(math::exp(any(0.0)));
+    black_box(math::ln(any(0.0)));
+    black_box(math::sqrt(any(0.0)));
+    black_box(math::wrap(any(0.0)));
+    black_box(math::sin_cos(any(0.0)));
+    black_box(math::atan2(any(0.0), any(0.0)));
+}
+
+pub fn random(rng: &mut Xoshiro128PlusPlus) {
+    black_box(random::uniform(rng));
+    black_box(random::uniform_open(rng));
+    black_box(random::normal(rng));
+    black_box(random::gamma(rng, any(0.0)));
+}
+
+pub fn cloud(rng: &mut Xoshiro128PlusPlus) {
+    let mut cloud = any(Particles::<3, 50>::new());
+    cloud.initialise(rng, |_| any([0.0; 3]));
+    cloud.set(any(0), any([0.0; 3]));
+    black_box(cloud.get(any(0)));
+    cloud.log_weights_mut().fill(any(0.0));
+    cloud.resample(any(Scheme::Systematic), &mut any([0.0; 50]), rng);
+    black_box(cloud.log_weights());
+
+    let (mut a, mut b, mut c) = (any([0.0; 20]), any([0.0; 20]), any([0.0; 20]));
+    let mut columns = [some_mut(&mut a), some_mut(&mut b)];
+    particles::write(&mut columns, any(0), any([0.0; 2]));
+    Static.predict(&mut columns, any(0.0), rng);
+    let walk = any(RandomWalk {
+        deviation: [0.0; 2],
+    });
+    walk.predict(&mut columns, any(0.0), rng);
+    black_box(walk.step(any([0.0; 2]), any(0.0), rng));
+    let [a, b] = columns;
+    let columns = [&*a, &*b];
+    black_box(particles::read(&columns, any(0)));
+    black_box(estimate::mean(&columns, some(&c)));
+    black_box(estimate::covariance(&columns, some(&c)));
+    black_box(estimate::quantile(some(a), some(b), any(0.0)));
+    black_box(weights::effective_sample_size(some(a)));
+    black_box(weights::normalise(some_mut(a), some_mut(b)));
+    black_box(weights::reweigh(some_mut(a), some_mut(b)));
+    let ancestors = resample(any(Scheme::Systematic), some(a), some_mut(&mut c), rng);
+    ancestors.gather(some_mut(a), some_mut(b));
+    black_box(ancestors.iter().sum::<usize>());
+    let ellipse = Ellipse::of_normal(any([0.0; 2]), any([[0.0; 2]; 2]), any(0.0));
+    black_box(ellipse.contains(any([0.0; 2])));
+}
+
+pub fn filter(rng: &mut Xoshiro128PlusPlus) {
+    let mut filter = any(ParticleFilter::<4, 50>::new());
+    filter.initialise(rng, |_| any([0.0; 4]));
+    filter.predict(
+        &any(ConstantVelocity {
+            acceleration: [0.0; 2],
+        }),
+        any(0.0),
+        rng,
+    );
+    _ = black_box(filter.update(&|state: &[f32; 4]| any(state[0])));
+    if let Some(observation) = observation() {
+        _ = black_box(filter.update(&BearingLikelihood::new(&observation)));
+    }
+    black_box(filter.resample_below(any(0.0), rng));
+    filter.resample(any(Scheme::Systematic), rng);
+    black_box((
+        filter.mean(),
+        filter.covariance(),
+        filter.effective_sample_size(),
+    ));
+    black_box((filter.columns_mut(), any(0.0)));
+    black_box((filter.particles(), filter.weights()));
+}
+
+pub fn refine<const D: usize>(rng: &mut Xoshiro128PlusPlus) {
+    let mut memory = Memory::<D, 50>::new();
+    let mut states = any([[0.0; 60]; D]);
+    let mut columns = states.each_mut().map(|column| some_mut(column));
+    let target = |state: &[f32; D]| any(state[0]);
+    let acceptance = any(Acceptance::Greedy);
+    let lengths = any(Lengths::Absolute);
+    let school = FishSchool::new(lengths, any(1.0), any(1.0))
+        .and_then(|school| school.tries(any(3)))
+        .and_then(|school| school.iterations(any(4)))
+        .and_then(|school| school.crowding(any(0.5)))
+        .and_then(|school| school.threshold(any(0.1)));
+    if let Ok(school) = school {
+        let school = school
+            .behaviour(any(fish::Behaviour::Prey))
+            .heading(any(fish::Heading::Random))
+            .acceptance(acceptance);
+        black_box(school.evaluations(any(3)));
+        black_box(school.refine(&mut columns, &target, &mut memory.workspace(), rng));
+    }
+    for firefly in [
+        Firefly::standard(lengths, any(1.0), any(1.0)),
+        Firefly::improved(lengths, any(1.0), any(1.0)),
+    ] {
+        let firefly = firefly
+            .and_then(|firefly| firefly.iterations(any(2)))
+            .and_then(|firefly| firefly.decay(any(2.0)));
+        if let Ok(firefly) = firefly {
+            let firefly = firefly.acceptance(acceptance);
+            black_box(firefly.refine(&mut columns, &target, &mut memory.workspace(), rng));
+        }
+    }
+    let evolution = DifferentialEvolution::new()
+        .acceptance(acceptance)
+        .generations(any(3))
+        .and_then(|evolution| evolution.crossover(any(0.3)));
+    if let Ok(evolution) = evolution {
+        black_box(evolution.refine(&mut columns, &target, &mut memory.workspace(), rng));
+    }
+}
+
+pub fn kalman(rng: &mut Xoshiro128PlusPlus) {
+    let Ok(mut covariance) = Covariance::<3>::new(&any([[0.0; 3]; 3])) else {
+        return;
+    };
+    covariance.add(any([0.0; 3]));
+    black_box((covariance.matrix(), covariance.deviations()));
+    let mut state = any(Gaussian {
+        mean: [0.0; 3],
+        covariance: covariance.plus(&any(Covariance::diagonal([0.0; 3]))),
+    });
+    black_box((state.draw(rng), state.log_density(any([0.0; 3]))));
+    let noise = any(Covariance::<2>::diagonal([0.0; 2]));
+    _ = black_box(state.predict(&any([[0.0; 3]; 3]), &covariance));
+    _ = black_box(state.update(&any([[0.0; 3]; 2]), any([0.0; 2]), &noise));
+    if let Ok(unscented) = Unscented::new(any(0.0), any(0.0), any(0.0)) {
+        _ = black_box(unscented.predict(&mut state, |x| any(*x), &covariance));
+        _ = black_box(unscented.update(&mut state, |[x, y, _]| any([*x, *y]), &noise));
+    }
+}
+
+pub fn propose(rng: &mut Xoshiro128PlusPlus) {
+    let covariance = any(Covariance::diagonal([0.0]));
+    let mut unscented = any(UnscentedParticleFilter::<1, 10>::new());
+    unscented.initialise(rng, &covariance, |_| any([0.0]));
+    let mut auxiliary = any(AuxiliaryFilter::<1, 10>::new());
+    auxiliary.initialise(rng, |_| any([0.0]));
+    let mut points = any(PointMassFilter::<1, 10>::at([0.0]));
+    let mut memory = any([0.0; 32]);
+    let seed = any(1);
+    for (dynamics, _, measurement) in gamma::simulate(
+        any(0.0),
+        any(0.0),
+        &mut Xoshiro128PlusPlus::seed_from_u64(seed),
+    )
+    .take(any(50))
+    {
+        let parameters = &Unscented::DEFAULT;
+        _ = black_box(unscented.step(parameters, &dynamics, &measurement, any(0.0), rng));
+        black_box((unscented.mean(), unscented.covariance()));
+        unscented.resample(any(Scheme::Systematic), rng);
+        _ = black_box(auxiliary.step(&dynamics, &measurement, any(0.0), &mut memory, rng));
+        black_box((auxiliary.mean(), auxiliary.covariance()));
+        _ = black_box(points.step(&dynamics, &measurement, any(0.0), &mut memory));
+        black_box((points.mean(), points.covariance()));
+    }
+    for (dynamics, truth, measurement) in growth::simulate(rng).take(any(50)) {
+        black_box((dynamics.mean(&[truth], any(0.0)), measurement));
+    }
+
+    let walk = any(RandomWalk {
+        deviation: [0.0; 2],
+    });
+    let mut memory = any([0.0; 300]);
+    let mut auxiliary = any(AuxiliaryFilter::<2, 10>::new());
+    let likelihood = |state: &[f32; 2]| any(state[0]);
+    _ = black_box(auxiliary.step(&walk, &likelihood, any(0.0), &mut memory, rng));
+    let (low, high) = any(([0.0; 2], [0.0; 2]));
+    let prior = |state: &[f32; 2]| any(state[1]);
+    if let Ok(mut points) = PointMassFilter::<2, 10>::from_prior(low, high, prior, &mut memory) {
+        _ = black_box(points.step(&walk, &likelihood, any(0.0), &mut memory));
+    }
+    for observation in any(Track::A2).simulate(rng) {
+        black_box(observation);
+    }
+}
