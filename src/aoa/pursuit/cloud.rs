@@ -1,6 +1,6 @@
 //! A source that has moved: a mixture over what it may have done.
 
-use super::component::{Component, Matrix, STATES, Vector};
+use super::component::{Component, Offset, Symmetric};
 use super::drive::Drive;
 use crate::aoa::Observation;
 use crate::aoa::robust::Errors;
@@ -10,7 +10,7 @@ use crate::resample::{Scheme, resample};
 use crate::weights;
 
 /// How many normal distributions the mixture is of.
-pub(super) const COMPONENTS: usize = 64;
+pub(super) const COMPONENTS: usize = 128;
 
 /// Normal distributions with weights: a mixture Kalman filter (Chen and Liu 2000), whose samples are the times at which
 /// the source departed, turned and stopped.
@@ -23,6 +23,7 @@ pub(super) struct Cloud {
     /// Logarithm of what the log-weights stand for.
     pub(super) log_sum: f32,
     pub(super) effective_sample_size: f32,
+    pub(super) offset: Offset,
     pub(super) alive: bool,
 }
 
@@ -44,6 +45,10 @@ impl Cloud {
             weights: [1.0 / COMPONENTS as f32; COMPONENTS],
             log_sum: ln(COMPONENTS as f32),
             effective_sample_size: COMPONENTS as f32,
+            offset: Offset {
+                mean: 0.0,
+                variance: 1.0,
+            },
             alive: false,
         }
     }
@@ -103,16 +108,18 @@ impl Cloud {
         }
     }
 
-    pub(super) fn predict<R: Rng + ?Sized>(&mut self, drive: &Drive, rng: &mut R) {
-        for (component, weight) in self.components.iter_mut().zip(&mut self.log_weights) {
-            *weight += drive.step(component, rng);
+    /// Lets time pass, until a bearing is taken somewhere.
+    pub(super) fn predict<R: Rng + ?Sized>(&mut self, drive: &Drive, from: [f32; 2], rng: &mut R) {
+        for component in &mut self.components {
+            drive.step(component, rng);
+            component.divide(from, rng);
         }
     }
 
     /// Takes a bearing into all components, and returns the mean of one plus its odds.
     pub(super) fn take(&mut self, observation: &Observation, errors: &Errors) -> f32 {
         for (component, weight) in self.components.iter_mut().zip(&mut self.weights) {
-            *weight = ln(component.take(observation, errors));
+            *weight = ln(component.take(observation, errors, self.offset));
         }
         let before = self.log_sum;
         let Some(normalised) = weights::reweigh(&mut self.log_weights, &mut self.weights) else {
@@ -132,7 +139,7 @@ impl Cloud {
         let odds = self.iter().map(|(component, weight)| {
             let mut component = *component;
             component.travel(seconds, 1.0);
-            weight * (component.take(observation, errors) - 1.0)
+            weight * component.odds(observation, errors, self.offset).0
         });
         odds.sum()
     }
@@ -199,19 +206,22 @@ impl Cloud {
         self.components.iter().zip(self.weights.iter().copied())
     }
 
-    /// Mean and covariance.
-    pub(super) fn moments(&self) -> (Vector, Matrix) {
-        moments(self.iter())
+    /// Mean and covariance of the place.
+    pub(super) fn place(&self) -> ([f32; 2], Symmetric) {
+        let of = |(component, weight): (&Component, f32)| {
+            (component.place, component.place_spread, weight)
+        };
+        moments(self.iter().map(of))
     }
 
     /// Mean and variance, of either component, of the velocity of those that drive.
     pub(super) fn velocity(&self) -> ([f32; 2], f32) {
         let driving = self.iter().filter(|(component, _)| component.rest < 0.0);
-        let (mean, covariance) = moments(driving);
-        (
-            [mean[2], mean[3]],
-            0.5 * (covariance[2][2] + covariance[3][3]),
-        )
+        let of = |(component, weight): (&Component, f32)| {
+            (component.velocity, component.velocity_spread, weight)
+        };
+        let (mean, [uu, _, vv]) = moments(driving.map(of));
+        (mean, 0.5 * (uu + vv))
     }
 
     pub(super) fn at_rest(&self) -> AtRest {
@@ -234,27 +244,22 @@ impl Cloud {
     }
 }
 
-fn moments<'a>(components: impl Iterator<Item = (&'a Component, f32)> + Clone) -> (Vector, Matrix) {
-    let mut mass = 1e-9;
-    let mut mean = [0.0; STATES];
-    for (component, weight) in components.clone() {
+fn moments(
+    parts: impl Iterator<Item = ([f32; 2], Symmetric, f32)> + Clone,
+) -> ([f32; 2], Symmetric) {
+    let (mut mass, mut x, mut y) = (1e-9, 0.0, 0.0);
+    for ([a, b], _, weight) in parts.clone() {
         mass += weight;
-        for (mean, value) in mean.iter_mut().zip(component.mean) {
-            *mean += weight * value;
-        }
+        x += weight * a;
+        y += weight * b;
     }
-    let mean = mean.map(|sum| sum / mass);
-    let mut covariance = [[0.0; STATES]; STATES];
-    for (component, weight) in components {
-        let mut offset = component.mean;
-        for (offset, mean) in offset.iter_mut().zip(mean) {
-            *offset -= mean;
-        }
-        for ((row, of), a) in covariance.iter_mut().zip(&component.covariance).zip(offset) {
-            for ((entry, of), b) in row.iter_mut().zip(of).zip(offset) {
-                *entry += weight * (of + a * b);
-            }
-        }
+    let (x, y) = (x / mass, y / mass);
+    let mut spread = [0.0; 3];
+    for ([a, b], [xx, xy, yy], weight) in parts {
+        let (a, b) = (a - x, b - y);
+        spread[0] += weight * (xx + a * a);
+        spread[1] += weight * (xy + a * b);
+        spread[2] += weight * (yy + b * b);
     }
-    (mean, covariance.map(|row| row.map(|sum| sum / mass)))
+    ([x, y], spread.map(|sum| sum / mass))
 }

@@ -5,11 +5,6 @@ use super::settings::Habits;
 use crate::math::{exp, ln, sqrt};
 use crate::random::{Rng, normal, uniform, uniform_open};
 
-/// How many times as often as they happen turns and events are tried, at weights that make up for it: few components
-/// would take one at the right moment.
-const TURNS: f32 = 3.0;
-const EVENTS: f32 = 8.0;
-
 /// A velocity that goes from one normal value to another as an Ornstein-Uhlenbeck process does, and the way meanwhile,
 /// exactly, for any time.
 #[derive(Clone, Copy)]
@@ -64,32 +59,18 @@ fn passed(x: f32) -> f32 {
     }
 }
 
-/// An event that has happened within some time with a probability of its own, and is tried with another.
+/// An event that has happened within some time with a probability.
 #[derive(Clone, Copy)]
 struct Event {
     mean_s: f32,
     share: f32,
-    tried: f32,
-    /// What happens to a log-weight if it was tried, and if not.
-    yes: f32,
-    no: f32,
 }
 
 impl Event {
-    fn new(seconds: f32, mean_s: f32, eagerness: f32) -> Self {
-        let share = passed(seconds / mean_s);
-        let (tried, yes, no) = if share > 0.0 && eagerness * share < 0.5 {
-            let tried = eagerness * share;
-            (tried, -ln(eagerness), ln((1.0 - share) / (1.0 - tried)))
-        } else {
-            (share, 0.0, 0.0)
-        };
+    fn new(seconds: f32, mean_s: f32) -> Self {
         Self {
             mean_s,
-            share,
-            tried,
-            yes,
-            no,
+            share: passed(seconds / mean_s),
         }
     }
 
@@ -120,9 +101,9 @@ impl Drive {
             seconds,
             deviation,
             straight: Leg::new(seconds, Self::STEADINESS * habits.straight_s, deviation),
-            turn: Event::new(seconds, habits.straight_s, TURNS),
-            stop: Event::new(seconds, habits.driving_s, EVENTS),
-            departure: Event::new(seconds, habits.parked_s, EVENTS),
+            turn: Event::new(seconds, habits.straight_s),
+            stop: Event::new(seconds, habits.driving_s),
+            departure: Event::new(seconds, habits.parked_s),
         }
     }
 
@@ -134,7 +115,7 @@ impl Drive {
     /// Gives it any velocity: drawn for the most part, because what is at any velocity is soon anywhere, where a
     /// bearing is no linear measurement.
     pub(super) fn accelerate<R: Rng + ?Sized>(&self, component: &mut Component, rng: &mut R) {
-        const DRAWN: f32 = 0.9;
+        const DRAWN: f32 = 0.8;
         let drawn = self.deviation * sqrt(DRAWN);
         let velocity = [drawn * normal(rng), drawn * normal(rng)];
         let variance = (1.0 - DRAWN) * self.deviation * self.deviation;
@@ -155,38 +136,28 @@ impl Drive {
         }
     }
 
-    /// Where a component is after the time, and what that adds to its log-weight.
-    pub(super) fn step<R: Rng + ?Sized>(&self, component: &mut Component, rng: &mut R) -> f32 {
+    /// Lets the time pass.
+    pub(super) fn step<R: Rng + ?Sized>(&self, component: &mut Component, rng: &mut R) {
         let parked = component.rest >= 0.0;
         let event = if parked { &self.departure } else { &self.stop };
-        if uniform(rng) < event.tried {
-            if parked {
-                self.depart(component, rng);
-            } else {
-                let way = event.after(rng);
-                component.travel(way, 1.0);
-                let left = self.seconds - way;
-                component.stop(if left > 0.0 { left } else { 0.0 });
-            }
-            return event.yes;
-        }
+        let happens = uniform(rng) < event.share;
         if parked {
             component.rest += self.seconds;
-            return event.no;
-        }
-        let turned = uniform(rng) < self.turn.tried;
-        let turn = if turned {
-            self.turn.yes
-        } else {
-            self.straight.drive(component);
-            self.turn.no
-        };
-        if turned {
+            if happens {
+                self.depart(component, rng);
+            }
+        } else if happens {
+            let way = event.after(rng);
+            component.travel(way, 1.0);
+            let left = self.seconds - way;
+            component.stop(if left > 0.0 { left } else { 0.0 });
+        } else if uniform(rng) < self.turn.share {
             // Half of the way as before, half of it as from now on.
             component.travel(0.5 * self.seconds, 1.0);
             self.accelerate(component, rng);
             component.travel(0.5 * self.seconds, 1.0);
+        } else {
+            self.straight.drive(component);
         }
-        event.no + turn
     }
 }

@@ -1,7 +1,7 @@
 //! Pursuits as bytes.
 
 use super::cloud::{COMPONENTS, Cloud};
-use super::component::{Component, Matrix, Vector};
+use super::component::{Component, Offset, Symmetric};
 use super::recent::{Old, RECENT, Recent};
 use super::settings::Habits;
 use super::{Errors, Lost, Phase, Pursuit, Settings};
@@ -90,6 +90,7 @@ impl Persist for Cloud {
             weights,
             log_sum,
             effective_sample_size,
+            offset,
             alive,
         } = self;
         for component in components {
@@ -97,7 +98,7 @@ impl Persist for Cloud {
         }
         to.column(log_weights);
         to.column(weights);
-        Weight::write(&([*log_sum, *effective_sample_size], *alive), to);
+        Weight::write(&([*log_sum, *effective_sample_size], (*offset, *alive)), to);
     }
 
     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
@@ -112,14 +113,14 @@ impl Persist for Cloud {
         from.column(&mut self.log_weights)?;
         from.column(&mut self.weights)?;
         let sums;
-        (sums, self.alive) = Weight::read(from)?;
+        (sums, (self.offset, self.alive)) = Weight::read(from)?;
         [self.log_sum, self.effective_sample_size] = sums;
         Ok(())
     }
 }
 
 /// In a snapshot, what is behind the weights.
-type Weight = ([f32; 2], bool);
+type Weight = ([f32; 2], (Offset, bool));
 
 /// A list.
 impl Persist for Recent {
@@ -160,9 +161,17 @@ value!(Habits {
 });
 
 value!(Component {
-    mean: Vector,
-    covariance: Matrix,
+    place: [f32; 2],
+    velocity: [f32; 2],
+    place_spread: Symmetric,
+    common: [[f32; 2]; 2],
+    velocity_spread: Symmetric,
     rest: f32,
+});
+
+value!(Offset {
+    mean: f32,
+    variance: f32,
 });
 
 value!(Old {

@@ -1,6 +1,7 @@
 //! A source that may move, of several.
 
-use super::{Phase, Pursuit};
+use super::Pursuit;
+use super::phases::Phase;
 use crate::aoa::Observation;
 use crate::aoa::locator::Answer;
 use crate::aoa::robust::{self, Seed};

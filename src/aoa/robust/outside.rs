@@ -97,7 +97,7 @@ pub(in crate::aoa) struct LineError {
     pub(in crate::aoa) angle: f32,
     /// Variance that it has on its own.
     pub(in crate::aoa) variance: f32,
-    mirrored: bool,
+    pub(in crate::aoa) mirrored: bool,
 }
 
 impl LineError {

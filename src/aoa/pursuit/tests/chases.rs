@@ -22,10 +22,7 @@ fn follow(chase: &Chase, seed: u64, with_oracle: bool) -> Vec<Known> {
         let answer = pursuit.push_after(step.observation, 1.0, &mut rng);
         let (position, covered) = match answer {
             Answer::Fix(fix) => (fix.position, fix.ellipse(0.95).contains(step.source)),
-            Answer::NotObservable(_) => {
-                let (mean, _) = pursuit.cloud.moments();
-                ([mean[0], mean[1]], false)
-            }
+            Answer::NotObservable(_) => (pursuit.cloud.place().0, false),
         };
         Known {
             time: step.time,

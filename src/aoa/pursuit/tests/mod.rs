@@ -8,8 +8,9 @@ mod parked;
 use core::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};
 
 use super::*;
+use crate::aoa::robust::outside::odds;
 use crate::aoa::{Bearing, robust};
-use crate::random::{SeedableRng, Xoshiro128PlusPlus, uniform};
+use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
 use crate::resample::{Scheme, resample};
 use crate::weights;
 use chase::Chase;
