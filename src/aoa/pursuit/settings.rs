@@ -69,7 +69,7 @@ impl Settings {
             locator,
             habits: Habits {
                 speed: 10.0,
-                parked_s: 300.0,
+                parked_s: 600.0,
                 driving_s: 180.0,
                 straight_s: 20.0,
             },
@@ -88,7 +88,7 @@ impl Settings {
         Ok(self)
     }
 
-    /// How long the source stays parked, in the mean, in seconds: 300 unless set. The longer, the more it takes to
+    /// How long the source stays parked, in the mean, in seconds: 600 unless set. The longer, the more it takes to
     /// believe that it moves.
     ///
     /// # Errors
