@@ -3,7 +3,7 @@
 use super::component::{Component, Offset, Symmetric};
 use super::drive::Drive;
 use crate::aoa::Observation;
-use crate::aoa::robust::Errors;
+use crate::aoa::robust::{Errors, Shares};
 use crate::math::{exp, ln};
 use crate::random::Rng;
 use crate::resample::{Scheme, resample};
@@ -142,6 +142,22 @@ impl Cloud {
             weight * component.odds(observation, errors, self.offset).0
         });
         odds.sum()
+    }
+
+    /// The probabilities that a bearing is direct, mirrored or wild.
+    pub(super) fn classify(&self, observation: &Observation, errors: &Errors) -> Shares {
+        let [mut direct, mut mirror, mut wild] = [0.0; 3];
+        for (component, weight) in self.iter() {
+            let (odds, mirrored) = component.odds(observation, errors, self.offset);
+            let other = weight / (1.0 + odds);
+            wild += other;
+            *if mirrored { &mut mirror } else { &mut direct } += weight - other;
+        }
+        Shares {
+            direct,
+            mirror,
+            wild,
+        }
     }
 
     pub(super) fn resample_below<R: Rng + ?Sized>(&mut self, share: f32, rng: &mut R) {

@@ -146,7 +146,11 @@ impl Component {
         self.place = [self.place[0] + step * px, self.place[1] + step * py];
         self.velocity = [self.velocity[0] + step * pu, self.velocity[1] + step * pv];
         let add = |[aa, ab, bb]: Symmetric, a: f32, b: f32| {
-            [aa + factor * a * a, ab + factor * a * b, bb + factor * b * b]
+            [
+                aa + factor * a * a,
+                ab + factor * a * b,
+                bb + factor * b * b,
+            ]
         };
         self.place_spread = add(self.place_spread, px, py);
         self.velocity_spread = add(self.velocity_spread, pu, pv);

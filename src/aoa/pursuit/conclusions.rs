@@ -4,8 +4,8 @@ use super::Pursuit;
 use super::component::matrix;
 use super::phases::Phase;
 use crate::aoa::Observation;
-use crate::aoa::advice::Advice;
-use crate::aoa::locate::{Locate, Motion, Source};
+use crate::aoa::advice::{Advice, Belief};
+use crate::aoa::locate::{Cloud, Locate, Motion, Source};
 use crate::aoa::locator::{Answer, Fix, NotObservable};
 use crate::aoa::robust::{Bias, Hypothesis, Shares};
 use crate::estimate::largest_variance;
@@ -25,6 +25,25 @@ impl<const N: usize, const B: usize> Pursuit<N, B> {
             velocity,
             deviation: sqrt(variance),
         })
+    }
+
+    /// Of a source that may have moved: where it is if it has, and where it is parked otherwise.
+    fn hypotheses(&self) -> impl Iterator<Item = Hypothesis> {
+        let (position, spread) = self.cloud.place();
+        let moved = Hypothesis {
+            position,
+            covariance: matrix(spread),
+            mass: 1.0 - self.parked,
+        };
+        let parked = match self.locator.answer() {
+            Answer::Fix(fix) if self.phase == Phase::Departing => Some(Hypothesis {
+                position: fix.position,
+                covariance: fix.covariance,
+                mass: self.parked,
+            }),
+            _ => None,
+        };
+        [Some(moved), parked].into_iter().flatten()
     }
 
     pub(super) fn conclude(&self) -> Answer {
@@ -55,7 +74,7 @@ impl<const N: usize, const B: usize> Pursuit<N, B> {
         let n = self.cloud.effective_sample_size();
         let fix = Fix::of_cloud(position, covariance, n, self.bearings);
         let limit = 2.0 * self.settings.locator.relative_range_error();
-        let latest = self.recent.latest();
+        let latest = self.recent.place();
         let (dx, dy) = (position[0] - latest[0], position[1] - latest[1]);
         if largest_variance(&fix.covariance) <= limit * limit * (dx * dx + dy * dy) {
             Answer::Fix(fix)
@@ -98,7 +117,7 @@ impl<const N: usize, const B: usize> Locate for Pursuit<N, B> {
         if self.phase == Phase::Parked {
             self.locator.hypotheses().nth(index)
         } else {
-            None
+            self.hypotheses().nth(index)
         }
     }
 
@@ -118,15 +137,35 @@ impl<const N: usize, const B: usize> Locate for Pursuit<N, B> {
 
     fn advice(&self) -> Option<Advice> {
         if self.phase == Phase::Parked {
-            self.locator.advice()
-        } else {
-            None
+            return self.locator.advice();
         }
+        let latest = self.recent.latest()?;
+        Belief::of_hypotheses(self.hypotheses(), latest.position())
+            .advice(latest, self.answer.missing_angle())
     }
 
     fn classify(&self, observation: &Observation) -> Option<Shares> {
         if self.phase == Phase::Parked {
-            self.locator.classify(observation)
+            return self.locator.classify(observation);
+        }
+        let Answer::Fix(_) = self.answer else {
+            return None;
+        };
+        let mut shares = self.cloud.classify(observation, &self.errors);
+        if self.phase == Phase::Departing
+            && let Some(parked) = self.locator.classify(observation)
+        {
+            shares.direct += self.parked * (parked.direct - shares.direct);
+            shares.mirror += self.parked * (parked.mirror - shares.mirror);
+            shares.wild += self.parked * (parked.wild - shares.wild);
+        }
+        Some(shares)
+    }
+
+    /// While it is parked. What moves is of no particles, but its [`hypothesis`](Locate::hypothesis) is that of a fix.
+    fn cloud(&self, index: usize) -> Option<Cloud<'_>> {
+        if self.phase == Phase::Parked {
+            self.locator.cloud(index)
         } else {
             None
         }

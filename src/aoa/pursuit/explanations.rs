@@ -33,7 +33,7 @@ impl<const N: usize, const B: usize> Pursuit<N, B> {
     pub(super) fn wait<R: Rng + ?Sized>(&mut self, drive: &Drive, rng: &mut R) {
         self.cloud.resample_below(0.5, rng);
         if self.cloud.is_alive() {
-            self.cloud.predict(drive, self.recent.latest(), rng);
+            self.cloud.predict(drive, self.recent.place(), rng);
         }
         if !self.may_be_parked() {
             return;

@@ -50,10 +50,13 @@ impl Recent {
         });
     }
 
+    pub(super) fn latest(&self) -> Option<&Observation> {
+        self.bearings.back().map(|latest| &latest.observation)
+    }
+
     /// Where the latest was taken.
-    pub(super) fn latest(&self) -> [f32; 2] {
-        let latest = self.bearings.back();
-        latest.map_or([0.0; 2], |latest| latest.observation.position())
+    pub(super) fn place(&self) -> [f32; 2] {
+        self.latest().map_or([0.0; 2], Observation::position)
     }
 
     /// The oldest first.

@@ -94,7 +94,7 @@ fn a_chase_is_followed() {
     Window::of(&runs, 60.0, 120.0);
     Window::of(&runs, 120.0, 135.0);
     let driving = Window::of(&runs, 135.0, 240.0);
-    Window::of(&runs, 240.0, 270.0);
+    let stopped_now = Window::of(&runs, 240.0, 270.0);
     let again = Window::of(&runs, 270.0, 360.0);
     let all = Window::of(&runs, 0.0, 360.0);
     let end = Window::of(&runs, 359.0, 360.0);
@@ -107,13 +107,16 @@ fn a_chase_is_followed() {
         median(&mut stopped),
         quantile(&mut stopped, 0.9),
     );
-    // A filter that could not move would be half a kilometre off, one that has lost it anything.
-    assert!(driving.median < 150.0 && driving.fixes > 0.6);
-    assert!(again.median < 6.0 && again.fixes > 0.9);
-    // Runs are alike within themselves: four deviations below what many of them give.
-    assert!(all.coverage > 0.83, "{}", all.coverage);
-    assert!(end.median < 5.0 && end.most < 30.0);
-    assert!(median(&mut seen) <= 10.0 && median(&mut stopped) <= 40.0);
+    // Of 300 runs the medians are 1.35 times the oracle's, and 94 %, 97 %, 94 % and 94 % are covered. Runs are alike
+    // within themselves: four deviations below that.
+    assert!(driving.median < 1.7 * driving.oracle && driving.fixes > 0.93);
+    assert!(driving.coverage > 0.85, "{}", driving.coverage);
+    assert!(stopped_now.coverage > 0.87, "{}", stopped_now.coverage);
+    assert!(again.median < 1.6 * again.oracle && again.fixes > 0.97);
+    assert!(again.coverage > 0.84, "{}", again.coverage);
+    assert!(all.coverage > 0.87, "{}", all.coverage);
+    assert!(end.median < 4.0 && end.most < 15.0);
+    assert!(median(&mut seen) <= 8.0 && median(&mut stopped) <= 40.0);
 }
 
 #[test]
