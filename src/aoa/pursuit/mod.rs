@@ -34,6 +34,7 @@ mod snapshot;
 mod track;
 
 use super::Observation;
+use super::locate::elapsed;
 use super::locator::{Answer, Fix, NotObservable};
 use super::robust::outside::independent;
 use super::robust::{Errors, RobustLocator};
@@ -138,11 +139,7 @@ impl<const N: usize, const B: usize> Pursuit<N, B> {
         seconds: f32,
         rng: &mut R,
     ) -> Answer {
-        let seconds = if (0.0..=1e9).contains(&seconds) {
-            seconds
-        } else {
-            0.0
-        };
+        let seconds = elapsed(seconds);
         self.bearings = self.bearings.saturating_add(1);
         self.recent.wait(seconds);
         let earlier = self.recent.iter().map(|old| (&old.observation, old.age_s));
