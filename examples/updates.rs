@@ -34,7 +34,7 @@ mod target {
             robust::{self, RobustLocator},
             sources::{self, Sources},
         },
-        gateway::{Event, SHORT_REPORT, Settings, Vehicle},
+        gateway::{Event, LONG_REPORT, Settings, Vehicle},
         problems::bearings::Track,
         random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform},
         refine::{DifferentialEvolution, Firefly, FishSchool, Lengths, Refinement},
@@ -72,7 +72,7 @@ mod target {
         hprintln!("figure\tsources.bytes\t{}\tbytes", bytes);
         snapshots("locator", vehicle(), one);
         let robust = RobustLocator::<256, 64>::new(robust::Settings::default());
-        snapshots::<_, SHORT_REPORT>("robust", Vehicle::new(Settings::new(), robust), one);
+        snapshots::<_, LONG_REPORT>("robust", Vehicle::new(Settings::new(), robust), one);
         snapshots("kept", black_box(kept::gateway()), one);
         let worst = worst_byte(vehicle(), &stopwatch);
         hprintln!(

@@ -10,7 +10,7 @@ use foxhunt::{
         spectrum::{Spectrum, SpectrumLikelihood, Temper},
     },
     gateway::{
-        self, BearingReference, DeviationTable, Finder, KrakenConfidence, SHORT_REPORT, Sense,
+        self, BearingReference, DeviationTable, Finder, KrakenConfidence, LONG_REPORT, Sense,
         SpectrumReader, UbloxQuality, Vehicle,
     },
     model::Likelihood,
@@ -62,7 +62,7 @@ fn spectrum(settings: gateway::Settings) {
     let Ok(temper) = Temper::new(any(0.0)) else {
         return;
     };
-    let mut vehicle = any(Vehicle::<_, SHORT_REPORT, _>::with_spectrum(
+    let mut vehicle = any(Vehicle::<_, LONG_REPORT, _>::with_spectrum(
         settings,
         RobustLocator::<50, 16>::new(robust::Settings::default()),
         SpectrumReader::new(temper),

@@ -18,7 +18,7 @@ use foxhunt::{
         tracker::{self, Heard, Site, Tracker, Workspace},
     },
     gateway::{
-        Event, Finder, LONG_REPORT, SHORT_REPORT, Settings, SpectrumReader, TakeSpectrum, Vehicle,
+        Event, Finder, LONG_REPORT, Settings, SpectrumReader, TakeSpectrum, Vehicle,
         beacon,
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
@@ -63,13 +63,13 @@ pub fn spectra(data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
 }
 
 fn lines<L: Locate, S: TakeSpectrum>(
-    vehicle: Vehicle<L, SHORT_REPORT, S>,
+    vehicle: Vehicle<L, LONG_REPORT, S>,
     data: &[u8],
     line: impl Fn(&[u8]) -> Vec<u8>,
     observations: impl Fn(&L) -> Vec<Observation>,
 ) {
     let mut vehicle = Box::new(vehicle);
-    let push = |vehicle: &mut Vehicle<L, SHORT_REPORT, S>, bytes: &[u8]| -> Vec<Event> {
+    let push = |vehicle: &mut Vehicle<L, LONG_REPORT, S>, bytes: &[u8]| -> Vec<Event> {
         bytes
             .iter()
             .filter_map(|byte| vehicle.push(*byte))
@@ -77,7 +77,7 @@ fn lines<L: Locate, S: TakeSpectrum>(
     };
     push(&mut vehicle, &sentence(START.as_bytes()));
     for text in data.split(|byte| *byte == b'\n').take(LINES) {
-        let state = |vehicle: &Vehicle<L, SHORT_REPORT, S>| {
+        let state = |vehicle: &Vehicle<L, LONG_REPORT, S>| {
             let locator = vehicle.locator();
             let bearings = vehicle.counters().bearings;
             (locator.answer(), observations(locator), bearings)
@@ -89,7 +89,7 @@ fn lines<L: Locate, S: TakeSpectrum>(
         if events.iter().all(idle) {
             assert_eq!(state(&vehicle), before, "{events:?}");
         }
-        assert!(vehicle.report().len() <= 320);
+        assert!(vehicle.report().len() <= LONG_REPORT);
     }
 }
 

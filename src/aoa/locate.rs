@@ -11,6 +11,9 @@ use crate::random::Rng;
 /// A [`Locator`] and a [`RobustLocator`] know of one source that stays where it is. What one of them does not estimate is
 /// `None` here, at no cost.
 pub trait Locate {
+    /// Whether it knows more of a source than where it is, of more sources than one, or of the errors of bearings.
+    const DETAILS: bool = true;
+
     /// Whether it takes bearings that exclude each other, by [`push_alternative`](Self::push_alternative). What does not is
     /// to be given the best of them alone.
     const ALTERNATIVES: bool = false;
@@ -145,6 +148,8 @@ pub struct Motion {
 }
 
 impl<const N: usize, const B: usize, M: Moves<N>> Locate for Locator<N, B, M> {
+    const DETAILS: bool = false;
+
     fn push_after<R: Rng + ?Sized>(
         &mut self,
         observation: Observation,

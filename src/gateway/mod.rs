@@ -42,8 +42,8 @@
 //! Sentences with a checksum, ended by CR and LF. One `$PFOXF` or `$PFOXN` after an accepted bearing, if the
 //! last is at least [`Settings::report_interval_ms`] old; one of them and a `$PFOXS` for a query, which thus
 //! also tells that all bytes before it were processed; a `$PFOXN` for a restart. A locator that knows more, as a
-//! [`RobustLocator`](crate::aoa::robust::RobustLocator) does, says it in sentences that follow, of which
-//! [`LONG_REPORT`] bytes hold the most.
+//! [`RobustLocator`](crate::aoa::robust::RobustLocator) does, says it in sentences that follow, of up to four sources and
+//! four hypotheses; [`LONG_REPORT`] bytes hold them all.
 //!
 //! **`$PFOXF,hhmmss.sss,ddmm.mmmmmm,N,dddmm.mmmmmm,E,major,minor,orientation,bearings,ess*hh`**, a fix:
 //! UTC time of the last bearing; latitude and longitude of the source, to 1e-7 degree; standard deviations, in
@@ -54,8 +54,8 @@
 //! **`$PFOXN,hhmmss.sss,reason,bearings,has,needs*hh`**, no fix yet: the time of the last bearing, empty if
 //! there was none; the reason: `FEW` fewer than two bearings, `ANGLE` the bearings are too nearly
 //! parallel, `APART` their lines do not meet, `RANGE` the source is further from the origin than
-//! [`MAX_RANGE_M`](crate::aoa::geodesy::LocalPlane::MAX_RANGE_M); how many bearings there were since the last
-//! restart; for `ANGLE` the angle in degrees at which they cross and the least that is needed.
+//! [`MAX_RANGE_M`](crate::aoa::geodesy::LocalPlane::MAX_RANGE_M), which stands in the place of that source's `$PFOXF`; how
+//! many bearings there were since the last restart, for `RANGE` of that source; for `ANGLE` the angle in degrees at which they cross and the least that is needed.
 //!
 //! **`$PFOXM,source,moving,speed,course,deviation*hh`** after a `$PFOXF` of a source that may move, or of one of several,
 //! each of which has a `$PFOXF` of its own, the best known first: the number of the source; the probability, in percent,

@@ -7,14 +7,13 @@ use super::clock::{Clock, TimeOfDay};
 use super::history::{Compass, History};
 use super::line::{Kind, LineReader};
 use super::nmea::{self, Motion, Sentence};
-use super::report::{Context, Report, SHORT_REPORT};
+use super::report::{Context, LONG_REPORT, Report, SHORT_REPORT};
 use super::sentence::DEGREES;
 use super::{BearingReference, Counters, Finder, Rejected, Settings, SkipSpectrum, TakeSpectrum};
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
 use crate::aoa::locator::{Answer, Fix, NotObservable};
 use crate::aoa::spectrum::Peak;
 use crate::aoa::{Alternative, Bearing, Locate, Observation};
-use crate::math::sqrt;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 
 /// What a line led to.
@@ -65,7 +64,7 @@ pub struct Vehicle<L, const REPORT: usize = SHORT_REPORT, S = SkipSpectrum> {
     headings: History<Compass>,
     courses: History<Compass>,
     /// Where the direction finder said itself that it was.
-    own_place: Option<(TimeOfDay, Geodetic)>,
+    own_place: Option<OwnPlace>,
     plane: Option<LocalPlane>,
     /// Consecutive bearings that are near each other but too far from the origin: where the first was taken,
     /// and how many there are.
@@ -81,6 +80,14 @@ pub struct Vehicle<L, const REPORT: usize = SHORT_REPORT, S = SkipSpectrum> {
     report: Report<REPORT>,
 }
 
+/// A place that the direction finder stated, and whether the vehicle had moved when it did.
+#[derive(Debug, Clone, Copy)]
+struct OwnPlace {
+    time: TimeOfDay,
+    place: Geodetic,
+    moves: bool,
+}
+
 impl<L, const REPORT: usize> Vehicle<L, REPORT> {
     /// Knows nothing yet, and nor should the locator. Fit for a `static`.
     pub const fn new(settings: Settings, locator: L) -> Self {
@@ -94,11 +101,11 @@ impl<L, const REPORT: usize, S> Vehicle<L, REPORT, S> {
     /// ```
     /// use foxhunt::aoa::robust::{RobustLocator, Settings as Robust};
     /// use foxhunt::aoa::spectrum::Temper;
-    /// use foxhunt::gateway::{SHORT_REPORT, Settings, SpectrumReader, Vehicle};
+    /// use foxhunt::gateway::{LONG_REPORT, Settings, SpectrumReader, Vehicle};
     ///
     /// let locator = RobustLocator::<256>::new(Robust::default());
     /// let spectrum = SpectrumReader::new(Temper::new(0.2)?);
-    /// let vehicle: Vehicle<_, SHORT_REPORT, _> = Vehicle::with_spectrum(Settings::new(), locator, spectrum);
+    /// let vehicle: Vehicle<_, LONG_REPORT, _> = Vehicle::with_spectrum(Settings::new(), locator, spectrum);
     /// # Ok::<(), foxhunt::aoa::spectrum::SpectrumError>(())
     /// ```
     pub const fn with_spectrum(settings: Settings, locator: L, spectrum: S) -> Self {
@@ -143,8 +150,16 @@ impl<L: Locate, const REPORT: usize, S: TakeSpectrum> Vehicle<L, REPORT, S> {
     /// Takes the next byte of the line, and says what the line led to if it ends with that byte.
     ///
     /// Never waits. A byte within a line is stored or skipped; the byte that ends a line has it parsed, and
-    /// that of a bearing runs one update of the locator and writes at most two sentences.
+    /// that of a bearing gives the locator one bearing, or the peaks of one spectrum, and writes what it knows.
     pub fn push(&mut self, byte: u8) -> Option<Event> {
+        const {
+            let needed = if L::DETAILS {
+                LONG_REPORT
+            } else {
+                SHORT_REPORT
+            };
+            assert!(REPORT >= needed, "reports of this locator are longer");
+        }
         let kind = self.reader.push(byte)?;
         self.report.clear();
         self.counters.lines = self.counters.lines.saturating_add(1);
@@ -206,7 +221,7 @@ impl<L: Locate, const REPORT: usize, S: TakeSpectrum> Vehicle<L, REPORT, S> {
 
     /// Where the vehicle was last, by its receiver; by its direction finder, where no receiver has said it.
     pub fn place(&self) -> Option<Geodetic> {
-        let own = || self.own_place.map(|(_, place)| place);
+        let own = || self.own_place.map(|own| own.place);
         self.places.newest().or_else(own)
     }
 
@@ -347,12 +362,11 @@ impl<L: Locate, const REPORT: usize, S: TakeSpectrum> Vehicle<L, REPORT, S> {
         if self.plane.is_some_and(|old| old != plane) {
             self.restart();
         }
+        let (mut seconds, newest) = self.elapsed(time);
         let seed = self.settings.seed();
         let generator = self
             .generator
             .get_or_insert_with(|| Xoshiro128PlusPlus::seed_from_u64(seed));
-        let elapsed = self.latest.map_or(0, |(latest, _)| time.since(latest));
-        let mut seconds = 1e-3 * elapsed.max(0) as f32;
         let mut answer = None;
         if S::READS && L::ALTERNATIVES {
             for alternative in alternatives.into_iter().flatten() {
@@ -365,7 +379,7 @@ impl<L: Locate, const REPORT: usize, S: TakeSpectrum> Vehicle<L, REPORT, S> {
             None => self.locator.push_after(observation, seconds, generator),
         };
         self.plane = Some(plane);
-        self.latest = Some((time, observation));
+        self.latest = Some((newest, observation));
         self.given = self.given.saturating_add(1);
         self.counters.bearings = self.counters.bearings.saturating_add(1);
         if self.report_is_due(time) {
@@ -411,18 +425,53 @@ impl<L: Locate, const REPORT: usize, S: TakeSpectrum> Vehicle<L, REPORT, S> {
         place.ok_or(Rejected::StalePosition)
     }
 
+    /// Seconds from the newest bearing to one that was taken at `time`, and which of both is the newest then: one that comes
+    /// late is as new as those before it.
+    #[inline(never)]
+    fn elapsed(&self, time: TimeOfDay) -> (f32, TimeOfDay) {
+        let Some((newest, _)) = self.latest else {
+            return (0.0, time);
+        };
+        let elapsed = time.since(newest);
+        if elapsed < 0 && !self.was_set(elapsed) {
+            return (0.0, newest);
+        }
+        (1e-3 * elapsed.max(0) as f32, time)
+    }
+
+    /// Whether so many milliseconds are a way back that a clock was set by: bearings of two clocks may alternate by twice
+    /// the age that is fresh.
+    fn was_set(&self, elapsed: i32) -> bool {
+        elapsed < 0 && elapsed.unsigned_abs() > 2 * self.settings.maximum_age_ms()
+    }
+
     /// What the direction finder takes for the heading, in degrees clockwise from true north: not the course of a vehicle
-    /// that has hardly moved since its last line.
+    /// that has hardly moved, which is judged once a second at most, for its place may be as old.
     #[inline(never)]
     fn own_heading(&mut self, time: TimeOfDay, pose: &Pose) -> Option<f32> {
-        let last = self.own_place.replace((time, pose.place));
-        let moves = || {
-            let (then, place) = last?;
-            let [east, north] = LocalPlane::new(place).ok()?.to_local(pose.place).ok()?;
-            let seconds = 1e-3 * time.since(then) as f32;
-            Some(sqrt(east * east + north * north) >= self.settings.minimum_speed_m_s() * seconds)
+        /// In milliseconds.
+        const SOON: i32 = 1_000;
+        let now = |moves| OwnPlace {
+            time,
+            place: pose.place,
+            moves,
         };
-        (!pose.heading_is_course || moves().unwrap_or(true)).then_some(pose.heading)
+        let last = self.own_place.unwrap_or(now(true));
+        let elapsed = time.since(last.time);
+        let own_place = if elapsed >= SOON {
+            let plane = LocalPlane::new(last.place);
+            let moved = plane.and_then(|plane| plane.to_local(pose.place));
+            let way = self.settings.minimum_speed_m_s() * (1e-3 * elapsed as f32);
+            now(moved.map_or(true, |[east, north]| {
+                east * east + north * north >= way * way
+            }))
+        } else if self.was_set(elapsed) {
+            now(false)
+        } else {
+            last
+        };
+        self.own_place = Some(own_place);
+        (!pose.heading_is_course || own_place.moves).then_some(pose.heading)
     }
 
     /// Degrees clockwise from true north.
@@ -440,14 +489,13 @@ impl<L: Locate, const REPORT: usize, S: TakeSpectrum> Vehicle<L, REPORT, S> {
         Ok(degrees)
     }
 
-    /// By the time of the bearings. Those of two clocks may alternate by twice the age that is fresh; a longer
-    /// way back is a clock that was set, and begins anew.
+    /// By the time of the bearings; a clock that was set begins anew.
     fn report_is_due(&self, time: TimeOfDay) -> bool {
         self.reported.is_none_or(|reported| {
             let elapsed = time.since(reported);
             match u32::try_from(elapsed) {
                 Ok(elapsed) => elapsed >= self.settings.report_interval_ms(),
-                Err(_) => elapsed.unsigned_abs() > 2 * self.settings.maximum_age_ms(),
+                Err(_) => self.was_set(elapsed),
             }
         })
     }

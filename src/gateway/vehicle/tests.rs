@@ -160,6 +160,70 @@ fn the_course_of_a_direction_finder_that_stands_is_no_heading() {
 }
 
 #[test]
+fn a_direction_finder_that_stands_is_not_judged_by_an_instant() {
+    let line = |milliseconds: i64, place: &str| {
+        let pose = format!("{place}, 11.5, 30.0, 60.0, GPS");
+        kraken(NOON + milliseconds, 20.0, &pose)
+    };
+    let standing = line(0, "48.1") + &line(1_000, "48.1");
+    // Two channels at one time; and a place that is newer than the last by less than it takes to judge.
+    for (milliseconds, place) in [(1_000, "48.1"), (1_400, "48.1001")] {
+        let text = standing.clone() + &line(milliseconds, place);
+        let last = last_bearing(Settings::default(), &text);
+        assert_eq!(last, Err(Rejected::NoHeading));
+    }
+    // Twice a second, with places of once a second, from a vehicle that moves.
+    let places = ["48.1", "48.1", "48.1001", "48.1001", "48.1002", "48.1002"];
+    let moving: String = (0..)
+        .zip(places)
+        .map(|(i, place)| line(500 * i, place))
+        .collect();
+    assert!(last_bearing(Settings::default(), &moving).is_ok());
+}
+
+/// Counts the seconds that it is told of.
+struct Seconds(f32);
+
+impl Locate for Seconds {
+    const DETAILS: bool = false;
+
+    fn push_after<R: crate::random::Rng + ?Sized>(
+        &mut self,
+        _: Observation,
+        seconds: f32,
+        _: &mut R,
+    ) -> Answer {
+        self.0 += seconds;
+        self.answer()
+    }
+
+    fn answer(&self) -> Answer {
+        Answer::NotObservable(NotObservable::NoIntersection)
+    }
+
+    fn reset(&mut self) {}
+}
+
+#[test]
+fn time_is_told_once() {
+    let mut gateway: Vehicle<Seconds> = Vehicle::new(Settings::new(), Seconds(0.0));
+    let mut push = |text: &str| text.bytes().filter_map(|byte| gateway.push(byte)).count();
+    for second in 0..60 {
+        // A bearing of this second, and one of half a second ago.
+        push(&rmc(&format!("1200{second:02}")));
+        push("%045/9\r");
+        let late = NOON + 1_000 * second - 500;
+        push(&kraken(late, 45.0, NOWHERE));
+    }
+    assert!(gateway.counters().bearings > 100);
+    assert!(
+        (gateway.locator().0 - 59.0).abs() < 1.0,
+        "{}",
+        gateway.locator().0
+    );
+}
+
+#[test]
 fn only_the_configured_direction_finder_is_heard() {
     let fix = rmc("120000");
     let lines = [

@@ -3,13 +3,13 @@
 use super::*;
 use crate::aoa::robust::{Errors, RobustLocator, Settings as Robust};
 use crate::aoa::spectrum::Temper;
-use crate::gateway::{SHORT_REPORT, SpectrumReader};
+use crate::gateway::{LONG_REPORT, SpectrumReader};
 
 fn reader() -> SpectrumReader {
     SpectrumReader::new(Temper::new(0.2).unwrap())
 }
 
-type Whole<L> = Vehicle<L, SHORT_REPORT, SpectrumReader>;
+type Whole<L> = Vehicle<L, LONG_REPORT, SpectrumReader>;
 
 fn robust() -> Whole<RobustLocator<256, 64>> {
     let errors = Errors::new().correlation(0.0, 1.0, 1.0).unwrap();
