@@ -108,6 +108,8 @@ impl Spectrum {
     pub const CELLS: usize = 360;
     /// The highest level.
     pub const MAX_DECIBELS: f32 = 600.0;
+    /// The same in hundredths.
+    pub(crate) const MAX_LEVEL: u16 = (100.0 * Self::MAX_DECIBELS) as u16;
 
     /// No values yet.
     pub const fn new() -> Self {
@@ -137,6 +139,9 @@ impl Spectrum {
 
     /// The same in hundredths of a decibel.
     pub(crate) fn push_level(&mut self, level: u16) -> Result<(), SpectrumError> {
+        if level > Self::MAX_LEVEL {
+            return Err(SpectrumError::Level);
+        }
         let place = self.levels.get_mut(usize::from(self.count));
         *place.ok_or(SpectrumError::Values)? = level;
         self.count += 1;

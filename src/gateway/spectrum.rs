@@ -16,8 +16,8 @@ pub struct SkipSpectrum;
 ///
 /// The 360 values are decibels over the lowest, counter-clockwise from the array's axis, a degree apart. (So they are in
 /// every version of krakensdr_doa that writes this line, whichever way its bearing counts.) A line with more or fewer or
-/// with one that is no such number is [`Unparsable`](super::Rejected::Unparsable); one without a peak has
-/// [`LowQuality`](super::Rejected::LowQuality).
+/// with one that is no such number, or above [`Spectrum::MAX_DECIBELS`], is [`Unparsable`](super::Rejected::Unparsable);
+/// one without a peak, flat or as good as flat, has [`LowQuality`](super::Rejected::LowQuality).
 #[derive(Debug, Clone)]
 pub struct SpectrumReader {
     temper: Temper,
@@ -40,7 +40,7 @@ enum Value {
 }
 
 /// No level is as high.
-const LIMIT: u32 = 100 * Spectrum::MAX_DECIBELS as u32;
+const LIMIT: u32 = Spectrum::MAX_LEVEL as u32;
 
 impl SpectrumReader {
     /// To take spectra for likelihoods by `temper`.
@@ -211,6 +211,10 @@ mod tests {
             "inf",
             "1e3",
             "12a",
+            "600.01",
+            "650",
+            "655.3",
+            "656",
             "6554",
             "99999999999999",
         ] {

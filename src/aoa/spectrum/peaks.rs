@@ -39,8 +39,12 @@ struct Hill {
 }
 
 impl Spectrum {
-    /// The peaks, that with the most mass first; none of a flat spectrum. Those less than three deviations of their
-    /// difference apart are one, with the mean and the variance of both.
+    /// The peaks, that with the most mass first. Those less than three deviations of their difference apart are one, with
+    /// the mean and the variance of both.
+    ///
+    /// There are none if the spectrum is flat, or as good as flat: if, tempered, a peak would be as wide as
+    /// [`Observation::MAX_DEVIATION_RAD`], more than half the circle. A bearing of it would tell more than the spectrum
+    /// does. So every peak makes an [`Observation`].
     ///
     /// As bearings they exclude each other: [`Alternative`](crate::aoa::Alternative).
     #[inline(never)]
@@ -69,6 +73,9 @@ impl Spectrum {
         merge(a, b);
         merge(a, c);
         merge(b, c);
+        if peaks.iter().flatten().any(Peak::is_flat) {
+            return [None; PEAKS];
+        }
         normalise(&mut peaks, total);
         peaks
     }
@@ -149,16 +156,20 @@ impl Spectrum {
         }
         let offset = slope / curvature;
         let angle = wrap((hill.top as f32 + offset) * DEGREE);
-        let deviation = DEGREE / sqrt(curvature);
-        Some((
-            angle,
-            if deviation > FINEST {
-                deviation
-            } else {
-                FINEST
-            },
-        ))
+        Some((angle, bounded(DEGREE / sqrt(curvature))))
     }
+}
+
+impl Peak {
+    /// Whether it is as wide as the circle.
+    fn is_flat(&self) -> bool {
+        self.deviation >= Observation::MAX_DEVIATION_RAD
+    }
+}
+
+/// A deviation within what can be known and what is worth knowing.
+fn bounded(deviation: f32) -> f32 {
+    deviation.clamp(FINEST, Observation::MAX_DEVIATION_RAD)
 }
 
 impl Hill {
@@ -192,7 +203,7 @@ fn merge(one: &mut Option<Peak>, other: &mut Option<Peak>) {
     let variance = p * variances.0 + q * variances.1 + p * q * turn * turn;
     *one = Some(Peak {
         angle: wrap(a.angle + q * turn),
-        deviation: sqrt(variance).clamp(FINEST, Observation::MAX_DEVIATION_RAD),
+        deviation: bounded(sqrt(variance)),
         share: mass,
     });
     *other = None;

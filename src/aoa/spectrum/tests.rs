@@ -1,7 +1,7 @@
 extern crate std;
 
 use super::*;
-use crate::aoa::Bearing;
+use crate::aoa::{Bearing, Observation};
 use crate::model::Likelihood;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
 use std::vec::Vec;
@@ -120,7 +120,25 @@ fn anything_has_peaks_that_are_directions() {
         assert!(shares.is_empty() || (shares.iter().sum::<f32>() - 1.0).abs() < 1e-4);
         for peak in peaks.iter().flatten() {
             assert!(peak.angle.abs() <= PI + 1e-5 && peak.deviation > 0.005 && peak.share > 0.0);
+            let bearing = Bearing::from_radians(peak.angle);
+            assert!(Observation::new([0.0, 0.0], bearing, peak.deviation).is_ok());
         }
+    }
+}
+
+#[test]
+fn a_hump_as_wide_as_the_circle_is_no_bearing() {
+    let hump = |decibels: f32| of(|degree| 0.5 * decibels * (1.0 + degree.to_radians().cos()));
+    for decibels in [0.1, 1.0, 3.0, 6.0, 8.0] {
+        assert_eq!(hump(decibels).peaks(temper(0.2)), [None; 3], "{decibels}");
+    }
+    let mut before = Observation::MAX_DEVIATION_RAD;
+    for decibels in [12.0, 30.0, 100.0, 600.0] {
+        let [Some(peak), None, None] = hump(decibels).peaks(temper(0.2)) else {
+            panic!("there is one of {decibels}");
+        };
+        assert!(peak.deviation < before, "{decibels}: {}", peak.deviation);
+        before = peak.deviation;
     }
 }
 
@@ -160,6 +178,10 @@ fn values_are_checked() {
     for level in [-0.1, 600.1, f32::NAN] {
         assert_eq!(spectrum.push(level), Err(SpectrumError::Level));
     }
+    for level in [60_001, u16::MAX] {
+        assert_eq!(spectrum.push_level(level), Err(SpectrumError::Level));
+    }
+    assert_eq!(spectrum, Spectrum::new());
     for degree in 0..360 {
         assert!(!spectrum.is_whole());
         spectrum.push(degree as f32).unwrap();
