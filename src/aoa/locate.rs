@@ -127,7 +127,7 @@ impl<'a> Cloud<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Source {
-    /// A number that it keeps for as long as it is tracked, and that no other had before.
+    /// A number that it keeps for as long as it is tracked, and that no other had unless 65,536 have been given since.
     pub identity: u16,
     /// Where it is.
     pub fix: Fix,

@@ -58,6 +58,7 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
         self.modes = climb_again(&self.evidence.density(&self.errors), seed.modes);
         share(&mut self.modes);
         self.since_search = 0;
+        self.withheld = 0.0;
         self.answer = NOTHING;
         let fix = self.crossing().and_then(|()| {
             self.start(rng);

@@ -31,6 +31,9 @@ pub use track::Track;
 /// make 32.4 kB. A bearing moves the particles of one source at most, or takes one search among the unexplained
 /// bearings and starts those of one: so it takes hardly longer than with a single source.
 ///
+/// Sources are numbered as they are born, from 0 on, and from 0 again after 65,536 of them, past the numbers of those
+/// that are still tracked. One that turns out to be another's twin has spent a number, too.
+///
 /// ```
 /// use foxhunt::aoa::{Bearing, Locate, Observation};
 /// use foxhunt::aoa::robust::{self, Errors, RobustLocator};
@@ -66,10 +69,11 @@ pub struct Sources<const K: usize, T, const B: usize = 64> {
     nursery: Nursery<B>,
     /// Seconds since the nursery's last bearing.
     silence_s: f32,
-    /// How many bearings are recent,
+    /// How many bearings are recent.
     recent: f32,
-    /// and how many of them no source explained.
+    /// How many of the recent bearings no source explained.
     wild: f32,
+    /// Of the next source, unless a source still has it.
     next_identity: u16,
     /// What is known while there is no source.
     reason: NotObservable,
@@ -148,13 +152,11 @@ impl<const K: usize, T: Track, const B: usize> Sources<K, T, B> {
         self.reason = NotObservable::NoIntersection;
         let free = self.slots.iter().position(|slot| slot.identity.is_none());
         let Some(place) = free else { return };
+        let identity = self.unused_identity();
         let Some((slot, track)) = self.slots.get_mut(place).zip(self.tracks.get_mut(place)) else {
             return;
         };
         let settings = *track.settings();
-        let Some(following) = self.next_identity.checked_add(1) else {
-            return;
-        };
         for rank in 0..Nursery::<B>::MODES {
             let Some(seed) = self
                 .nursery
@@ -169,11 +171,11 @@ impl<const K: usize, T: Track, const B: usize> Sources<K, T, B> {
                     let recent = if own < self.wild { own } else { self.wild };
                     self.wild -= recent;
                     *slot = Slot {
-                        identity: Some(self.next_identity),
+                        identity: Some(identity),
                         recent,
                         silence_s: 0.0,
                     };
-                    self.next_identity = following;
+                    self.next_identity = identity.wrapping_add(1);
                     self.part(place);
                     return;
                 }
@@ -185,6 +187,22 @@ impl<const K: usize, T: Track, const B: usize> Sources<K, T, B> {
         if self.slots.iter().all(|slot| slot.identity.is_none()) {
             self.reason = self.nursery.reason(&settings);
         }
+    }
+
+    /// The next number that no source has.
+    fn unused_identity(&self) -> u16 {
+        let mut identity = self.next_identity;
+        // Each source is in the way once at most.
+        for _ in 0..K {
+            if self
+                .slots
+                .iter()
+                .any(|slot| slot.identity == Some(identity))
+            {
+                identity = identity.wrapping_add(1);
+            }
+        }
+        identity
     }
 
     /// Frees the slot of a source that is the same as this one, or this one's.
@@ -232,7 +250,8 @@ impl<const K: usize, T: Track, const B: usize> Sources<K, T, B> {
             let fix = self.fix(place)?;
             let identity = self.slots.get(place)?.identity?;
             // The more bearings the better, then the older the better.
-            Some((core::cmp::Reverse(fix.bearings), identity))
+            let age = self.next_identity.wrapping_sub(identity);
+            Some(core::cmp::Reverse((fix.bearings, age)))
         };
         (0..K).find(|place| {
             order(*place).is_some_and(|one| {
@@ -242,8 +261,20 @@ impl<const K: usize, T: Track, const B: usize> Sources<K, T, B> {
         })
     }
 
+    /// The track of the best known source or, if none has a fix, of the one that was heard most of late.
     fn best(&self) -> Option<&T> {
-        self.tracks.get(self.place(0)?)
+        match self.place(0) {
+            Some(place) => self.tracks.get(place),
+            None => self.most_heard(),
+        }
+    }
+
+    fn most_heard(&self) -> Option<&T> {
+        let all = self.slots.iter().zip(&self.tracks);
+        let taken = all.filter(|(slot, _)| slot.identity.is_some());
+        taken
+            .max_by(|(a, _), (b, _)| a.recent.total_cmp(&b.recent))
+            .map(|(_, track)| track)
     }
 }
 
@@ -288,14 +319,15 @@ impl<const K: usize, T: Track, const B: usize> Locate for Sources<K, T, B> {
         self.answer()
     }
 
+    /// If no source has a fix, why the one that was heard most of late has none.
     fn answer(&self) -> Answer {
-        match self.place(0).and_then(|place| self.fix(place)) {
-            Some(fix) => Answer::Fix(fix),
+        match self.best() {
+            Some(track) => track.answer(),
             None => Answer::NotObservable(self.reason),
         }
     }
 
-    /// Numbers of sources are not used again.
+    /// The numbers of sources go on from where they are.
     fn reset(&mut self) {
         for track in &mut self.tracks {
             track.reset();
@@ -315,7 +347,8 @@ impl<const K: usize, T: Track, const B: usize> Locate for Sources<K, T, B> {
         })
     }
 
-    /// Of the best known source; while there is none, of all bearings.
+    /// Of the best known source or, if none has a fix, of the one that was heard most of late; while there is none, of all
+    /// bearings.
     fn hypothesis(&self, index: usize) -> Option<Hypothesis> {
         match self.best() {
             Some(track) => track.hypothesis(index),
@@ -323,15 +356,17 @@ impl<const K: usize, T: Track, const B: usize> Locate for Sources<K, T, B> {
         }
     }
 
+    /// Of the same source as the hypotheses.
     fn bias(&self) -> Option<Bias> {
         self.best()?.bias()
     }
 
+    /// Of the same source as the hypotheses.
     fn shares(&self) -> Option<Shares> {
         self.best()?.shares()
     }
 
-    /// For the best known source.
+    /// For the same source as the hypotheses.
     fn advice(&self) -> Option<Advice> {
         match self.best() {
             Some(track) => track.advice(),

@@ -292,6 +292,51 @@ fn a_clone_goes_on_as_the_original() {
 }
 
 #[test]
+fn numbers_go_round_past_those_in_use() {
+    let sights = bearings((0..120).map(corner), &pair(1), |_, i| Some(i % 2), 1);
+    let mut sources = three();
+    sources.next_identity = u16::MAX;
+    run(&mut sources, &sights, 2);
+    let mut found: Vec<u16> = all(&sources).iter().map(|one| one.identity).collect();
+    assert_eq!(found.len(), 2);
+    // The first of all, and one that came after.
+    found.sort_unstable_by_key(|identity| identity.wrapping_sub(u16::MAX));
+    assert_eq!(found[0], u16::MAX);
+    assert_eq!(sources.next_identity, found[1] + 1);
+
+    for slot in &mut sources.slots {
+        slot.identity = None;
+    }
+    (sources.slots[0].identity, sources.slots[2].identity) = (Some(0), Some(u16::MAX));
+    sources.next_identity = u16::MAX;
+    assert_eq!(sources.unused_identity(), 1);
+}
+
+#[test]
+fn what_is_planted_has_forgotten_how_many_were_withheld() {
+    let sights = bearings((0..120).map(corner), &[[900.0, 900.0]], |_, _| Some(0), 1);
+    let mut rng = generator(2);
+    let mut nursery = Nursery::<64>::new();
+    let settings = robust::Settings::new(Errors::new());
+    for observation in &sights[..60] {
+        nursery.push(*observation, 1.0, &settings, &mut rng);
+    }
+    let mut ranks = 0..Nursery::<64>::MODES;
+    let seed = ranks.find_map(|rank| nursery.candidate(rank, 0.0, &settings));
+    let seed = seed.unwrap();
+    let follow = |withheld: f32, again: f32| {
+        let (mut locator, mut rng) = (robust(), generator(3));
+        locator.withhold(withheld);
+        locator.plant(&seed, &mut rng);
+        locator.withhold(again);
+        run(&mut locator, &sights[60..], 4);
+        locator.shares()
+    };
+    assert_eq!(follow(3.0, f32::NAN), follow(0.0, f32::NAN));
+    assert_ne!(follow(0.0, 3.0), follow(0.0, f32::NAN));
+}
+
+#[test]
 fn there_is_a_reason_until_there_is_a_source() {
     let mut sources = three();
     let mut rng = generator(5);

@@ -4,6 +4,7 @@ mod chase;
 mod chases;
 mod oracle;
 mod parked;
+mod several;
 
 use core::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};
 
