@@ -10,9 +10,13 @@ pub(crate) const fn bytes<T: Value>(capacity: usize) -> usize {
 }
 
 /// Writes the number of values, and the values.
-pub(crate) fn save<T: Value>(list: &[T], to: &mut Writer<'_>) {
-    (list.len() as u32).write(to);
-    for value in list {
+pub(crate) fn save<'a, T: Value + 'a>(
+    list: impl IntoIterator<Item = &'a T, IntoIter: ExactSizeIterator>,
+    to: &mut Writer<'_>,
+) {
+    let values = list.into_iter();
+    (values.len() as u32).write(to);
+    for value in values {
         value.write(to);
     }
 }
@@ -35,8 +39,16 @@ pub(crate) fn load<T: Value, const B: usize>(
     from: &mut Reader<'_>,
 ) -> Result<(), Error> {
     list.clear();
+    each(from, |value| list.push(value))
+}
+
+/// Reads what [`save`] wrote, and gives the values away until one is refused.
+pub(crate) fn each<T: Value>(
+    from: &mut Reader<'_>,
+    mut take: impl FnMut(T) -> Result<(), T>,
+) -> Result<(), Error> {
     for _ in 0..u32::read(from)? {
-        list.push(T::read(from)?).map_err(|_| Error::Malformed)?;
+        take(T::read(from)?).map_err(|_| Error::Malformed)?;
     }
     Ok(())
 }

@@ -128,10 +128,7 @@ impl Persist for Recent {
     const BYTES: usize = list::bytes::<Old>(RECENT);
 
     fn save(&self, to: &mut Writer<'_>) {
-        (self.bearings.len() as u32).write(to);
-        for old in self.iter() {
-            old.write(to);
-        }
+        list::save(&self.bearings, to);
     }
 
     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
@@ -140,11 +137,7 @@ impl Persist for Recent {
 
     fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
         self.clear();
-        for _ in 0..u32::read(from)? {
-            let old = Old::read(from)?;
-            self.bearings.push_back(old).map_err(|_| Error::Malformed)?;
-        }
-        Ok(())
+        list::each(from, |old| self.bearings.push_back(old))
     }
 }
 
