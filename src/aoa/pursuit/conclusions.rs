@@ -13,7 +13,8 @@ use crate::math::sqrt;
 use crate::random::Rng;
 
 impl<const N: usize, const B: usize> Pursuit<N, B> {
-    /// How the source moves; `None` before the first fix.
+    /// How the source moves; `None` before the first fix, until time has passed since, and again after the source was lost for
+    /// good.
     pub fn motion(&self) -> Option<Motion> {
         if !self.cloud.is_alive() {
             return None;

@@ -9,13 +9,13 @@ use crate::random::{Rng, normal, uniform, uniform_open};
 /// exactly, for any time.
 #[derive(Clone, Copy)]
 struct Leg {
-    /// Correlation of the velocity with that before,
+    /// Correlation of the velocity at the end with that at the beginning.
     keep: f32,
-    /// and the deviation of what is new in it.
+    /// Deviation of what is new in the velocity.
     kick: f32,
-    /// Of the sum of both velocities to the way,
+    /// Mean of the way for a sum of both velocities of one metre a second, in seconds.
     reach: f32,
-    /// and the deviation of that.
+    /// Deviation of the way, given both velocities.
     scatter: f32,
 }
 

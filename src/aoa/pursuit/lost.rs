@@ -15,8 +15,7 @@ pub(super) const MEMORY: f32 = 8.0;
 const TOO_FEW: f32 = 0.3;
 const ENOUGH: f32 = 0.5;
 
-/// Since when.
-
+/// For how long the source has been lost.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lost {
     pub(super) seconds: f32,

@@ -86,7 +86,7 @@ pub struct Pursuit<const N: usize, const B: usize = 64> {
     fitted: f32,
     /// Bearings since the locator started to look for where the source has stopped.
     tried: u32,
-    /// Since when they were too few.
+    /// Since that share was too small, until it is large enough again.
     lost: Option<Lost>,
     /// The latest credible fix.
     seen: Option<Fix>,

@@ -16,9 +16,9 @@ pub(super) struct Recent {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Old {
     pub(super) observation: Observation,
-    /// Since it was taken, in seconds,
+    /// Seconds since it was taken.
     pub(super) age_s: f32,
-    /// and from the one before to it.
+    /// Seconds from the one before to it.
     pub(super) seconds: f32,
 }
 
