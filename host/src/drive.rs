@@ -13,8 +13,8 @@ use crate::{
 
 /// A line of serial data with its sentences, one after the other.
 ///
-/// The first sentence may be `$PFOXT` with the true place of the transmitter: gateways ignore it, and
-/// whoever replays the drive can tell how good the answer is.
+/// The first sentences may be `$PFOXT` with the true places of the transmitters, at the end of the drive if they move:
+/// gateways ignore them, and whoever replays the drive can tell how good the answer is.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Drive {
     text: String,
@@ -44,7 +44,7 @@ impl Drive {
         self.line(format_args!("${payload}*{checksum:02X}"));
     }
 
-    /// Appends the true place of the transmitter.
+    /// Appends the true place of a transmitter.
     pub fn truth(&mut self, place: Place) {
         self.sentence(format_args!("PFOXT,{}", place.nmea()));
     }
@@ -94,10 +94,15 @@ impl Drive {
     }
 }
 
-/// The true place of the transmitter, if the bytes of a drive tell it.
+/// The true place of the first transmitter, if the bytes of a drive tell it.
 pub fn truth(bytes: &[u8]) -> Option<Place> {
-    let text = str::from_utf8(bytes).ok()?;
-    text.lines().find_map(|line| {
+    truths(bytes).next()
+}
+
+/// The true places of all transmitters of which the bytes of a drive tell them.
+pub fn truths(bytes: &[u8]) -> impl Iterator<Item = Place> {
+    bytes.split(|byte| *byte == b'\n').filter_map(|line| {
+        let line = str::from_utf8(line).ok()?;
         let (fields, _checksum) = line.strip_prefix("$PFOXT,")?.split_once('*')?;
         Place::from_nmea(fields)
     })
@@ -207,5 +212,16 @@ mod tests {
         let place = truth(example(1).bytes()).unwrap();
         assert!((place.latitude - 52.24).abs() < 0.01 && (place.longitude - 21.02).abs() < 0.01);
         assert_eq!(truth(b"$GPHDT,1.0,T*00\r\n"), None);
+        // Of each transmitter, whatever else is on the line.
+        let mut drive = Drive::default();
+        let other = place.offset([300.0, -200.0]);
+        drive.truth(place);
+        drive.truth(other);
+        let bytes = [b"\xb5\x62\xff\r\n", drive.bytes()].concat();
+        let found: Vec<Place> = truths(&bytes).collect();
+        assert_eq!(found.len(), 2);
+        for (found, place) in found.iter().zip([place, other]) {
+            assert!(place.local(*found).iter().all(|metres| metres.abs() < 0.01));
+        }
     }
 }

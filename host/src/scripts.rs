@@ -72,8 +72,11 @@ impl Script {
         let mut rng = generator(seed, self as u64);
         let (vehicle, sources) = self.paths();
         let mut drive = Drive::default();
-        drive.truth(ORIGIN.offset(sources[0].corners()[0].1));
         let [_, end] = vehicle.times().expect("it has corners");
+        for source in &sources {
+            let place = source.at(end).expect("as long as the vehicle's");
+            drive.truth(ORIGIN.offset(place));
+        }
         // What the receiver says of the course while the vehicle is too slow for it.
         let mut frozen = 0.0;
         for second in 0..end as usize {

@@ -14,13 +14,19 @@ use crate::{demo::EXAMPLE, project};
 /// The options of `cargo xtask drive`.
 #[derive(clap::Args)]
 pub struct Options {
-    /// A drive on which this happens, instead of the one that comes with the project.
+    /// A drive on which this happens. Unless given, the drive that comes with the project is made, and
+    /// examples/data/drive.nmea overwritten by it.
     #[arg(long, value_parser = script(), requires = "output")]
     script: Option<Script>,
     /// The seed of its errors.
-    #[arg(long, default_value_t = 1, requires = "script")]
+    #[arg(
+        long,
+        default_value_t = 1,
+        requires = "script",
+        allow_negative_numbers = true
+    )]
     seed: u64,
-    /// The file to write it to.
+    /// The file to write it to; overwritten if there is one.
     #[arg(long, requires = "script")]
     output: Option<PathBuf>,
 }

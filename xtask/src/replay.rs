@@ -12,7 +12,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use foxhunt::aoa::{
     Locate,
     locator::{self, Locator},
@@ -71,6 +71,15 @@ pub fn run(options: &Options) -> Result<()> {
 impl Options {
     fn replay<L: Locate>(&self, locator: L) -> Result<()> {
         let mut recorder = Recorder::new(self.input.settings()?, locator);
+        // It is said before a long log is read.
+        let directory = self.directory();
+        if let Some(there) = directory.ancestors().find(|path| path.exists()) {
+            let (wanted, file) = (directory.display(), there.display());
+            ensure!(
+                there.is_dir(),
+                "cannot write to {wanted}: {file} is no directory"
+            );
+        }
         let bytes = self.read(&mut recorder)?;
         println!(
             "{}",
@@ -79,11 +88,11 @@ impl Options {
         let Ok(archive) = recorder.archive() else {
             bail!(
                 "no bearing of {} was used: there is nothing to keep",
-                self.name()
+                self.path()
             );
         };
         print!("{}", summary::answer(&archive));
-        for file in archive.write(&self.directory(), &self.name())? {
+        for file in archive.write(&directory, &self.name())? {
             println!("wrote {}", file.display());
         }
         Ok(())
@@ -110,7 +119,7 @@ impl Options {
         loop {
             let read = match input.read(&mut piece) {
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
-                read => read.with_context(|| format!("cannot read {}", self.name()))?,
+                read => read.with_context(|| format!("cannot read {}", self.path()))?,
             };
             if read == 0 {
                 // The last line may lack its end.
@@ -141,6 +150,16 @@ impl Options {
         self.file == Path::new("-")
     }
 
+    /// The log as it was named.
+    fn path(&self) -> String {
+        if self.is_standard_input() {
+            self.name()
+        } else {
+            self.file.display().to_string()
+        }
+    }
+
+    /// The same without its directory.
     fn name(&self) -> String {
         let name = self.file.file_name().filter(|_| !self.is_standard_input());
         name.map_or("standard input".into(), |name| {

@@ -36,7 +36,9 @@ impl Archive {
             ellipses: (last.sources.iter())
                 .map(|source| source.fix.ellipse(0.95))
                 .collect(),
-            truth: self.truth.map(|truth| origin(&last.plane).local(truth)),
+            truths: (self.truths.iter())
+                .map(|truth| origin(&last.plane).local(*truth))
+                .collect(),
         }
     }
 

@@ -50,8 +50,8 @@ pub struct Archive {
     pub densities: Vec<Vec<Region>>,
     /// Where to drive next.
     pub advice: Option<Advice>,
-    /// Where the source was, if the log says it, as a simulated one does.
-    pub truth: Option<Place>,
+    /// Where each source was at the end, if the log says it, as a simulated one does.
+    pub truths: Vec<Place>,
 }
 
 /// What is known with a bearing.

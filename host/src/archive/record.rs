@@ -27,12 +27,12 @@ pub struct Recorder<L> {
     track: Vec<Geodetic>,
     answers: Vec<Answered>,
     taken: Vec<Taken>,
-    /// The beginning of the log, where a simulated one says where its source is.
+    /// The beginning of the log, where a simulated one says where its sources are.
     beginning: Vec<u8>,
 }
 
-/// Bytes that the first sentence of a log may have.
-const SENTENCE: usize = 128;
+/// Bytes of the sentences that say so: as many as sources are asked for.
+const BEGINNING: usize = 64 * SOURCES;
 
 impl<L: Locate> Recorder<L> {
     /// Has read nothing yet; nor should the locator know anything.
@@ -58,7 +58,7 @@ impl<L: Locate> Recorder<L> {
 
     /// Reads on.
     pub fn push(&mut self, bytes: &[u8]) {
-        let room = SENTENCE.saturating_sub(self.beginning.len());
+        let room = BEGINNING.saturating_sub(self.beginning.len());
         self.beginning.extend(bytes.iter().take(room));
         for &byte in bytes {
             if let Some(Event::Fix(_) | Event::NotObservable(_)) = self.replay.step(byte) {
@@ -154,7 +154,7 @@ impl<L: Locate> Recorder<L> {
                 .map(|cloud| density::regions(&cloud, &PROBABILITIES))
                 .collect(),
             advice: locator.advice(),
-            truth: drive::truth(&self.beginning),
+            truths: drive::truths(&self.beginning).collect(),
         })
     }
 }

@@ -180,6 +180,12 @@ fn each_of_two_sources_has_its_parts() {
     assert_eq!(layer(&collection, "ellipse").len(), 2);
     assert_eq!(layer(&collection, "density").len(), 2 * PROBABILITIES.len());
 
+    assert_eq!(archive.map("").truths.len(), 2);
+    for source in found {
+        let held = |truth: &[f64; 2]| source.fix.ellipse(0.9999).contains(truth.map(|v| v as f32));
+        assert_eq!(archive.map("").truths.iter().filter(|t| held(t)).count(), 1);
+    }
+
     // Most bearings are said to be of the source that spoke.
     let truths = scene.sources.iter().map(|path| path.corners()[0].1);
     let truths: Vec<[f64; 2]> = truths.collect();
@@ -237,6 +243,12 @@ fn bearings_of_the_past_are_not_rejected() {
     assert_eq!(layer(&collection, "source track").len(), 1);
     let row = archive.fix_rows().pop().unwrap();
     assert!(row.moving_probability.is_some() && row.speed_m_s.is_some());
+    // The cross is where the source ended.
+    let [truth] = archive.map("").truths[..] else {
+        panic!("there is one source");
+    };
+    let ellipse = archive.last().sources[0].fix.ellipse(0.9999);
+    assert!(ellipse.contains(truth.map(|v| v as f32)), "{truth:?}");
 }
 
 #[test]

@@ -66,8 +66,8 @@ pub struct Map {
     pub hypotheses: Vec<(Ellipse, f64)>,
     /// For each source the region that holds it with 95 % probability, about the estimate.
     pub ellipses: Vec<Ellipse>,
-    /// Where the source was.
-    pub truth: Option<[f64; 2]>,
+    /// Where each source was.
+    pub truths: Vec<[f64; 2]>,
 }
 
 impl Map {
@@ -131,16 +131,16 @@ impl Map {
         let all = (places.chain(self.track.iter().copied()))
             .chain(ellipses)
             .chain(hypotheses)
-            .chain(self.truth);
+            .chain(self.truths.iter().copied());
         Frame::round(all).widened(1.12)
     }
 
-    /// The box of the ellipse, and of the truth unless that is far off.
+    /// The box of the ellipse, and of true places unless they are far off.
     fn surroundings(&self, ellipse: &Ellipse) -> Frame {
         let frame = Frame::round(outline(ellipse));
         let region = frame.widened(4.0);
-        let near = self.truth.filter(|truth| region.contains(*truth));
-        Frame::round(outline(ellipse).chain(near)).widened(1.3)
+        let near = self.truths.iter().filter(|truth| region.contains(**truth));
+        Frame::round(outline(ellipse).chain(near.copied())).widened(1.3)
     }
 
     fn panel(
@@ -289,7 +289,7 @@ impl Map {
             let size = if whole { 5 } else { 7 };
             chart.draw_series([Circle::new((x, y), size, FIX.filled())])?;
         }
-        if let Some(truth) = self.truth.filter(|truth| frame.contains(*truth)) {
+        for truth in self.truths.iter().filter(|truth| frame.contains(**truth)) {
             let size = if whole { 9 } else { 12 };
             chart.draw_series([Cross::new((truth[0], truth[1]), size, INK.stroke_width(3))])?;
         }

@@ -95,7 +95,7 @@ impl Assessment {
             sights: replay.sights().to_vec(),
             particles: replay.particles(),
             ellipses: vec![self.ellipse],
-            truth: Some(self.truth),
+            truths: vec![self.truth],
             ..Map::default()
         };
         picture::save(&map.svg()?, stem)

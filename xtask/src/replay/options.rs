@@ -77,31 +77,46 @@ pub struct Input {
     #[arg(long, value_enum, default_value_t = Confidence::Percent)]
     confidence: Confidence,
     /// The frequency of the source: lines of others from a KrakenSDR are rejected.
-    #[arg(long, value_name = "HERTZ")]
+    #[arg(long, value_name = "HERTZ", allow_negative_numbers = true)]
     frequency: Option<u32>,
     /// The tag to look for, as a u-blox board names it: 12 hexadecimal digits.
     #[arg(long, value_name = "TAG", value_parser = tag)]
     tag: Option<u64>,
     /// Bearings of a lower quality, 0 to 100, are rejected.
-    #[arg(long, value_name = "QUALITY", default_value_t = 40.0)]
+    #[arg(
+        long,
+        value_name = "QUALITY",
+        default_value_t = 40.0,
+        allow_negative_numbers = true
+    )]
     minimum_quality: f32,
     /// How deviations follow from the quality.
     #[arg(long, value_enum, default_value_t = Deviations::Linear)]
     deviations: Deviations,
-    /// Standard deviation of a bearing of quality 100.
-    #[arg(long, value_name = "DEGREES", default_value_t = 2.0)]
-    best_deviation: f32,
-    /// Standard deviation of a bearing of quality 0.
-    #[arg(long, value_name = "DEGREES", default_value_t = 10.0)]
-    worst_deviation: f32,
+    /// Standard deviation of a bearing of quality 100; unless given, 2. Not of --deviations devices.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    best_deviation: Option<f32>,
+    /// Standard deviation of a bearing of quality 0; unless given, 10. Not of --deviations devices.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    worst_deviation: Option<f32>,
     /// How far apart in time a bearing and its position or heading may be.
-    #[arg(long, value_name = "MILLISECONDS", default_value_t = 2_000)]
+    #[arg(
+        long,
+        value_name = "MILLISECONDS",
+        default_value_t = 2_000,
+        allow_negative_numbers = true
+    )]
     maximum_age: u32,
     /// From this speed on the course over ground is the heading, where there is no compass.
-    #[arg(long, value_name = "METRES PER SECOND", default_value_t = 1.5)]
+    #[arg(
+        long,
+        value_name = "METRES PER SECOND",
+        default_value_t = 1.5,
+        allow_negative_numbers = true
+    )]
     minimum_speed: f32,
     /// Seeds the particles.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
 }
 
@@ -111,9 +126,62 @@ fn tag(text: &str) -> Result<u64> {
 }
 
 impl Input {
+    /// Fails if anything is told that another setting makes idle.
+    fn ensure_of_use(&self) -> Result<()> {
+        let (by_device, finder) = (self.deviations == Deviations::Devices, self.finder);
+        let only = |device| ![Finder::Any, device].contains(&finder);
+        let no_angle_of_choice = finder == Finder::Agrelo;
+        for (name, given, idle, other) in [
+            (
+                "--best-deviation",
+                self.best_deviation.is_some(),
+                by_device,
+                "--deviations devices",
+            ),
+            (
+                "--worst-deviation",
+                self.worst_deviation.is_some(),
+                by_device,
+                "--deviations devices",
+            ),
+            (
+                "--tag",
+                self.tag.is_some(),
+                only(Finder::Ublox),
+                "a --finder other than ublox",
+            ),
+            (
+                "--frequency",
+                self.frequency.is_some(),
+                only(Finder::Kraken),
+                "a --finder other than kraken",
+            ),
+            (
+                "--confidence decibels",
+                self.confidence == Confidence::Decibels,
+                only(Finder::Kraken),
+                "a --finder other than kraken",
+            ),
+            (
+                "--sense counter-clockwise",
+                self.sense == Sense::CounterClockwise,
+                no_angle_of_choice,
+                "--finder agrelo",
+            ),
+        ] {
+            ensure!(!(given && idle), "{name} is of no use with {other}");
+        }
+        Ok(())
+    }
+
     /// The settings of the gateway.
+    ///
+    /// # Errors
+    /// If one is out of range, or of no use beside another.
     pub fn settings(&self) -> Result<Settings> {
-        let [best, worst] = [self.best_deviation, self.worst_deviation].map(f32::to_radians);
+        self.ensure_of_use()?;
+        let best = self.best_deviation.unwrap_or(2.0).to_radians();
+        let worst = self.worst_deviation.unwrap_or(10.0).to_radians();
         let mut settings = Settings::new()
             .with_finder(match self.finder {
                 Finder::Any => Device::Any,
@@ -165,25 +233,25 @@ impl Input {
 pub struct Belief {
     /// Standard deviation of what all bearings are off by alike, as of an array that is not mounted straight; unless
     /// given, 2.9 as in the firmware.
-    #[arg(long, value_name = "DEGREES")]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     bias_deviation: Option<f32>,
     /// Standard deviation of the places where bearings are taken; unless given, 3 as in the firmware.
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     position_deviation: Option<f32>,
     /// Share of mirrored bearings, before it is learned; unless given, 0.08.
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     mirrored: Option<f32>,
     /// Share of wild bearings, before it is learned; unless given, 0.12.
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     wild: Option<f32>,
     /// Metres over which the errors of neighbouring bearings become independent; unless given, 5.
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     correlation_distance: Option<f32>,
     /// Degrees of freedom of Student's t distribution, for errors with heavy tails; unless given, they are normal.
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     freedom: Option<u8>,
     /// The source is as likely nearer than this as farther away; unless given, 20000.
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     range: Option<f32>,
 }
 

@@ -67,7 +67,7 @@ fn nothing_is_written_of_nothing() {
     assert!(
         done.unwrap_err()
             .to_string()
-            .contains("no bearing of drive.nmea was used")
+            .contains(&format!("no bearing of {} was used", file.display()))
     );
     assert!(!directory.exists());
 }
@@ -83,4 +83,64 @@ fn what_a_locator_does_not_listen_to_is_refused() {
     );
     let (done, _) = replay(&file, &["--wild", "1.5"]);
     assert!(done.unwrap_err().to_string().contains("wild"));
+}
+
+#[test]
+fn what_contradicts_is_refused_before_anything_is_read() {
+    // There is no such log: that it is not said shows that nothing was read.
+    let refused = |more: &[&str]| {
+        let (done, _) = replay(Path::new("no/such.log"), more);
+        done.unwrap_err().to_string()
+    };
+    for more in [
+        ["--deviations", "devices", "--best-deviation", "3"],
+        ["--deviations", "devices", "--worst-deviation", "12"],
+        ["--finder", "kraken", "--tag", "CCF9578E0D8A"],
+        ["--finder", "ublox", "--frequency", "433920000"],
+        ["--finder", "agrelo", "--confidence", "decibels"],
+        ["--finder", "agrelo", "--sense", "counter-clockwise"],
+    ] {
+        let error = refused(&more);
+        assert!(error.contains("is of no use with"), "{more:?}: {error}");
+    }
+    for (more, reason) in [
+        (["--wild", "-1"], "wild"),
+        (["--minimum-speed", "-1"], "speed"),
+        (["--minimum-quality", "-0.5"], "quality"),
+        (["--range", "-5"], "range"),
+    ] {
+        let error = refused(&more).to_lowercase();
+        assert!(error.contains(reason), "{more:?}: {error}");
+    }
+    // What belongs together is not.
+    for more in [
+        ["--finder", "ublox", "--tag", "CCF9578E0D8A"],
+        ["--finder", "any", "--frequency", "433920000"],
+        ["--deviations", "linear", "--best-deviation", "3"],
+    ] {
+        let error = refused(&more);
+        assert!(
+            error.contains("cannot open no/such.log"),
+            "{more:?}: {error}"
+        );
+    }
+}
+
+#[test]
+fn a_file_is_no_directory_to_write_to() {
+    let example = project::root().join(crate::demo::EXAMPLE);
+    for output in [example.clone(), example.join("below")] {
+        let arguments = [
+            "replay".as_ref(),
+            "no/such.log".as_ref(),
+            "-o".as_ref(),
+            output.as_os_str(),
+        ];
+        let task = Task::try_parse_from(arguments).expect("these are options");
+        let error = run(&task.options).unwrap_err().to_string();
+        assert!(
+            error.contains("cannot write to") && error.contains("is no directory"),
+            "{error}"
+        );
+    }
 }

@@ -92,7 +92,7 @@ impl Map {
                 Ok(area.draw(&Circle::new((x + 13, y), 6, FIX.filled()))?)
             })?;
         }
-        if self.truth.is_some() {
+        if !self.truths.is_empty() {
             entry("true place", &|x, y| {
                 Ok(area.draw(&Cross::new((x + 13, y), 8, INK.stroke_width(3)))?)
             })?;

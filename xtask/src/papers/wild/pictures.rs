@@ -90,7 +90,7 @@ fn map(track: &Track, sights: &[Sight], locator: &RobustLocator<256, 64>) -> Map
             })
             .collect(),
         ellipses: fix.iter().map(|fix| fix.ellipse(0.95)).collect(),
-        truth: Some(track.source),
+        truths: vec![track.source],
         ..Map::default()
     }
 }
