@@ -14,10 +14,6 @@ pub trait Locate {
     /// Whether it knows more of a source than where it is, of more sources than one, or of the errors of bearings.
     const DETAILS: bool = true;
 
-    /// Whether it takes bearings that exclude each other, by [`push_alternative`](Self::push_alternative). What does not is
-    /// to be given the best of them alone.
-    const ALTERNATIVES: bool = false;
-
     /// Takes one bearing, `seconds` after the one before, and says what is known with it.
     fn push_after<R: Rng + ?Sized>(
         &mut self,
@@ -26,15 +22,19 @@ pub trait Locate {
         rng: &mut R,
     ) -> Answer;
 
-    /// Takes one of several bearings of a reading that exclude each other: one after the other, all but the first no
-    /// seconds after it. It is taken for certain where [`ALTERNATIVES`](Self::ALTERNATIVES) are not known.
-    fn push_alternative<R: Rng + ?Sized>(
+    /// Takes a reading that is one of several bearings, which exclude each other, `seconds` after the one before. Unless a
+    /// locator knows better, it is the likeliest for certain.
+    fn push_alternatives<R: Rng + ?Sized>(
         &mut self,
-        alternative: Alternative,
+        alternatives: &[Alternative],
         seconds: f32,
         rng: &mut R,
     ) -> Answer {
-        self.push_after(*alternative.observation(), seconds, rng)
+        let likeliest = (alternatives.iter()).max_by(|a, b| a.share().total_cmp(&b.share()));
+        match likeliest {
+            Some(one) => self.push_after(*one.observation(), seconds, rng),
+            None => self.answer(),
+        }
     }
 
     /// What is known of the source; of the best known, where there are several.
@@ -175,8 +175,6 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Locator<N, B, M> {
 }
 
 impl<const N: usize, const B: usize> Locate for RobustLocator<N, B> {
-    const ALTERNATIVES: bool = true;
-
     fn push_after<R: Rng + ?Sized>(
         &mut self,
         observation: Observation,
@@ -186,13 +184,13 @@ impl<const N: usize, const B: usize> Locate for RobustLocator<N, B> {
         self.push_after(observation, seconds, rng)
     }
 
-    fn push_alternative<R: Rng + ?Sized>(
+    fn push_alternatives<R: Rng + ?Sized>(
         &mut self,
-        alternative: Alternative,
+        alternatives: &[Alternative],
         seconds: f32,
         rng: &mut R,
     ) -> Answer {
-        self.push_alternative(alternative, seconds, rng)
+        self.push_alternatives(alternatives, seconds, rng)
     }
 
     fn answer(&self) -> Answer {

@@ -2,6 +2,8 @@
 
 mod snapshot;
 
+use heapless::Vec;
+
 use super::bearing_line::{BearingLine, Pose};
 use super::clock::{Clock, TimeOfDay};
 use super::history::{Compass, History};
@@ -341,7 +343,7 @@ impl<L: Locate, const REPORT: usize, S: TakeSpectrum> Vehicle<L, REPORT, S> {
         let deviation = self.settings.deviation_of_rad(line.finder, line.quality);
         let mut observation = Observation::new(position, bearing(line.degrees), deviation)
             .map_err(|_| Rejected::OutOfRange)?;
-        let mut alternatives = [None; 3];
+        let mut alternatives = Vec::<Alternative, 3>::new();
         if S::READS
             && let Some([Some(best), second, third]) = peaks
         {
@@ -353,8 +355,8 @@ impl<L: Locate, const REPORT: usize, S: TakeSpectrum> Vehicle<L, REPORT, S> {
             };
             let best = of(best).ok_or(Rejected::OutOfRange)?;
             observation = *best.observation();
-            if L::ALTERNATIVES {
-                alternatives = [second.and_then(of), third.and_then(of), Some(best)];
+            for alternative in [second.and_then(of), third.and_then(of), Some(best)] {
+                let _ = alternative.map(|one| alternatives.push(one));
             }
         }
 
@@ -362,21 +364,15 @@ impl<L: Locate, const REPORT: usize, S: TakeSpectrum> Vehicle<L, REPORT, S> {
         if self.plane.is_some_and(|old| old != plane) {
             self.restart();
         }
-        let (mut seconds, newest) = self.elapsed(time);
+        let (seconds, newest) = self.elapsed(time);
         let seed = self.settings.seed();
         let generator = self
             .generator
             .get_or_insert_with(|| Xoshiro128PlusPlus::seed_from_u64(seed));
-        let mut answer = None;
-        if S::READS && L::ALTERNATIVES {
-            for alternative in alternatives.into_iter().flatten() {
-                answer = Some((self.locator).push_alternative(alternative, seconds, generator));
-                seconds = 0.0;
-            }
-        }
-        let answer = match answer {
-            Some(answer) => answer,
-            None => self.locator.push_after(observation, seconds, generator),
+        let answer = if S::READS && !alternatives.is_empty() {
+            (self.locator).push_alternatives(&alternatives, seconds, generator)
+        } else {
+            self.locator.push_after(observation, seconds, generator)
         };
         self.plane = Some(plane);
         self.latest = Some((newest, observation));

@@ -135,13 +135,15 @@ fn robust_locator_with_spectra() -> Digest {
             });
             spectrum.push(level).expect("in range");
         }
+        let mut alternatives = heapless::Vec::<Alternative, 3>::new();
         for peak in spectrum.peaks(temper).into_iter().rev().flatten() {
             digest.add(&[peak.angle, peak.deviation, peak.share]);
             let bearing = Bearing::from_radians(peak.angle);
             let seen = Observation::new(observation.position(), bearing, peak.deviation);
             let seen = Alternative::new(seen.expect("in range"), peak.share);
-            locator.push_alternative(seen.expect("in range"), 0.0, &mut rng);
+            alternatives.push(seen.expect("in range")).expect("three");
         }
+        locator.push_alternatives(&alternatives, 0.0, &mut rng);
         let axis = Bearing::from_radians(0.3);
         let likelihood = SpectrumLikelihood::new(&spectrum, [0.0; 2], axis, temper);
         digest.add(&[likelihood.log_likelihood(&SOURCE)]);

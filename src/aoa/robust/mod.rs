@@ -225,26 +225,38 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
         seconds: f32,
         rng: &mut R,
     ) -> Answer {
-        self.push_alternative(observation.into(), seconds, rng)
+        self.push_alternatives(&[observation.into()], seconds, rng)
     }
 
-    /// Like [`push_after`](Self::push_after), for one of several bearings of a reading that exclude each other: one after
-    /// the other, all but the first no seconds after it.
-    pub fn push_alternative<R: Rng + ?Sized>(
+    /// Like [`push_after`](Self::push_after), for a reading that is one of several bearings, which exclude each other. No
+    /// bearing changes nothing.
+    ///
+    /// Evaluates `N` likelihoods more for each but one; what is dear is done once.
+    pub fn push_alternatives<R: Rng + ?Sized>(
         &mut self,
-        alternative: Alternative,
+        alternatives: &[Alternative],
         seconds: f32,
         rng: &mut R,
     ) -> Answer {
-        let seconds = elapsed(seconds);
+        if alternatives.is_empty() {
+            return self.answer;
+        }
+        let mut seconds = elapsed(seconds);
         let fixed = matches!(self.answer, Answer::Fix(_));
         let source = fixed.then(|| self.filter.mean());
-        let errors = &self.errors;
-        let change = self
-            .evidence
-            .push(alternative, seconds, source.as_ref(), errors);
+        let mut surprising = false;
+        for alternative in alternatives {
+            let errors = &self.errors;
+            let change = self
+                .evidence
+                .push(*alternative, seconds, source.as_ref(), errors);
+            if fixed {
+                surprising |= self.weigh(&change);
+            }
+            seconds = 0.0;
+        }
         let answer = if fixed {
-            self.weigh(&change, rng);
+            self.rejuvenate(surprising, rng);
             // When hypotheses have come apart there is no fix until they separate: by some hysteresis.
             self.credible_fix(2.0)
         } else {
@@ -336,9 +348,8 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
         self.evidence.observations()
     }
 
-    /// Weighs the particles by a new bearing, and moves them if that leaves few, if they find it wild, or if they have
-    /// not moved for long.
-    fn weigh<R: Rng + ?Sized>(&mut self, change: &Change, rng: &mut R) {
+    /// Weighs the particles by a new bearing; whether they find it wild.
+    fn weigh(&mut self, change: &Change) -> bool {
         let scale = self.errors.bias_deviation;
         let likelihood = |state: &State| {
             let bias = scale * state[2];
@@ -347,8 +358,12 @@ impl<const N: usize, const B: usize> RobustLocator<N, B> {
         };
         // The likelihood is finite, so the update cannot fail. As an evidence it is the mean of 1 + odds.
         let evidence = self.filter.update(&likelihood).unwrap_or(0.0);
-        let surprising = change.likely && change.old.is_none() && evidence < LN_2;
         self.since_search += 1;
+        change.likely && change.old.is_none() && evidence < LN_2
+    }
+
+    /// Moves the particles if a bearing was surprising, if few are left, or if they have not moved for long.
+    fn rejuvenate<R: Rng + ?Sized>(&mut self, surprising: bool, rng: &mut R) {
         let share = self.settings.common.resample_share * N as f32;
         let needed = if share > 2.0 { share } else { 2.0 };
         if surprising

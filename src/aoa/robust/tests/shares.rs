@@ -50,12 +50,13 @@ fn located(seed: u64, all: bool) -> Option<(f32, bool)> {
         let second = -0.76 + 3.0 * normal(&mut rng);
         let peaks = spectrum(seen, second).peaks(temper);
         let taken = if all { 3 } else { 1 };
-        for peak in peaks.iter().take(taken).rev().flatten() {
+        let alternatives = peaks.iter().take(taken).rev().flatten().map(|peak| {
             let bearing = Bearing::from_radians(peak.angle);
             let observation = Observation::new(place, bearing, peak.deviation).unwrap();
-            let share = if all { peak.share } else { 1.0 };
-            locator.push_alternative(part(observation, share), 0.0, &mut own);
-        }
+            part(observation, if all { peak.share } else { 1.0 })
+        });
+        let alternatives: Vec<Alternative> = alternatives.collect();
+        locator.push_alternatives(&alternatives, 0.0, &mut own);
     }
     match locator.answer() {
         Answer::Fix(fix) => Some((off(&fix), fix.ellipse(0.95).contains(SOURCE))),
@@ -116,8 +117,8 @@ fn one_reading_of_two_bearings_counts_as_one() {
         let place = [80.0 * i as f32, 0.0];
         let right = towards(place, SOURCE, SIGMA * normal(&mut rng), SIGMA);
         let wrong = towards(place, SOURCE, 0.5 + 5.0 * uniform(&mut rng), SIGMA);
-        locator.push_alternative(part(right, 0.4), 0.0, &mut rng);
-        locator.push_alternative(part(wrong, 0.6), 0.0, &mut rng);
+        let reading = [part(right, 0.4), part(wrong, 0.6)];
+        locator.push_alternatives(&reading, 0.0, &mut rng);
     }
     let fix = fix(locator.answer());
     assert_eq!(fix.bearings, 30);
