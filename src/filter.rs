@@ -10,10 +10,10 @@ use crate::estimate;
 use crate::math::ln;
 use crate::model::{Dynamics, Likelihood};
 use crate::particles::Particles;
+use crate::persist;
 use crate::random::Rng;
 use crate::refine::{Memory, Refinement, Report};
 use crate::resample::Scheme;
-use crate::snapshot::{Error, Persist, Reader, Writer, shape};
 use crate::weights;
 
 /// A particle filter of `N` particles with a state of `D` dimensions.
@@ -168,35 +168,9 @@ impl<const D: usize, const N: usize> Default for ParticleFilter<D, N> {
     }
 }
 
-impl<const D: usize, const N: usize> Persist for ParticleFilter<D, N> {
-    const SHAPE: u32 = shape("ParticleFilter", &[Particles::<D, N>::SHAPE]);
-    const BYTES: usize = Particles::<D, N>::BYTES + 4 * N + 8;
-
-    fn save(&self, to: &mut Writer<'_>) {
-        let Self {
-            particles,
-            weights,
-            log_sum,
-            effective_sample_size,
-        } = self;
-        particles.save(to);
-        to.column(weights);
-        to.column(&[*log_sum, *effective_sample_size]);
-    }
-
-    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
-        from.skip(Self::BYTES).map(drop)
-    }
-
-    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
-        self.particles.load(from)?;
-        from.column(&mut self.weights)?;
-        let mut sums = [0.0; 2];
-        from.column(&mut sums)?;
-        [self.log_sum, self.effective_sample_size] = sums;
-        Ok(())
-    }
-}
+persist!(impl[const D: usize, const N: usize] ParticleFilter<D, N> as "ParticleFilter"(D, N) {
+    particles, weights, log_sum, effective_sample_size
+});
 
 #[cfg(test)]
 mod tests {

@@ -48,6 +48,7 @@
 
 pub mod aoa;
 mod checksum;
+mod config;
 pub mod estimate;
 pub mod filter;
 pub mod fingerprint;
@@ -64,6 +65,8 @@ pub mod refine;
 pub mod resample;
 pub mod snapshot;
 pub mod weights;
+
+pub use config::ConfigError;
 
 /// The examples of the README, run with the others.
 #[cfg(doctest)]

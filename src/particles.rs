@@ -3,9 +3,9 @@
 //! Columns let every pass over the cloud stream through memory and touch only what it needs. Only
 //! [`Particles`] carries the number of particles in its type; everything that computes takes slices.
 
+use crate::persist;
 use crate::random::Rng;
 use crate::resample::{Scheme, resample};
-use crate::snapshot::{Error, Persist, Reader, Writer, shape};
 
 /// `N` particles with a state of `D` dimensions, and their log-weights.
 ///
@@ -127,29 +127,4 @@ pub fn write<const D: usize>(columns: &mut [&mut [f32]; D], i: usize, state: [f3
     }
 }
 
-impl<const D: usize, const N: usize> Persist for Particles<D, N> {
-    const SHAPE: u32 = shape("Particles", &[D as u32, N as u32]);
-    const BYTES: usize = 4 * N * (D + 1);
-
-    fn save(&self, to: &mut Writer<'_>) {
-        let Self {
-            columns,
-            log_weights,
-        } = self;
-        for column in columns {
-            to.column(column);
-        }
-        to.column(log_weights);
-    }
-
-    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
-        from.skip(Self::BYTES).map(drop)
-    }
-
-    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
-        for column in &mut self.columns {
-            from.column(column)?;
-        }
-        from.column(&mut self.log_weights)
-    }
-}
+persist!(impl[const D: usize, const N: usize] Particles<D, N> as "Particles"(D, N) { columns, log_weights });

@@ -128,11 +128,11 @@ impl Counters {
 }
 
 value!(Counters {
-    lines: u32,
-    sentences: u32,
-    bearings: u32,
-    ignored: u32,
-    rejected: Tally<{ Rejected::ALL.len() }>,
+    lines,
+    sentences,
+    bearings,
+    ignored,
+    rejected,
 });
 
 #[cfg(test)]

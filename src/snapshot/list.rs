@@ -1,8 +1,8 @@
 //! Lists of a bounded length.
 
-use heapless::Vec;
+use heapless::{Deque, Vec};
 
-use super::{Error, Reader, Value, Writer};
+use super::{Error, Persist, Reader, Value, Writer, shape};
 
 /// The most bytes of a list of up to `capacity` values.
 pub(crate) const fn bytes<T: Value>(capacity: usize) -> usize {
@@ -51,4 +51,40 @@ pub(crate) fn each<T: Value>(
         take(T::read(from)?).map_err(|_| Error::Malformed)?;
     }
     Ok(())
+}
+
+/// The number of values, and the values.
+impl<T: Value, const B: usize> Persist for Vec<T, B> {
+    const SHAPE: u32 = shape("list", &[B as u32, T::SIZE as u32]);
+    const BYTES: usize = bytes::<T>(B);
+
+    fn save(&self, to: &mut Writer<'_>) {
+        save(self, to);
+    }
+
+    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
+        check::<T>(B, from)
+    }
+
+    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
+        load(self, from)
+    }
+}
+
+impl<T: Value, const B: usize> Persist for Deque<T, B> {
+    const SHAPE: u32 = shape("list", &[B as u32, T::SIZE as u32]);
+    const BYTES: usize = bytes::<T>(B);
+
+    fn save(&self, to: &mut Writer<'_>) {
+        save(self, to);
+    }
+
+    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
+        check::<T>(B, from)
+    }
+
+    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
+        self.clear();
+        each(from, |value| self.push_back(value))
+    }
 }

@@ -57,8 +57,10 @@ use core::fmt;
 use crate::checksum::crc32_by_table;
 pub use cursor::{Reader, Writer};
 pub use keeper::Keeper;
+#[doc(hidden)]
+pub use persist::of_field;
 pub use persist::{Persist, shape};
-pub(crate) use persist::{Value, by_value, value};
+pub(crate) use persist::{Value, by_value, size_of_field, value};
 
 const MAGIC: [u8; 4] = *b"FXSN";
 const VERSION: u32 = 1;

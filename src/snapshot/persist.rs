@@ -6,34 +6,16 @@ use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 /// State that can be saved and restored in place.
 ///
 /// Locators, filters, planes and generators are; so are tuples of two to four of them and mutable references to them, for
-/// states that are kept apart: `snapshot::save(&(&mut locator, &mut generator), &mut buffer)`.
+/// states that are kept apart: `snapshot::save(&(&mut locator, &mut generator), &mut buffer)`. For a type of your own,
+/// [`persist!`](crate::persist!) names the fields that count:
 ///
 /// ```
 /// use foxhunt::filter::ParticleFilter;
-/// use foxhunt::snapshot::{self, Error, Persist, Reader, Writer};
+/// use foxhunt::snapshot::{self, Error};
 ///
 /// struct Hunt { filter: ParticleFilter<2, 100>, steps: u32 }
 ///
-/// impl Persist for Hunt {
-///     const SHAPE: u32 = snapshot::shape("Hunt", &[<ParticleFilter<2, 100> as Persist>::SHAPE]);
-///     const BYTES: usize = <ParticleFilter<2, 100> as Persist>::BYTES + 4;
-///
-///     fn save(&self, to: &mut Writer<'_>) {
-///         self.filter.save(to);
-///         to.bytes(self.steps.to_le_bytes());
-///     }
-///
-///     fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
-///         self.filter.check(from)?;
-///         from.skip(4).map(drop)
-///     }
-///
-///     fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
-///         self.filter.load(from)?;
-///         self.steps = u32::from_le_bytes(from.bytes()?);
-///         Ok(())
-///     }
-/// }
+/// foxhunt::persist!(impl[] Hunt as "Hunt"() { filter, steps });
 ///
 /// let hunt = Hunt { filter: ParticleFilter::new(), steps: 7 };
 /// let mut buffer = [0; snapshot::largest::<Hunt>()];
@@ -64,6 +46,83 @@ pub trait Persist {
     /// # Errors
     /// Not after a [`check`](Persist::check) of the same bytes.
     fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error>;
+
+    /// Saves several, one after the other: a column of numbers in one go.
+    #[doc(hidden)]
+    fn save_all(all: &[Self], to: &mut Writer<'_>)
+    where
+        Self: Sized,
+    {
+        for one in all {
+            one.save(to);
+        }
+    }
+
+    /// Checks several.
+    #[doc(hidden)]
+    fn check_all(all: &[Self], from: &mut Reader<'_>) -> Result<(), Error>
+    where
+        Self: Sized,
+    {
+        all.iter().try_for_each(|one| one.check(from))
+    }
+
+    /// Loads several.
+    #[doc(hidden)]
+    fn load_all(all: &mut [Self], from: &mut Reader<'_>) -> Result<(), Error>
+    where
+        Self: Sized,
+    {
+        all.iter_mut().try_for_each(|one| one.load(from))
+    }
+}
+
+/// What a macro cannot see: the shape and the bytes of a field's type.
+#[doc(hidden)]
+pub const fn of_field<S, F: Persist>(_: fn(&S) -> &F) -> (u32, usize) {
+    (F::SHAPE, F::BYTES)
+}
+
+/// Implements [`Persist`](crate::snapshot::Persist) by the fields that a snapshot holds, in this order.
+///
+/// First the generic parameters, then the type, its name and its constants, the fields, and those that a snapshot does
+/// not hold because they follow from the others or mean nothing: `persist!(impl[const N: usize] Track<N> as "Track"(N)
+/// { filter, steps } without { scratch })`. A field that is in neither list does not compile.
+#[macro_export]
+macro_rules! persist {
+    (
+        impl[$($generics:tt)*] $type:ty as $name:literal($($constant:expr),*)
+        { $($field:ident),+ $(,)? } $(without { $($left_out:ident),+ $(,)? })?
+    ) => {
+        impl<$($generics)*> $crate::snapshot::Persist for $type {
+            const SHAPE: u32 = $crate::snapshot::shape(
+                $name,
+                &[$($constant as u32,)* $($crate::snapshot::of_field(|s: &Self| &s.$field).0),+],
+            );
+            const BYTES: usize = 0 $(+ $crate::snapshot::of_field(|s: &Self| &s.$field).1)+;
+
+            fn save(&self, to: &mut $crate::snapshot::Writer<'_>) {
+                let Self { $($field,)+ $($($left_out: _),+)? } = self;
+                $($crate::snapshot::Persist::save($field, to);)+
+            }
+
+            fn check(
+                &self,
+                from: &mut $crate::snapshot::Reader<'_>,
+            ) -> Result<(), $crate::snapshot::Error> {
+                $($crate::snapshot::Persist::check(&self.$field, from)?;)+
+                Ok(())
+            }
+
+            fn load(
+                &mut self,
+                from: &mut $crate::snapshot::Reader<'_>,
+            ) -> Result<(), $crate::snapshot::Error> {
+                $($crate::snapshot::Persist::load(&mut self.$field, from)?;)+
+                Ok(())
+            }
+        }
+    };
 }
 
 /// A number for a type of this name with these constants, and shapes of its parts: their 32-bit FNV-1a hash.
@@ -96,31 +155,40 @@ pub(crate) trait Value: Sized {
     fn read(from: &mut Reader<'_>) -> Result<Self, Error>;
 }
 
-/// A structure as its fields, in this order.
+/// The bytes of a field's type.
+pub(crate) const fn size_of_field<S, F: Value>(_: fn(&S) -> &F) -> usize {
+    F::SIZE
+}
+
+/// A structure that is a value: its fields, in this order.
 macro_rules! value {
-    ($type:ty { $($field:ident: $of:ty),+ $(,)? }) => {
+    ($type:ident { $($field:ident),+ $(,)? }) => {
         impl $crate::snapshot::Value for $type {
-            const SIZE: usize = 0 $(+ <$of as $crate::snapshot::Value>::SIZE)+;
+            const SIZE: usize = 0 $(+ $crate::snapshot::size_of_field(|v: &Self| &v.$field))+;
 
             fn write(&self, to: &mut $crate::snapshot::Writer<'_>) {
-                $(<$of as $crate::snapshot::Value>::write(&self.$field, to);)+
+                $($crate::snapshot::Value::write(&self.$field, to);)+
             }
 
             fn read(
                 from: &mut $crate::snapshot::Reader<'_>,
             ) -> Result<Self, $crate::snapshot::Error> {
-                Ok(Self { $($field: <$of as $crate::snapshot::Value>::read(from)?),+ })
+                Ok(Self { $($field: $crate::snapshot::Value::read(from)?),+ })
             }
         }
+        $crate::snapshot::by_value!($type);
     };
 }
 pub(crate) use value;
 
 /// A state on its own that is a value.
 macro_rules! by_value {
-    ($($type:ident),+) => {$(
-        impl $crate::snapshot::Persist for $type {
-            const SHAPE: u32 = $crate::snapshot::shape(stringify!($type), &[Self::BYTES as u32]);
+    ($($type:ident),+) => {
+        $($crate::snapshot::by_value!(impl[] $type, stringify!($type));)+
+    };
+    (impl[$($generics:tt)*] $type:ty, $name:expr) => {
+        impl<$($generics)*> $crate::snapshot::Persist for $type {
+            const SHAPE: u32 = $crate::snapshot::shape($name, &[Self::BYTES as u32]);
             const BYTES: usize = <Self as $crate::snapshot::Value>::SIZE;
 
             fn save(&self, to: &mut $crate::snapshot::Writer<'_>) {
@@ -142,7 +210,7 @@ macro_rules! by_value {
                 Ok(())
             }
         }
-    )+};
+    };
 }
 pub(crate) use by_value;
 
@@ -164,7 +232,56 @@ macro_rules! numbers {
     )+};
 }
 
-numbers!(u8, u16, u32, i32, f32);
+numbers!(u8, u16, u32, u64, i32, i64, f32);
+by_value!(u8, u16, u32, u64, i32, i64, bool, Xoshiro128PlusPlus);
+by_value!(impl[T: Value] Option<T>, "Option");
+
+impl Persist for f32 {
+    const SHAPE: u32 = shape("f32", &[]);
+    const BYTES: usize = 4;
+
+    fn save(&self, to: &mut Writer<'_>) {
+        self.write(to);
+    }
+
+    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
+        from.skip(4).map(drop)
+    }
+
+    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
+        *self = Value::read(from)?;
+        Ok(())
+    }
+
+    fn save_all(all: &[Self], to: &mut Writer<'_>) {
+        to.column(all);
+    }
+
+    fn check_all(all: &[Self], from: &mut Reader<'_>) -> Result<(), Error> {
+        from.skip(size_of_val(all)).map(drop)
+    }
+
+    fn load_all(all: &mut [Self], from: &mut Reader<'_>) -> Result<(), Error> {
+        from.column(all)
+    }
+}
+
+impl<T: Persist, const K: usize> Persist for [T; K] {
+    const SHAPE: u32 = shape("array", &[K as u32, T::SHAPE]);
+    const BYTES: usize = K * T::BYTES;
+
+    fn save(&self, to: &mut Writer<'_>) {
+        T::save_all(self, to);
+    }
+
+    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
+        T::check_all(self, from)
+    }
+
+    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
+        T::load_all(self, from)
+    }
+}
 
 impl<T: Value + Copy + Default, const K: usize> Value for [T; K] {
     const SIZE: usize = K * T::SIZE;
@@ -249,8 +366,6 @@ impl Value for Xoshiro128PlusPlus {
         Ok(Self::from_seed(state))
     }
 }
-
-by_value!(Xoshiro128PlusPlus);
 
 impl<T: Persist> Persist for &mut T {
     const SHAPE: u32 = T::SHAPE;

@@ -53,16 +53,16 @@ impl<const N: usize, const B: usize, M: Moves<N>> Persist for Locator<N, B, M> {
 }
 
 value!(Settings {
-    relative_range_error: f32,
-    resample_share: f32,
-    moves: u8,
+    relative_range_error,
+    resample_share,
+    moves,
 });
 
 value!(Fix {
-    position: [f32; 2],
-    covariance: [[f32; 2]; 2],
-    effective_sample_size: f32,
-    bearings: u32,
+    position,
+    covariance,
+    effective_sample_size,
+    bearings,
 });
 
 /// A number for what it is, then its fields.
@@ -103,4 +103,4 @@ impl Value for Answer {
     }
 }
 
-by_value!(Answer, Fix);
+by_value!(Answer);

@@ -1,13 +1,12 @@
 //! Pursuits as bytes.
 
 use super::cloud::{COMPONENTS, Cloud};
-use super::component::{Component, Offset, Symmetric};
+use super::component::{Component, Offset};
 use super::recent::{Old, RECENT, Recent};
 use super::settings::Habits;
 use super::{Errors, Lost, Phase, Pursuit, Settings};
-use crate::aoa::Observation;
 use crate::aoa::locator::{Answer, Fix};
-use crate::aoa::robust::{self, RobustLocator};
+use crate::aoa::robust::RobustLocator;
 use crate::snapshot::{Error, Persist, Reader, Value, Writer, list, shape, value};
 
 impl<const N: usize, const B: usize> Persist for Pursuit<N, B> {
@@ -141,42 +140,33 @@ impl Persist for Recent {
     }
 }
 
-value!(Settings {
-    locator: robust::Settings,
-    habits: Habits,
-});
+value!(Settings { locator, habits });
 
 value!(Habits {
-    speed: f32,
-    parked_s: f32,
-    driving_s: f32,
-    straight_s: f32,
+    speed,
+    parked_s,
+    driving_s,
+    straight_s,
 });
 
 value!(Component {
-    place: [f32; 2],
-    velocity: [f32; 2],
-    place_spread: Symmetric,
-    common: [[f32; 2]; 2],
-    velocity_spread: Symmetric,
-    rest: f32,
+    place,
+    velocity,
+    place_spread,
+    common,
+    velocity_spread,
+    rest,
 });
 
-value!(Offset {
-    mean: f32,
-    variance: f32,
-});
+value!(Offset { mean, variance });
 
 value!(Old {
-    observation: Observation,
-    age_s: f32,
-    seconds: f32,
+    observation,
+    age_s,
+    seconds,
 });
 
-value!(Lost {
-    seconds: f32,
-    bearings: u32,
-});
+value!(Lost { seconds, bearings });
 
 impl Value for Phase {
     const SIZE: usize = 1;

@@ -35,8 +35,8 @@ impl Region {
 }
 
 value!(Region {
-    centre: [f32; 2],
-    inverse_square: f32,
+    centre,
+    inverse_square,
 });
 
 /// The posterior of some bearings.

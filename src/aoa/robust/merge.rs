@@ -161,9 +161,9 @@ fn blend(
 }
 
 value!(Sight {
-    observation: Observation,
-    share: f32,
-    readings: f32,
-    worth: f32,
-    age_s: f32,
+    observation,
+    share,
+    readings,
+    worth,
+    age_s,
 });

@@ -3,11 +3,9 @@
 use super::errors::Correlation;
 use super::evidence::Evidence;
 use super::mode::{MODES, Mode};
-use super::term::State;
 use super::{Errors, Nursery, RobustLocator, Settings, Shares, Tails};
-use crate::aoa::locator::{self, Answer};
+use crate::aoa::locator::Answer;
 use crate::filter::ParticleFilter;
-use crate::kalman::Covariance;
 use crate::snapshot::{Error, Persist, Reader, Value, Writer, list, shape, value};
 
 impl<const N: usize, const B: usize> Persist for RobustLocator<N, B> {
@@ -92,30 +90,30 @@ impl<const B: usize> Persist for Nursery<B> {
 }
 
 value!(Settings {
-    errors: Errors,
-    common: locator::Settings,
-    range_m: f32,
+    errors,
+    common,
+    range_m,
 });
 
 value!(Errors {
-    tails: Tails,
-    shares: Shares,
-    prior_bearings: f32,
-    bias_deviation: f32,
-    position_deviation: f32,
-    correlation: Correlation,
+    tails,
+    shares,
+    prior_bearings,
+    bias_deviation,
+    position_deviation,
+    correlation,
 });
 
 value!(Shares {
-    direct: f32,
-    mirror: f32,
-    wild: f32,
+    direct,
+    mirror,
+    wild,
 });
 
 value!(Correlation {
-    at_rest: f32,
-    distance_m: f32,
-    time_s: f32,
+    at_rest,
+    distance_m,
+    time_s,
 });
 
 /// The degrees of freedom, or zero.
@@ -139,8 +137,8 @@ impl Value for Tails {
 }
 
 value!(Mode {
-    mean: State,
-    covariance: Covariance<3>,
-    log_mass: f32,
-    share: f32,
+    mean,
+    covariance,
+    log_mass,
+    share,
 });

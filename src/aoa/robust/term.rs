@@ -31,13 +31,13 @@ pub(super) struct Term {
 }
 
 value!(Term {
-    position: [f32; 2],
-    sin: f32,
-    cos: f32,
-    curvature: f32,
-    power: f32,
-    direct: f32,
-    mirror: f32,
+    position,
+    sin,
+    cos,
+    curvature,
+    power,
+    direct,
+    mirror,
 });
 
 /// Keeps the ratio finite for a particle that sits on the receiver.

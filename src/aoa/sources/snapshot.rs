@@ -64,16 +64,16 @@ impl<const K: usize, T: Track + Persist, const B: usize> Persist for Sources<K, 
 type Rest = (([f32; 3], u16), NotObservable);
 
 value!(Settings {
-    log_odds: f32,
-    bearings: f32,
-    seconds: f32,
-    least_share: f32,
+    log_odds,
+    bearings,
+    seconds,
+    least_share,
 });
 
 value!(Slot {
-    identity: Option<u16>,
-    recent: f32,
-    silence_s: f32,
+    identity,
+    recent,
+    silence_s,
 });
 
 /// As an answer.

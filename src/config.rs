@@ -1,0 +1,86 @@
+//! Configuration: plain structs with public fields, checked once.
+//!
+//! A `Config` has one public field for each thing that can be told, with the unit in its name, a `DEFAULT`, and a
+//! `check` whose error names the field. In a `const`, [`config!`](crate::config!) makes a wrong value a compiler's error:
+//!
+//! ```
+//! use foxhunt::aoa::clean::Config;
+//!
+//! const CONFIG: Config = foxhunt::config!(Config { moves: 3, ..Config::DEFAULT });
+//! let wrong = Config { moves: 0, ..Config::DEFAULT };
+//! assert_eq!(wrong.check().unwrap_err().field(), "moves");
+//! ```
+
+use core::fmt;
+
+/// A field of a configuration that is out of range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ConfigError {
+    message: &'static str,
+}
+
+impl ConfigError {
+    /// An error whose `message` begins with the name of the field and says what the field may be.
+    pub const fn new(message: &'static str) -> Self {
+        Self { message }
+    }
+
+    /// The name of the field.
+    pub fn field(&self) -> &'static str {
+        self.message.split(' ').next().unwrap_or_default()
+    }
+
+    /// The name of the field and what it may be.
+    pub const fn message(&self) -> &'static str {
+        self.message
+    }
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.message)
+    }
+}
+
+impl core::error::Error for ConfigError {}
+
+/// Returns from a `check` with a [`ConfigError`] unless a condition holds. False for NaN, as comparisons are.
+macro_rules! require {
+    ($holds:expr, $message:literal) => {
+        if !$holds {
+            return Err($crate::ConfigError::new($message));
+        }
+    };
+}
+pub(crate) use require;
+
+/// Returns from a `check` with the error of a part of the configuration, if there is one.
+macro_rules! require_all {
+    ($($part:expr),+ $(,)?) => {$(
+        if let Err(error) = $part.check() {
+            return Err(error);
+        }
+    )+};
+}
+pub(crate) use require_all;
+
+/// Checks a configuration while it compiles: a value that is out of range does not.
+///
+/// ```compile_fail
+/// use foxhunt::aoa::clean::Config;
+///
+/// const CONFIG: Config = foxhunt::config!(Config { moves: 0, ..Config::DEFAULT });
+/// ```
+#[macro_export]
+macro_rules! config {
+    ($config:expr) => {
+        const {
+            let config = $config;
+            if let Err(error) = config.check() {
+                panic!("{}", error.message());
+            }
+            config
+        }
+    };
+}
