@@ -1,7 +1,6 @@
 //! The task `demo`: a drive through the firmware `vehicle` on the emulated board, or people through that of a tunnel.
 
 mod assessment;
-mod report;
 mod tunnel;
 
 use std::{
@@ -12,11 +11,23 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail};
-use foxhunt_host::{drive, geodesy::Place, measured::Measured, replay::Replay};
+use foxhunt_host::{
+    drive,
+    geodesy::Place,
+    measured::{Measured, SIGMA_DEGREES},
+    replay::Replay,
+};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use self::{assessment::Assessment, report::Report};
-use crate::{project, qemu::Machine, setup, trace};
+use self::assessment::Assessment;
+use crate::{
+    board::{QUERY, ensure_same, has_status},
+    drive::EXAMPLE,
+    project,
+    qemu::Machine,
+    reports::vehicle::{self, Report},
+    setup,
+};
 
 /// The options of `cargo xtask demo`.
 #[derive(clap::Args)]
@@ -35,7 +46,7 @@ pub struct Options {
     #[arg(
         long,
         value_name = "DEGREES",
-        default_value_t = DEVIATION_DEGREES,
+        default_value_t = SIGMA_DEGREES,
         requires = "bearings"
     )]
     deviation: f64,
@@ -58,12 +69,6 @@ struct Scene {
     bytes: Vec<u8>,
 }
 
-/// Standard deviation of measured bearings unless told otherwise.
-pub const DEVIATION_DEGREES: f64 = 4.0;
-/// The drive that comes with the project.
-pub const EXAMPLE: &str = "examples/data/drive.nmea";
-/// Asks the gateway for its answer and its status.
-pub const QUERY: &[u8] = b"$PFOXQ*50\r\n";
 /// The board is switched off after this time, whatever happens.
 const LIMIT: Duration = Duration::from_secs(120);
 /// Time on a terminal for a second of the drive, so that the fixes can be seen to come.
@@ -87,10 +92,10 @@ pub fn run(options: &Options) -> Result<()> {
 
     let mut replay = Replay::of(&scene.bytes);
     replay.push(QUERY);
-    trace::ensure_same(&output, replay.output())?;
+    ensure_same(&output, replay.output())?;
     println!("the gateway on this machine gives the same reports, byte for byte");
 
-    let reports = report::parse(&output);
+    let reports = vehicle::parse(&output);
     if let Some(Report::Status(status)) = reports.last() {
         println!("{status}");
     }
@@ -165,7 +170,7 @@ fn stream(machine: &mut Machine, bytes: &[u8], truth: Place) -> Result<Vec<u8>> 
             .iter()
             .rposition(|byte| *byte == b'\n')
             .map_or(0, |last| last + 1);
-        for report in report::parse(&output[shown..end]) {
+        for report in vehicle::parse(&output[shown..end]) {
             // The answer to the query repeats the last one.
             if let Report::Fix(fix) = report
                 && latest.as_ref() != Some(&fix)
@@ -197,12 +202,4 @@ fn stream(machine: &mut Machine, bytes: &[u8], truth: Place) -> Result<Vec<u8>> 
     }
     bar.finish_and_clear();
     Ok(output)
-}
-
-/// Whether the output ends with the answer to the query.
-pub fn has_status(output: &[u8]) -> bool {
-    output.ends_with(b"\n")
-        && report::parse(output)
-            .iter()
-            .any(|r| matches!(r, Report::Status(_)))
 }
