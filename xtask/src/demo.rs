@@ -1,6 +1,7 @@
 //! The task `demo`: a drive through the firmware `vehicle` on the emulated board, or people through that of a tunnel.
 
 mod assessment;
+mod scene;
 mod tunnel;
 
 use std::{
@@ -11,18 +12,12 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail};
-use foxhunt_host::{
-    drive,
-    geodesy::Place,
-    measured::{Measured, SIGMA_DEGREES},
-    replay::Replay,
-};
+use foxhunt_host::{drive, geodesy::Place, measured::SIGMA_DEGREES, replay::Replay};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use self::assessment::Assessment;
+use self::{assessment::Assessment, scene::Scene};
 use crate::{
     board::{QUERY, ensure_same, has_status},
-    drive::EXAMPLE,
     project,
     qemu::Machine,
     reports::vehicle::{self, Report},
@@ -49,7 +44,7 @@ pub struct Options {
         default_value_t = SIGMA_DEGREES,
         requires = "bearings"
     )]
-    deviation: f64,
+    sigma: f64,
 }
 
 /// What else there is to show.
@@ -57,16 +52,6 @@ pub struct Options {
 enum Other {
     /// Track people in a tunnel with the firmware `beacon_gateway` in the emulator, and draw them.
     Tunnel(tunnel::Options),
-}
-
-/// A drive to be shown.
-struct Scene {
-    /// Name of the pictures.
-    name: String,
-    title: String,
-    /// Whether the bearings were taken on one way.
-    joined: bool,
-    bytes: Vec<u8>,
 }
 
 /// The board is switched off after this time, whatever happens.
@@ -79,7 +64,10 @@ pub fn run(options: &Options) -> Result<()> {
     if let Some(Other::Tunnel(options)) = &options.other {
         return tunnel::run(options);
     }
-    let scene = Scene::new(options)?;
+    let scene = match (&options.bearings, &options.transmitter) {
+        (Some(file), Some(transmitter)) => Scene::measured(file, transmitter, options.sigma)?,
+        _ => Scene::example()?,
+    };
     let truth =
         drive::truth(&scene.bytes).context("the drive does not tell where the transmitter is")?;
 
@@ -118,37 +106,6 @@ pub fn run(options: &Options) -> Result<()> {
         stem.with_extension("svg").display()
     );
     assessment.check()
-}
-
-impl Scene {
-    fn new(options: &Options) -> Result<Self> {
-        let (Some(file), Some(transmitter)) = (&options.bearings, &options.transmitter) else {
-            let file = project::root().join(EXAMPLE);
-            let bytes = std::fs::read(&file).with_context(|| {
-                format!("cannot read {}: run `cargo xtask drive`", file.display())
-            })?;
-            let title = "A transmitter located from a moving vehicle".into();
-            return Ok(Self {
-                name: "drive".into(),
-                title,
-                joined: true,
-                bytes,
-            });
-        };
-        let measured = Measured::read(file, transmitter)?;
-        let set = file.file_stem().unwrap_or_default().to_string_lossy();
-        println!(
-            "{} bearings on {transmitter} of {set}, taken to be good to {} degrees",
-            measured.bearings.len(),
-            options.deviation
-        );
-        Ok(Self {
-            name: format!("{set}-{transmitter}"),
-            title: format!("{transmitter}, located by the measured bearings of {set}"),
-            joined: false,
-            bytes: measured.drive(options.deviation)?.bytes().to_vec(),
-        })
-    }
 }
 
 /// Sends the drive and a query, prints the fixes as they come, and returns all that the firmware sent.
