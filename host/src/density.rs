@@ -21,15 +21,15 @@ pub type Ring = Vec<[f64; 2]>;
 
 /// Fewest and most cells along an axis of the grid.
 const CELLS: [f64; 2] = [32.0, 128.0];
-/// Cells for a deviation of the kernel.
+/// Cells for a sigma of the kernel.
 const FINENESS: f64 = 3.0;
-/// Where the kernel ends, in its deviations.
+/// Where the kernel ends, in its sigmas.
 const KERNEL: f64 = 3.5;
 
 /// The regions of a cloud that hold these shares of its probability, by a kernel density.
 ///
 /// The kernel is normal, along the principal axes of the cloud, and as wide as Scott's rule says (*Multivariate Density
-/// Estimation*, 1992): the deviation along each axis, or what the quartiles say it is where that is less, by the number
+/// Estimation*, 1992): the sigma along each axis, or what the quartiles say it is where that is less, by the number
 /// of particles to the power of -1/6.
 pub fn regions(cloud: &Cloud<'_>, probabilities: &[f64]) -> Vec<Region> {
     let Some(grid) = Grid::new(cloud) else {
@@ -54,7 +54,7 @@ struct Axis {
     low: f64,
     step: f64,
     cells: usize,
-    /// The deviation of the kernel.
+    /// The sigma of the kernel.
     width: f64,
 }
 
@@ -154,16 +154,16 @@ impl Grid {
 
 impl Axis {
     /// Of particles worth so many of the same weight.
-    fn new(column: &[f32], weights: &[f32], deviation: f32, worth: f64) -> Option<Self> {
-        /// From the quartiles of a normal distribution to its deviation.
+    fn new(column: &[f32], weights: &[f32], sigma: f32, worth: f64) -> Option<Self> {
+        /// From the quartiles of a normal distribution to its sigma.
         const QUARTILES: f64 = 1.349;
-        let deviation = f64::from(deviation);
+        let sigma = f64::from(sigma);
         let quartile = |share| f64::from(quantile(column, weights, share));
         let by_quartiles = (quartile(0.75) - quartile(0.25)) / QUARTILES;
         let scale = if by_quartiles > 0.0 {
-            by_quartiles.min(deviation)
+            by_quartiles.min(sigma)
         } else {
-            deviation
+            sigma
         };
         let mut inside = (column.iter().zip(weights))
             .filter(|(_, weight)| **weight > 0.0)

@@ -41,7 +41,7 @@ impl Faults {
 
 /// A drive that stops for many readings, with errors that neighbouring ones have in common.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parked {
+pub struct Stationary {
     /// The stop, counted from zero.
     pub stop: usize,
     /// How many readings are taken there.
@@ -52,7 +52,7 @@ pub struct Parked {
     pub distance: f64,
 }
 
-impl Parked {
+impl Stationary {
     /// The bearings: an autoregression of first order along the drive.
     pub fn bearings(&self, track: &Track, rng: &mut impl Rng) -> Vec<Sight> {
         let mut sights: Vec<Sight> = Vec::new();
@@ -67,8 +67,8 @@ impl Parked {
                 error = common * error + (1.0 - common * common).sqrt() * normal(rng);
                 sights.push(Sight {
                     position,
-                    bearing: wrap(direction(position, track.source) + track.deviation * error),
-                    deviation: track.deviation,
+                    bearing: wrap(direction(position, track.source) + track.sigma * error),
+                    sigma: track.sigma,
                 });
             }
         }
@@ -119,14 +119,14 @@ mod tests {
         // Four standard errors.
         assert!((turned / all - 0.3_f64).abs() < 0.011, "{}", turned / all);
         assert!((off / all - 0.2_f64).abs() < 0.01, "{}", off / all);
-        let deviation = (biases / RUNS as f64).sqrt();
-        assert!((deviation - 0.05_f64).abs() < 0.007, "{deviation}");
+        let sigma = (biases / RUNS as f64).sqrt();
+        assert!((sigma - 0.05_f64).abs() < 0.007, "{sigma}");
     }
 
     #[test]
     fn errors_at_rest_are_correlated() {
         let track = Track::a1();
-        let parked = Parked {
+        let parked = Stationary {
             stop: 20,
             readings: 20_000,
             at_rest: 0.9,
@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(sights.len(), 20_059);
         let errors: Vec<f64> = sights[20..20_020]
             .iter()
-            .map(|s| s.residual(track.source) / track.deviation)
+            .map(|s| s.residual(track.source) / track.sigma)
             .collect();
         let product: f64 = errors.windows(2).map(|w| w[0] * w[1]).sum();
         let square: f64 = errors.iter().map(|e| e * e).sum();

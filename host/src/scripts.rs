@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_6, TAU};
 use rand::RngExt;
 
 use crate::{
-    drive::{Drive, Reading, deviation_degrees},
+    drive::{Drive, Reading, sigma_degrees},
     geodesy::Place,
     packets::Path,
     simulate::{generator, normal},
@@ -103,7 +103,7 @@ impl Script {
             let source = &sources[self.speaker(second) % sources.len()];
             let [x, y] = source.at(t).expect("as long as the vehicle's");
             let truth = (x - here[0]).atan2(y - here[1]).to_degrees();
-            let error = deviation_degrees(QUALITY) * normal(&mut rng);
+            let error = sigma_degrees(QUALITY) * normal(&mut rng);
             let is_wild = rng.random_bool(WILD);
             let anywhere = rng.random_range(0.0..360.0);
             drive.kraken(Reading {

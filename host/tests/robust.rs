@@ -4,7 +4,7 @@
 use foxhunt::aoa::locator::{Answer, Fix};
 use foxhunt::aoa::robust::{Errors, RobustLocator, Settings};
 use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
-use foxhunt_host::faults::{Faults, Parked};
+use foxhunt_host::faults::{Faults, Stationary};
 use foxhunt_host::reference::{Posterior, cramer_rao_of_biased};
 use foxhunt_host::tracks::Track;
 use foxhunt_host::{Sight, simulate};
@@ -118,7 +118,7 @@ fn a_bias_of_three_degrees() {
 fn a_parked_vehicle_is_as_sure_as_it_may_be() {
     const RUNS: u64 = 60;
     let track = Track::a1();
-    let parked = Parked {
+    let parked = Stationary {
         stop: 20,
         readings: 300,
         at_rest: 0.9,

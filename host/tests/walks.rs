@@ -70,26 +70,23 @@ fn in_the_simulated_tunnel_the_tracker_is_as_good_as_the_exact_filter() {
         let squares =
             |errors: &[f64]| errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64;
         let (ours, exact) = by_run(&squares);
-        let (excess, deviation) = difference(&ours, &exact, 1.05 * 1.05);
-        assert!(
-            excess < 3.0 * deviation,
-            "{noise} dB: {excess} +- {deviation} m^2"
-        );
+        let (excess, sigma) = difference(&ours, &exact, 1.05 * 1.05);
+        assert!(excess < 3.0 * sigma, "{noise} dB: {excess} +- {sigma} m^2");
         let (ours, exact) = by_run(&|errors| share(errors, |e| e > 2.0));
-        let (excess, deviation) = difference(&ours, &exact, 1.0);
+        let (excess, sigma) = difference(&ours, &exact, 1.0);
         assert!(
-            excess < 0.02 + 3.0 * deviation,
-            "{noise} dB: {excess} +- {deviation} far"
+            excess < 0.02 + 3.0 * sigma,
+            "{noise} dB: {excess} +- {sigma} far"
         );
         let (ours, exact) = by_run(&|errors| share(errors, |e| e > 20.0));
-        let (excess, deviation) = difference(&ours, &exact, 1.0);
+        let (excess, sigma) = difference(&ours, &exact, 1.0);
         assert!(
-            excess <= 3.0 * deviation,
-            "{noise} dB: {excess} +- {deviation} lost"
+            excess <= 3.0 * sigma,
+            "{noise} dB: {excess} +- {sigma} lost"
         );
         if packets == 10 {
-            let (far, deviation) = mean(&by_run(&|errors| share(errors, |e| e > 2.0)).0);
-            assert!(far < 0.07 + 3.0 * deviation, "{far} +- {deviation} far");
+            let (far, sigma) = mean(&by_run(&|errors| share(errors, |e| e > 2.0)).0);
+            assert!(far < 0.07 + 3.0 * sigma, "{far} +- {sigma} far");
         }
     }
 }

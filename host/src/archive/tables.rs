@@ -47,7 +47,7 @@ pub struct FixRow {
     /// What all bearings are off by alike.
     pub bias_degrees: Option<f64>,
     /// Its standard deviation.
-    pub bias_deviation_degrees: Option<f64>,
+    pub bias_sigma_degrees: Option<f64>,
     /// Share of the bearings that point at the source.
     pub direct_share: Option<f64>,
     /// Share of those that point away from it.
@@ -61,7 +61,7 @@ pub struct FixRow {
     /// Where to, if it does.
     pub course_degrees: Option<f64>,
     /// Standard deviation of either coordinate of its velocity.
-    pub velocity_deviation_m_s: Option<f64>,
+    pub velocity_sigma_m_s: Option<f64>,
 }
 
 /// A row of `bearings.csv`: a bearing that was used. What it is and fits is said by all that is known at the end.
@@ -78,7 +78,7 @@ pub struct BearingRow {
     /// Clockwise from true north.
     pub bearing_degrees: f64,
     /// Its standard deviation.
-    pub deviation_degrees: f64,
+    pub sigma_degrees: f64,
     /// What it most probably is; nothing where that is not known.
     pub kind: Option<Kind>,
     /// Probability that it points at a source.
@@ -141,7 +141,7 @@ impl FixRow {
             search: known.search,
             bearings: known.bearings,
             bias_degrees: known.bias.map(|bias| angle(-bias.mean)),
-            bias_deviation_degrees: known.bias.map(|bias| angle(bias.deviation)),
+            bias_sigma_degrees: known.bias.map(|bias| angle(bias.deviation)),
             direct_share: share(|shares| shares.direct),
             mirrored_share: share(|shares| shares.mirror),
             wild_share: share(|shares| shares.wild),
@@ -184,7 +184,7 @@ impl FixRow {
             moving_probability: motion.map(|motion| probability(motion.moving)),
             speed_m_s: velocity.map(|[east, north]| rounded(east.hypot(north), 2)),
             course_degrees: velocity.map(|[east, north]| compass(north.atan2(east))),
-            velocity_deviation_m_s: motion.map(|motion| rounded(motion.deviation, 2)),
+            velocity_sigma_m_s: motion.map(|motion| rounded(motion.deviation, 2)),
             ..self
         }
     }
@@ -201,7 +201,7 @@ impl BearingRow {
             latitude: place.map(|[_, latitude]| latitude),
             longitude: place.map(|[longitude, _]| longitude),
             bearing_degrees: compass(bearing),
-            deviation_degrees: angle(taken.observation.deviation()),
+            sigma_degrees: angle(taken.observation.deviation()),
             kind: taken.kind(),
             direct_probability: chance(|chances| chances.direct),
             mirrored_probability: chance(|chances| chances.mirror),

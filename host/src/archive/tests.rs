@@ -105,10 +105,10 @@ fn tables_are_read_back() {
             + row.mirrored_probability.unwrap()
             + row.wild_probability.unwrap();
         assert!((sum - 1.0).abs() < 3e-4);
-        // Five deviations, and what the fix and its place are off.
+        // Five sigmas, and what the fix and its place are off.
         let off = row.residual_degrees.unwrap().abs();
         assert!(
-            row.kind != Some(Kind::Direct) || off < 6.0 * row.deviation_degrees,
+            row.kind != Some(Kind::Direct) || off < 6.0 * row.sigma_degrees,
             "{row:?}"
         );
     }

@@ -52,7 +52,7 @@ fn map(track: &Track, sights: &[Sight], locator: &RobustLocator<256, 64>) -> Map
     // As lines: a mirrored bearing says as much as a direct one.
     let off = |sight: &Sight, place: [f32; 2]| {
         let residual = sight.residual(place.map(f64::from)).abs();
-        residual.min(std::f64::consts::PI - residual) / sight.deviation
+        residual.min(std::f64::consts::PI - residual) / sight.sigma
     };
     let (kept, rejected) = sights
         .iter()
