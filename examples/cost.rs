@@ -199,8 +199,8 @@ mod target {
         for second in 0..72 {
             let east = 20.0 * second as f32;
             let error = BEARING_SIGMA_RAD * normal(&mut rng);
-            let wild = if second % 5 == 0 { east } else { 0.0 };
-            let direction = math::atan2(SOURCE[1], SOURCE[0] - east) + error + wild;
+            let outlier = if second % 5 == 0 { east } else { 0.0 };
+            let direction = math::atan2(SOURCE[1], SOURCE[0] - east) + error + outlier;
             let bearing = Bearing::from_radians(direction);
             let observation = Observation::new([east, 0.0], bearing, BEARING_SIGMA_RAD);
             let observation = observation.expect("the drive is short");

@@ -22,7 +22,7 @@ pub struct Options {
     /// Width of the kernel of [`Encoding::Levels`], in dB: besides the noise it has to cover how a scan differs from
     /// a survey.
     pub bandwidth: f64,
-    /// Share of the readings that may have any strength, in [`Encoding::Levels`].
+    /// Rate of the readings that may have any strength, in [`Encoding::Levels`].
     pub outliers: f64,
     /// Levels of [`Encoding::Levels`], up to 255: half a byte for each of them, each point and each beacon.
     pub levels: u8,
@@ -113,7 +113,7 @@ impl SiteSurvey {
     /// Points of the lattice that are places of the survey, to a thousandth of the spacing, take exactly what was
     /// measured there. Between the places a Gaussian process fills in; its doubt about the mean adds to the sigma.
     ///
-    /// The detection probability of a beacon is the share of packets that were received of it, compared with the
+    /// The detection probability of a beacon is the rate of packets that were received of it, compared with the
     /// beacon that was received best at the same place; its sensitivity is the weakest of all readings.
     ///
     /// # Errors
@@ -257,14 +257,14 @@ impl SiteSurvey {
         self.readings().fold(f64::INFINITY, f64::min)
     }
 
-    /// Share of the packets of a beacon that were received where it was heard at all.
+    /// Rate of the packets of a beacon that were received where it was heard at all.
     fn detection(&self, beacon: usize) -> f64 {
-        let shares = self.survey().samples.iter().filter_map(|place| {
+        let rates = self.survey().samples.iter().filter_map(|place| {
             let most = place.iter().map(Vec::len).max()?;
             let received = place[beacon].len();
             (received > 0).then(|| received as f64 / most as f64)
         });
-        let (count, sum) = shares.fold((0.0, 0.0), |(n, sum), share| (n + 1.0, sum + share));
+        let (count, sum) = rates.fold((0.0, 0.0), |(n, sum), rate| (n + 1.0, sum + rate));
         if count > 0.0 { sum / count } else { 0.0 }
     }
 
@@ -318,7 +318,7 @@ fn normal_density(distance: f64, sigma: f64) -> f64 {
     (-0.5 * z * z).exp() / (sigma * std::f64::consts::TAU.sqrt())
 }
 
-/// Logarithm of a density of which a share is uniform.
+/// Logarithm of a density of which a part is uniform.
 fn log_mixture(density: f64, outliers: f64) -> f64 {
     ((1.0 - outliers) * density + outliers / RANGE_DB).ln()
 }

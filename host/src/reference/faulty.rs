@@ -1,4 +1,4 @@
-//! The exact posterior where bearings are wild, mirrored or biased.
+//! The exact posterior where bearings are outliers, mirrored or biased.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -9,11 +9,11 @@ use crate::{Sight, faults::Faults};
 
 /// A cell that is this far below the best, in log-likelihood, everywhere in it.
 const HOPELESS: f64 = 14.0;
-/// Errors beyond so many sigmas count as wild ones alone.
+/// Errors beyond so many sigmas count as outliers alone.
 const BEYOND: f64 = 9.0;
 
 impl Posterior {
-    /// The posterior where the shares of wild and mirrored bearings are those of `faults`, or where all bearings have a
+    /// The posterior where the rates of outliers and mirrored bearings are those of `faults`, or where all bearings have a
     /// bias of its sigma: these are known, what each bearing is and what the bias is are not. `None` if the `sights`
     /// do not determine a place within eight times the extent of the receivers.
     ///
@@ -21,12 +21,12 @@ impl Posterior {
     /// can have.
     ///
     /// # Panics
-    /// If there are both a bias and wild or mirrored bearings: that would take a sum over the bias, too.
+    /// If there are both a bias and outliers or mirrored bearings: that would take a sum over the bias, too.
     pub fn with_faults(sights: &[Sight], faults: &Faults) -> Option<Self> {
-        let mixed = faults.wild + faults.mirror > 0.0;
+        let mixed = faults.outlier_rate + faults.mirrored_rate > 0.0;
         assert!(
-            !(mixed && faults.bias > 0.0),
-            "either a bias or wild bearings"
+            !(mixed && faults.bias_sigma > 0.0),
+            "either a bias or outliers"
         );
         let lines: Vec<Line> = sights
             .iter()
@@ -36,7 +36,7 @@ impl Posterior {
             if mixed {
                 mixture(&lines, place, half)
             } else {
-                biased(&lines, faults.bias, place, half)
+                biased(&lines, faults.bias_sigma, place, half)
             }
         };
 
@@ -89,20 +89,24 @@ struct Line {
     position: Vector2<f64>,
     along: Vector2<f64>,
     sigma: f64,
-    /// Odds of being direct, and mirrored, rather than wild, where there is no error.
+    /// Odds of being direct, and mirrored, rather than an outlier, where there is no error.
     odds: [f64; 2],
 }
 
 impl Line {
     fn new(sight: &Sight, faults: &Faults) -> Self {
-        let peak = TAU.sqrt() / (sight.sigma * faults.wild);
-        // Without any wild ones the density of a uniform one is a unit that is of no account.
-        let peak = if faults.wild > 0.0 { peak } else { 1.0 };
+        let peak = TAU.sqrt() / (sight.sigma * faults.outlier_rate);
+        // Without any outliers the density of a uniform one is a unit that is of no account.
+        let peak = if faults.outlier_rate > 0.0 { peak } else { 1.0 };
         Self {
             position: sight.position.into(),
             along: Vector2::new(sight.bearing.cos(), sight.bearing.sin()),
             sigma: sight.sigma,
-            odds: [1.0 - faults.wild - faults.mirror, faults.mirror].map(|share| share * peak),
+            odds: [
+                1.0 - faults.outlier_rate - faults.mirrored_rate,
+                faults.mirrored_rate,
+            ]
+            .map(|rate| rate * peak),
         }
     }
 
@@ -121,7 +125,7 @@ fn mixture(lines: &[Line], place: Vector2<f64>, half: f64) -> f64 {
     for lines in lines.chunks(16) {
         let mut product = 1.0;
         for line in lines {
-            let wild = if line.odds[0] + line.odds[1] > 1.0 + 1e-9 {
+            let outlier = if line.odds[0] + line.odds[1] > 1.0 + 1e-9 {
                 1.0
             } else {
                 0.0
@@ -129,8 +133,8 @@ fn mixture(lines: &[Line], place: Vector2<f64>, half: f64) -> f64 {
             let ([along, across], slack) = line.offset(place, half);
             let reach = BEYOND * line.sigma + slack;
             // Most places are beyond the reach of most bearings: no arc tangent for them.
-            let mut likelihood = wild;
-            if reach > FRAC_PI_2 || across.abs() < reach.tan() * along.abs() || wild == 0.0 {
+            let mut likelihood = outlier;
+            if reach > FRAC_PI_2 || across.abs() < reach.tan() * along.abs() || outlier == 0.0 {
                 let error = across.atan2(along).abs();
                 for (odds, error) in line.odds.iter().zip([error, PI - error]) {
                     let z = (error - slack).max(0.0) / line.sigma;
@@ -187,18 +191,18 @@ mod tests {
                 &Posterior::with_faults(&sights, &Faults::default()).unwrap(),
                 &plain,
             );
-            // A share so small makes no difference, and neither does such a bias.
+            // A rate so small makes no difference, and neither does such a bias.
             let next_to_none = Faults {
-                wild: 1e-5,
-                mirror: 1e-5,
-                bias: 0.0,
+                outlier_rate: 1e-5,
+                mirrored_rate: 1e-5,
+                bias_sigma: 0.0,
             };
             near(
                 &Posterior::with_faults(&sights, &next_to_none).unwrap(),
                 &plain,
             );
             let straight = Faults {
-                bias: 1e-5,
+                bias_sigma: 1e-5,
                 ..Faults::default()
             };
             near(&Posterior::with_faults(&sights, &straight).unwrap(), &plain);
@@ -223,7 +227,7 @@ mod tests {
         let posterior = Posterior::with_faults(
             &sights,
             &Faults {
-                bias: 0.05,
+                bias_sigma: 0.05,
                 ..Faults::default()
             },
         );
@@ -236,7 +240,7 @@ mod tests {
         let sights = simulate::bearings(&Track::a2(), &mut simulate::generator(8, 0));
         let mut turned = sights.clone();
         let half = Faults {
-            mirror: 0.5,
+            mirrored_rate: 0.5,
             ..Faults::default()
         };
         half.spoil(&mut turned, &mut simulate::generator(9, 0));
@@ -258,7 +262,7 @@ mod tests {
             (posterior.mean[0] - track.source[0]).hypot(posterior.mean[1] - track.source[1])
         };
         let biased = Faults {
-            bias: 0.1,
+            bias_sigma: 0.1,
             ..Faults::default()
         };
         assert!(off(Posterior::new(&sights).unwrap()) > 20.0);

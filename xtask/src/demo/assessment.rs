@@ -85,8 +85,7 @@ impl Assessment {
         let map = Map {
             title: scene.title.clone(),
             caption: format!(
-                "{} bearings through the firmware; the fix is {} from the true place, with standard \
-                 sigmas of {} and {}",
+                "{} bearings through the firmware; the fix is {} from the true place, with sigmas of {} and {}",
                 self.bearings,
                 metres(self.error(self.fix)),
                 metres(major),

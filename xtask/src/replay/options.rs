@@ -16,7 +16,7 @@ use foxhunt_gateways::robust as firmware;
 pub enum Kind {
     /// One source, and every bearing is right but for its error: the firmware `vehicle`.
     Plain,
-    /// Several sources; bearings may be wild, mirrored, biased: the firmware `vehicle_robust`.
+    /// Several sources; bearings may be outliers, mirrored, biased: the firmware `vehicle_robust`.
     Robust,
     /// One source that stays where it is, with such bearings.
     Single,
@@ -230,19 +230,19 @@ impl Input {
 #[derive(clap::Args)]
 #[command(next_help_heading = "The errors of bearings, of all locators but plain")]
 pub struct Belief {
-    /// Standard deviation of what all bearings are off by alike, as of an array that is not mounted straight; unless
+    /// Standard deviation of the common bias of all bearings, as of an array that is not mounted straight; unless
     /// given, 2.9 as in the firmware.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     bias_sigma: Option<f32>,
     /// Standard deviation of the places where bearings are taken; unless given, 3 as in the firmware.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     position_sigma: Option<f32>,
-    /// Share of mirrored bearings, before it is learned; unless given, 0.08.
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    /// Rate of mirrored bearings, before it is learned; unless given, 0.08.
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
     mirrored: Option<f32>,
-    /// Share of wild bearings, before it is learned; unless given, 0.12.
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
-    wild: Option<f32>,
+    /// Rate of outliers, before it is learned; unless given, 0.12.
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
+    outliers: Option<f32>,
     /// Metres over which the errors of neighbouring bearings become independent; unless given, 5.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     correlation_distance: Option<f32>,
@@ -261,7 +261,7 @@ impl Belief {
             ("--bias-sigma", self.bias_sigma.is_some()),
             ("--position-sigma", self.position_sigma.is_some()),
             ("--mirrored", self.mirrored.is_some()),
-            ("--wild", self.wild.is_some()),
+            ("--outliers", self.outliers.is_some()),
             (
                 "--correlation-distance",
                 self.correlation_distance.is_some(),
@@ -285,9 +285,9 @@ impl Belief {
         if let Some(metres) = self.position_sigma {
             errors = errors.position_deviation(metres)?;
         }
-        if self.mirrored.is_some() || self.wild.is_some() {
-            let (mirrored, wild) = (self.mirrored.unwrap_or(0.08), self.wild.unwrap_or(0.12));
-            errors = errors.shares(mirrored, wild)?;
+        if self.mirrored.is_some() || self.outliers.is_some() {
+            let mirrored = self.mirrored.unwrap_or(0.08);
+            errors = errors.shares(mirrored, self.outliers.unwrap_or(0.12))?;
         }
         if let Some(distance) = self.correlation_distance {
             errors = errors.correlation(0.9, distance, f32::INFINITY)?;

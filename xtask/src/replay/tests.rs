@@ -81,7 +81,7 @@ fn what_a_locator_does_not_listen_to_is_refused() {
             .to_string()
             .contains("--bias-sigma is of no use")
     );
-    let (done, _) = replay(&file, &["--wild", "1.5"]);
+    let (done, _) = replay(&file, &["--outliers", "1.5"]);
     assert!(done.unwrap_err().to_string().contains("wild"));
 }
 
@@ -104,7 +104,7 @@ fn what_contradicts_is_refused_before_anything_is_read() {
         assert!(error.contains("is of no use with"), "{more:?}: {error}");
     }
     for (more, reason) in [
-        (["--wild", "-1"], "wild"),
+        (["--outliers", "-1"], "wild"),
         (["--minimum-speed", "-1"], "speed"),
         (["--minimum-quality", "-0.5"], "quality"),
         (["--range", "-5"], "range"),
