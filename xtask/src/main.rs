@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::Parser;
 
+mod board;
 mod book;
 mod cost;
 mod demo;
@@ -20,6 +21,7 @@ mod papers;
 mod project;
 mod qemu;
 mod replay;
+mod reports;
 mod reset;
 mod setup;
 mod test;
