@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Parser;
 
 mod board;
+mod book;
 mod cost;
 mod demo;
 mod drive;

@@ -7,7 +7,7 @@ use console::style;
 use indicatif::ProgressBar;
 
 use crate::{
-    cost,
+    book, cost,
     expected::Expected,
     fuzz,
     project::{self, BARE_METAL, BOARD, cargo, run},
@@ -61,6 +61,7 @@ const STEPS: &[Step] = &[
             .context("a panic is possible: its handler was linked")
     }),
     ("every combination of features, on every target", features),
+    ("chapters and links of the guide", book::check),
     ("documentation", || {
         run(cargo()
             .args(["doc", "--workspace", "--no-deps", "--all-features"])
