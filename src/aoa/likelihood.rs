@@ -30,7 +30,7 @@ impl BearingLikelihood {
     /// Of an observed bearing.
     pub fn new(observation: &Observation) -> Self {
         let (sin, cos) = sin_cos(observation.bearing().radians());
-        let sigma = observation.deviation();
+        let sigma = observation.sigma_rad();
         Self {
             position: observation.position(),
             sin,

@@ -2,9 +2,9 @@
 
 use heapless::Vec;
 
-use super::Bearing;
+use super::answer::Hypothesis;
+use super::bearing::Bearing;
 use super::observation::Observation;
-use super::robust::Hypothesis;
 use crate::estimate::Ellipse;
 use crate::math::{ln, sin_cos, sqrt};
 
@@ -29,11 +29,11 @@ pub const DIRECTIONS: u8 = 16;
 /// No advice is for a longer way than this, in metres.
 pub const FARTHEST_M: f32 = 25_600.0;
 
-/// The way after which directions are compared, as a share of the distance to the source.
+/// Distance at which directions are compared, as a fraction of the distance to the source.
 const REACH: f32 = 0.15;
 
-/// What is better by less, in nats, is not: left and right of a ray are alike, and whoever is told to turn back at every
-/// bearing gets nowhere.
+/// Minimum gain, in nats, to prefer another direction: left and right of a ray are equally good, and a driver who is told
+/// to turn back at every bearing gets nowhere.
 const TIE: f32 = 0.05;
 
 /// The most places of a [`Belief`].
@@ -45,7 +45,7 @@ const PLACES: usize = 32;
 /// where these places are seen in directions as different as can be. That weighs hypotheses against each other just as
 /// ranges along a ray.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Belief {
+pub(in crate::aoa) struct Belief {
     places: Vec<Place, PLACES>,
 }
 
@@ -57,7 +57,7 @@ struct Place {
 
 impl Belief {
     /// Of particles: so many of them, at equal distances in the columns.
-    pub(super) fn of_particles([east, north]: [&[f32]; 2], weights: &[f32]) -> Self {
+    pub(in crate::aoa) fn of_particles([east, north]: [&[f32]; 2], weights: &[f32]) -> Self {
         let mut belief = Self::default();
         let step = weights.len().div_ceil(PLACES).max(1);
         for ((x, y), weight) in east.iter().zip(north).zip(weights).step_by(step) {
@@ -68,11 +68,11 @@ impl Belief {
 
     /// Of hypotheses, as seen from a place: five places along the longer axis of each; of one that is so long that it
     /// says no more than a direction, along the ray to it.
-    pub(super) fn of_hypotheses(
+    pub(in crate::aoa) fn of_hypotheses(
         hypotheses: impl Iterator<Item = Hypothesis>,
         from: [f32; 2],
     ) -> Self {
-        /// In deviations, and the weights of a normal distribution.
+        /// Places in standard deviations, and their weights in a normal distribution.
         const SHAPE: [(f32, f32); 5] = [
             (-1.5, 0.123),
             (-0.75, 0.237),
@@ -91,17 +91,17 @@ impl Belief {
                 for (z, weight) in SHAPE {
                     let along = z * ellipse.semi_major;
                     let place = offset(hypothesis.position, [cos, sin], along);
-                    belief.add(place, hypothesis.mass * weight);
+                    belief.add(place, hypothesis.probability * weight);
                 }
             } else {
-                belief.add_ray(from, towards, 4.0 * distance, hypothesis.mass);
+                belief.add_ray(from, towards, 4.0 * distance, hypothesis.probability);
             }
         }
         belief
     }
 
     /// Of a single bearing: somewhere along its ray, up to half of the range.
-    pub(super) fn of_ray(observation: &Observation, range_m: f32) -> Self {
+    pub(in crate::aoa) fn of_ray(observation: &Observation, range_m: f32) -> Self {
         let mut belief = Self::default();
         let (sin, cos) = sin_cos(observation.bearing().radians());
         belief.add_ray(observation.position(), [cos, sin], 0.5 * range_m, 1.0);
@@ -124,15 +124,15 @@ impl Belief {
     /// What is best for a vehicle that is where the `latest` bearing was taken and whose bearings still have to turn by
     /// the angle `missing`, in radians. `None` of no belief.
     #[inline(never)]
-    pub(super) fn advice(&self, latest: &Observation, missing: f32) -> Option<Advice> {
-        let (from, deviation) = (latest.position(), latest.deviation());
+    pub(in crate::aoa) fn advice(&self, latest: &Observation, missing: f32) -> Option<Advice> {
+        let (from, sigma) = (latest.position(), latest.sigma_rad());
         let reach = REACH * self.distance(from)?;
         let mut best: Option<([f32; 2], Advice)> = None;
         for k in 0..DIRECTIONS {
             let radians = core::f32::consts::TAU / f32::from(DIRECTIONS) * f32::from(k);
             let (sin, cos) = sin_cos(radians);
             let spread = self.spread(offset(from, [cos, sin], reach));
-            let information = 0.5 * ln(1.0 + spread / (deviation * deviation));
+            let information = 0.5 * ln(1.0 + spread / (sigma * sigma));
             if best.is_none_or(|(_, best)| information > best.information + TIE) {
                 let advice = Advice {
                     direction: Bearing::from_radians(radians),
