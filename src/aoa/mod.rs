@@ -6,16 +6,20 @@
 //! may drive off, a [`pursuit`]; where there may be several sources, [`sources`] has one of either for each. All of them
 //! [`Locate`], and [`advice`] is where to drive. A direction finder that gives the whole circle has a [`spectrum`].
 
+pub mod clean;
 pub mod correction;
 pub mod gauss_newton;
 pub mod geodesy;
 mod likelihood;
+pub mod robust;
 pub mod spectrum;
 pub mod triangulation;
 mod words;
 
+pub use clean::Clean;
 pub use likelihood::BearingLikelihood;
-pub(in crate::aoa) use words::Belief;
+pub use robust::Robust;
+
 pub use words::{
     Advice, Alternative, Answer, Bearing, Bias, Cloud, DIRECTIONS, FARTHEST_M, Fix, Hypothesis,
     Locate, Locator, Mixture, Motion, NotObservable, Observation, ObservationError, PushError,

@@ -36,19 +36,19 @@ fn off(fix: &Fix) -> f32 {
     (fix.position[0] - SOURCE[0]).hypot(fix.position[1] - SOURCE[1])
 }
 
-/// A drive along a track, with shares of mirrored and wild bearings.
-fn drive(track: Track, mirror: f32, wild: f32, seed: u64) -> Vec<Observation> {
+/// A drive along a track, with shares of mirrored and outlier bearings.
+fn drive(track: Track, mirrored: f32, outlier: f32, seed: u64) -> Vec<Observation> {
     let (mut rng, mut faults) = (generator(seed), generator(seed ^ 0xfa17));
     let spoil = |o: Observation| {
         let (kind, anywhere) = (uniform(&mut faults), uniform(&mut faults));
-        let bearing = if kind < wild {
+        let bearing = if kind < outlier {
             6.0 * anywhere
-        } else if kind < wild + mirror {
+        } else if kind < outlier + mirrored {
             o.bearing().radians() + core::f32::consts::PI
         } else {
             o.bearing().radians()
         };
-        Observation::new(o.position(), Bearing::from_radians(bearing), o.deviation()).unwrap()
+        Observation::new(o.position(), Bearing::from_radians(bearing), o.sigma_rad()).unwrap()
     };
     track.simulate(&mut rng).map(spoil).collect()
 }
@@ -181,7 +181,7 @@ fn half_of_the_prior_is_within_the_range() {
 
 /// Two places, each with a pair of bearings on it, and a bias: everything that makes a posterior difficult.
 fn two_hypotheses() -> (Errors, Evidence<64>) {
-    let errors = independent().bias_deviation(0.05).unwrap();
+    let errors = independent().bias_sigma_rad(0.05).unwrap();
     let [a, b] = [[300.0, 500.0], [100.0, -600.0]];
     let observations = [
         towards([0.0, 0.0], a, 0.0, 0.05),
@@ -276,18 +276,18 @@ fn a_search_finds_the_source_behind_a_bias() {
     // The bias throws crossings a hundred deviations off the place of the source, and off each other.
     const BIAS: f32 = 0.2;
     const SHARP: f32 = 0.003;
-    let errors = Errors::new().bias_deviation(BIAS).unwrap();
+    let errors = Errors::new().bias_sigma_rad(BIAS).unwrap();
     let found = (0..300).filter(|&seed| {
         let mut rng = generator(seed);
         let observations: Vec<Observation> = (0..60)
             .map(|i| {
                 let error = BIAS + SHARP * normal(&mut rng);
-                let wild = if uniform(&mut rng) < 0.3 {
+                let outlier = if uniform(&mut rng) < 0.3 {
                     6.0 * uniform(&mut rng)
                 } else {
                     0.0
                 };
-                towards(Track::A1.receiver(i), SOURCE, error + wild, SHARP)
+                towards(Track::A1.receiver(i), SOURCE, error + outlier, SHARP)
             })
             .collect();
         let evidence = evidence(&errors, 20_000.0, &observations);
@@ -347,10 +347,10 @@ fn shares_are_learned_from_the_first_fix_on() {
     }
     let learned = locator.shares();
     assert!(
-        (learned.wild - 0.5).abs() < 0.15 && learned.mirror < 0.05,
+        (learned.outlier - 0.5).abs() < 0.15 && learned.mirrored < 0.05,
         "{learned:?}"
     );
-    assert!((learned.direct + learned.mirror + learned.wild - 1.0).abs() < 1e-5);
+    assert!((learned.direct + learned.mirrored + learned.outlier - 1.0).abs() < 1e-5);
 
     let fixed = Errors::new().prior_bearings(f32::INFINITY).unwrap();
     let locator: RobustLocator<256, 64> = locate(fixed, &drive(Track::A2, 0.0, 0.5, 5), 5);
@@ -407,7 +407,7 @@ fn a_wrong_start_does_not_last() {
         assert!(off(&fix(wrong.answer())) > 500.0);
         observations.extend(drive(Track::A2, 0.0, 0.1, seed));
         let right: RobustLocator<256, 64> = locate(Errors::new(), &observations, seed);
-        // Six bearings among sixty that agree: nothing is left of them. An error has a deviation of 3 m.
+        // Six bearings among sixty that similar: nothing is left of them. An error has a deviation of 3 m.
         assert!(off(&fix(right.answer())) < 12.0, "seed {seed}");
     }
 }
@@ -447,9 +447,9 @@ fn readings_of_one_place_are_one_bearing() {
     for _ in 0..1000 {
         evidence.push(towards([0.0, 0.0], SOURCE, 0.0, SIGMA), 1.0, None, &errors);
     }
-    assert_eq!((evidence.sights().len(), evidence.count()), (1, 1000));
+    assert_eq!((evidence.entries().len(), evidence.count()), (1, 1000));
     // The best estimate of the mean of an autoregression: its variance is (1 + r) / (n (1 - r) + 2 r).
-    let deviation = evidence.observations().next().unwrap().deviation();
+    let deviation = evidence.observations().next().unwrap().sigma_rad();
     let exact = SIGMA * (1.9_f32 / (1000.0 * 0.1 + 1.8)).sqrt();
     assert!(
         (deviation / exact - 1.0).abs() < 1e-3,
@@ -460,7 +460,7 @@ fn readings_of_one_place_are_one_bearing() {
     assert!(evidence.push(reflected, 0.0, None, &errors).old.is_none());
     evidence.push(towards([20.0, 0.0], SOURCE, 0.0, SIGMA), 0.0, None, &errors);
     let r = 0.9 * (-1.0_f32).exp();
-    let tempered = evidence.observations().last().unwrap().deviation();
+    let tempered = evidence.observations().last().unwrap().sigma_rad();
     let expected = SIGMA * ((1.0 + r) / (1.0 - r)).sqrt();
     assert!((tempered / expected - 1.0).abs() < 1e-3);
 }
@@ -478,7 +478,7 @@ fn correlation_may_end_with_time() {
                 &errors,
             );
         }
-        evidence.observations().next().unwrap().deviation()
+        evidence.observations().next().unwrap().sigma_rad()
     };
     let r = 0.9 * (-0.5_f32).exp();
     let exact = SIGMA * ((1.0 + r) / (100.0 * (1.0 - r) + 2.0 * r)).sqrt();
@@ -502,7 +502,7 @@ fn a_full_buffer_never_averages_what_disagrees() {
     let errors = independent();
     let mut evidence = Evidence::<4>::new(20_000.0);
     let source = [SOURCE[0], SOURCE[1], 0.0];
-    let wild = |east| towards([east, 0.0], [east, -900.0], 0.0, SIGMA);
+    let outlier = |east| towards([east, 0.0], [east, -900.0], 0.0, SIGMA);
     // Pairs that contradict each other, closer to each other than to the next pair: the likelier stays.
     for i in 0..6 {
         let east = 300.0 * i as f32;
@@ -512,7 +512,7 @@ fn a_full_buffer_never_averages_what_disagrees() {
             Some(&source),
             &errors,
         );
-        evidence.push(wild(east + 1.0), 0.0, Some(&source), &errors);
+        evidence.push(outlier(east + 1.0), 0.0, Some(&source), &errors);
     }
     for o in evidence.observations() {
         let [x, y] = o.position();
@@ -531,37 +531,37 @@ fn a_full_buffer_never_averages_what_disagrees() {
         evidence.push(o, 0.0, Some(&source), &errors);
     }
     let merged = evidence.observations().next().unwrap();
-    assert!((merged.deviation() * 2f32.sqrt() / SIGMA - 1.0).abs() < 1e-3);
+    assert!((merged.sigma_rad() * 2f32.sqrt() / SIGMA - 1.0).abs() < 1e-3);
     let expected = (SOURCE[1]).atan2(SOURCE[0] - merged.position()[0]);
     assert!(wrap(merged.bearing().radians() - expected).abs() < 1e-3);
 }
 
 #[test]
 fn a_small_buffer_is_nearly_as_good() {
-    for (mirror, wild) in [(0.0, 0.3), (0.5, 0.0)] {
+    for (mirrored, outlier) in [(0.0, 0.3), (0.5, 0.0)] {
         let mut square = 0.0;
         const RUNS: u64 = 40;
         for seed in 0..RUNS {
-            let observations = drive(Track::A2, mirror, wild, seed);
+            let observations = drive(Track::A2, mirrored, outlier, seed);
             let locator: RobustLocator<256, 16> = locate(independent(), &observations, seed);
             square += off(&fix(locator.answer())).powi(2) / RUNS as f32;
         }
         // 60 bearings through 16 places: 1.2 and 1.0 times the bound, which is 2.86 m, within a tenth. Averages
         // whatever they say end tens of metres off.
         let ratio = square.sqrt() / 2.86;
-        std::println!("{mirror} {wild}: {ratio}");
+        std::println!("{mirrored} {outlier}: {ratio}");
         assert!(ratio < 1.6, "{ratio}");
     }
 }
 
 #[test]
 fn a_bias_is_found_with_its_sign() {
-    let errors = Errors::new().bias_deviation(0.05).unwrap();
+    let errors = Errors::new().bias_sigma_rad(0.05).unwrap();
     let turned: Vec<Observation> = drive(Track::A2, 0.0, 0.1, 9)
         .iter()
         .map(|o| {
             let bearing = Bearing::from_radians(o.bearing().radians() + 0.06);
-            Observation::new(o.position(), bearing, o.deviation()).unwrap()
+            Observation::new(o.position(), bearing, o.sigma_rad()).unwrap()
         })
         .collect();
     let locator: RobustLocator<256, 64> = locate(errors, &turned, 9);
@@ -605,21 +605,21 @@ fn anything_that_is_an_observation_is_taken() {
     // Far and near, sharp and blunt, all at one place, all the same.
     let far = Observation::MAX_COORDINATE_M;
     for (deviation, places) in [
-        (Observation::MIN_DEVIATION_RAD, [[0.0, 0.0]; 3]),
+        (Observation::MIN_SIGMA_RAD, [[0.0, 0.0]; 3]),
         (
-            Observation::MIN_DEVIATION_RAD,
+            Observation::MIN_SIGMA_RAD,
             [[far, far], [-far, far], [0.0, -far]],
         ),
         (
-            Observation::MAX_DEVIATION_RAD,
+            Observation::MAX_SIGMA_RAD,
             [[far, far], [-far, far], [0.0, -far]],
         ),
         (
-            Observation::MAX_DEVIATION_RAD,
+            Observation::MAX_SIGMA_RAD,
             [[0.0, 0.0], [1e-6, 0.0], [0.0, 1e-6]],
         ),
     ] {
-        let errors = Errors::new().bias_deviation(0.5).unwrap();
+        let errors = Errors::new().bias_sigma_rad(0.5).unwrap();
         let mut locator = RobustLocator::<64, 8>::new(Settings::new(errors));
         let mut rng = generator(13);
         for i in 0..100 {
@@ -630,7 +630,7 @@ fn anything_that_is_an_observation_is_taken() {
             }
         }
         let shares = locator.shares();
-        assert!((shares.direct + shares.mirror + shares.wild - 1.0).abs() < 1e-3);
+        assert!((shares.direct + shares.mirrored + shares.outlier - 1.0).abs() < 1e-3);
     }
 }
 
@@ -648,7 +648,7 @@ fn bearings_are_told_apart_once_there_is_a_fix() {
         for (error, kind) in [(0.0, 0), (PI as f32, 1), (1.0, 2)] {
             let observation = towards([500.0, 300.0], SOURCE, error, SIGMA);
             let shares = locator.classify(&observation).unwrap();
-            let shares = [shares.direct, shares.mirror, shares.wild];
+            let shares = [shares.direct, shares.mirrored, shares.outlier];
             assert!((shares.iter().sum::<f32>() - 1.0).abs() < 1e-3);
             all += 1;
             right += usize::from(shares[kind] > 0.5);
@@ -664,16 +664,16 @@ fn settings_are_checked() {
         errors.tails(Tails::Student { freedom: 2 }),
         Err(SettingsError::Freedom)
     );
-    assert_eq!(errors.shares(-0.1, 0.1), Err(SettingsError::Mirror));
-    assert_eq!(errors.shares(f32::NAN, 0.1), Err(SettingsError::Mirror));
-    assert_eq!(errors.shares(0.0, 0.0), Err(SettingsError::Wild));
-    assert_eq!(errors.shares(0.5, 0.5), Err(SettingsError::Wild));
-    assert_eq!(errors.shares(0.0, f32::NAN), Err(SettingsError::Wild));
-    assert!(errors.shares(0.0, 0.1).is_ok());
+    assert_eq!(errors.rates(-0.1, 0.1), Err(SettingsError::Mirror));
+    assert_eq!(errors.rates(f32::NAN, 0.1), Err(SettingsError::Mirror));
+    assert_eq!(errors.rates(0.0, 0.0), Err(SettingsError::Wild));
+    assert_eq!(errors.rates(0.5, 0.5), Err(SettingsError::Wild));
+    assert_eq!(errors.rates(0.0, f32::NAN), Err(SettingsError::Wild));
+    assert!(errors.rates(0.0, 0.1).is_ok());
     let bearings = [0.5, f32::NAN].map(|b| errors.prior_bearings(b));
     assert_eq!(bearings, [Err(SettingsError::PriorBearings); 2]);
     assert_eq!(
-        errors.bias_deviation(f32::NAN),
+        errors.bias_sigma_rad(f32::NAN),
         Err(SettingsError::BiasDeviation)
     );
     assert_eq!(

@@ -151,6 +151,17 @@ pub struct Mixture {
     pub outlier: f32,
 }
 
+impl Mixture {
+    /// Rates of mirrored and outlier bearings; the others are direct.
+    pub const fn new(mirrored: f32, outlier: f32) -> Self {
+        Self {
+            direct: 1.0 - mirrored - outlier,
+            mirrored,
+            outlier,
+        }
+    }
+}
+
 /// One of the sources on a channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

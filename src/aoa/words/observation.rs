@@ -116,6 +116,12 @@ impl Observation {
         self.sigma_rad
     }
 
+    /// The same bearing with another standard deviation, which is in range.
+    pub(in crate::aoa) const fn with_sigma(mut self, sigma_rad: f32) -> Self {
+        self.sigma_rad = sigma_rad;
+        self
+    }
+
     /// Inverse of the variance, in 1 / rad^2.
     pub(in crate::aoa) fn information(&self) -> f32 {
         1.0 / (self.sigma_rad * self.sigma_rad)

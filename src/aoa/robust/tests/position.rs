@@ -42,7 +42,7 @@ fn coverage<const B: usize>(errors: Errors, runs: u64) -> (f32, f32) {
 fn the_region_of_a_source_nearby_holds_it_as_often_as_it_says() {
     const RUNS: u64 = 1000;
     let without = independent();
-    let with = without.position_deviation(5.0).unwrap();
+    let with = without.position_sigma_m(5.0).unwrap();
     let (ignored, worse) = coverage::<64>(without, RUNS);
     let (covered, better) = coverage::<64>(with, RUNS);
     let (small, averaged) = coverage::<16>(with, RUNS);
@@ -58,7 +58,7 @@ fn the_region_of_a_source_nearby_holds_it_as_often_as_it_says() {
 
 #[test]
 fn the_variance_of_a_place_is_that_of_its_direction() {
-    let errors = Errors::new().position_deviation(5.0).unwrap();
+    let errors = Errors::new().position_sigma_m(5.0).unwrap();
     let observation = towards([0.0, 0.0], SOURCE, 0.0, DEGREE);
     let mut rng = generator(3);
     for range in [20.0, 50.0, 400.0] {
@@ -81,7 +81,7 @@ fn the_variance_of_a_place_is_that_of_its_direction() {
     let exact = Errors::new().variance(&observation, 1.0, Some(&[0.0, 50.0, 0.0]));
     assert_eq!(exact, own);
     for metres in [-1.0, 1001.0, f32::NAN] {
-        let refused = Errors::new().position_deviation(metres);
+        let refused = Errors::new().position_sigma_m(metres);
         assert_eq!(refused, Err(SettingsError::PositionDeviation));
     }
 }

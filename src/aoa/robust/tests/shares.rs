@@ -95,7 +95,7 @@ fn a_share_is_taken_off_the_odds() {
     let errors = Errors::new();
     let whole = towards([3.0, -2.0], SOURCE, 0.0, 0.05);
     let odds = |share: f32, at: [f32; 2]| {
-        let term = term(&whole, &errors).with_share(share);
+        let term = term(&whole, &errors).with_probability(share);
         term.log_likelihood(&[at[0], at[1], 0.0], 0.0).exp() - 1.0
     };
     // Ahead and behind.
@@ -122,9 +122,9 @@ fn one_reading_of_two_bearings_counts_as_one() {
     }
     let fix = fix(locator.answer());
     assert_eq!(fix.bearings, 30);
-    // None of the readings is wild: 30 and the 10 of the prior, of which 1.2 are.
+    // None of the readings is outlier: 30 and the 10 of the prior, of which 1.2 are.
     let shares = locator.shares();
-    assert!(shares.wild < 0.06, "{shares:?}");
+    assert!(shares.outlier < 0.06, "{shares:?}");
     assert!(off(&fix) < 30.0);
 }
 
@@ -138,13 +138,17 @@ fn what_becomes_one_has_the_mean_of_the_shares() {
         evidence.push(part(one, share), 0.0, None, &errors);
         evidence.push(part(other, 1.0 - share), 0.0, None, &errors);
     }
-    let shares: Vec<f32> = evidence.sights().iter().map(|sight| sight.share).collect();
+    let shares: Vec<f32> = evidence
+        .entries()
+        .iter()
+        .map(|entry| entry.probability)
+        .collect();
     assert_eq!(shares.len(), 2);
     assert!((shares[0] - 0.5).abs() < 1e-6 && (shares[1] - 0.5).abs() < 1e-6);
     assert_eq!(evidence.count(), 3);
     // One from a little further is worth less, not less likely.
     let further = towards([15.0, 0.0], SOURCE, 0.0, SIGMA);
     evidence.push(part(further, 0.7), 0.0, None, &errors);
-    let last = evidence.sights().last().unwrap();
-    assert!(last.share == 0.7 && last.observation.deviation() > 1.1 * SIGMA);
+    let last = evidence.entries().last().unwrap();
+    assert!(last.share == 0.7 && last.observation.sigma_rad() > 1.1 * SIGMA);
 }

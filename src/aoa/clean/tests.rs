@@ -308,7 +308,7 @@ fn a_refinement_is_not_left_with_copies() {
 
         // One so good that it leaves a particle or two: a deviation is 1.1 m at the source, to the north-west.
         let sharp = Bearing::from_radians(2.356_194_5);
-        let sharp = Observation::new([2000.0, 0.0], sharp, Observation::MIN_DEVIATION_RAD).unwrap();
+        let sharp = Observation::new([2000.0, 0.0], sharp, Observation::MIN_SIGMA_RAD).unwrap();
         let third = locator.push(sharp, &mut rng);
         let Answer::Fix(narrow) = third else {
             panic!("{third:?}")
