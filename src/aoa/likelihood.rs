@@ -130,7 +130,7 @@ mod tests {
 
     fn likelihood(position: [f32; 2], degrees: f32, sigma: f32) -> BearingLikelihood {
         let bearing = Bearing::from_radians(degrees.to_radians());
-        BearingLikelihood::new(&Observation::new(position, bearing, sigma).unwrap())
+        BearingLikelihood::new(&Observation::new(0, position, bearing, sigma).unwrap())
     }
 
     fn exact(position: [f32; 2], degrees: f32, sigma: f32, [x, y]: [f32; 2]) -> f64 {

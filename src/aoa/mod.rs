@@ -13,6 +13,8 @@ pub mod geodesy;
 mod likelihood;
 pub mod robust;
 pub mod spectrum;
+#[cfg(test)]
+pub(crate) mod testing;
 pub mod triangulation;
 mod words;
 

@@ -121,7 +121,7 @@ fn anything_has_peaks_that_are_directions() {
         for peak in peaks.iter().flatten() {
             assert!(peak.angle.abs() <= PI + 1e-5 && peak.deviation > 0.005 && peak.share > 0.0);
             let bearing = Bearing::from_radians(peak.angle);
-            assert!(Observation::new([0.0, 0.0], bearing, peak.deviation).is_ok());
+            assert!(Observation::new(0, [0.0, 0.0], bearing, peak.deviation).is_ok());
         }
     }
 }

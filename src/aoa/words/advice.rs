@@ -221,8 +221,8 @@ fn sight(from: [f32; 2], to: [f32; 2]) -> ([f32; 2], f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aoa::locator::{self, Answer, Locator};
-    use crate::aoa::robust::{self, RobustLocator};
+    use crate::aoa::testing::Clocked;
+    use crate::aoa::{Answer, Clean, Robust, clean, robust};
     use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 
     const SOURCE: [f32; 2] = [1_000.0, 2_000.0];
@@ -230,7 +230,7 @@ mod tests {
     /// Takes a bearing from a place.
     fn look(from: [f32; 2], rng: &mut Xoshiro128PlusPlus) -> Observation {
         let angle = (SOURCE[1] - from[1]).atan2(SOURCE[0] - from[0]) + 0.03 * normal(rng);
-        Observation::new(from, Bearing::from_radians(angle), 0.03).unwrap()
+        Observation::new(0, from, Bearing::from_radians(angle), 0.03).unwrap()
     }
 
     /// Whether there is a fix within 40 bearings, 30 m from one to the next. `steer` chooses the direction of travel from
@@ -255,20 +255,20 @@ mod tests {
     fn who_drives_as_advised_gets_a_fix() {
         let (mut plain, mut robust, mut astray) = (0, 0, 0);
         for seed in 0..40 {
-            let mut locator = Locator::<100>::new(locator::Settings::new());
+            let mut locator = Clocked::<Clean<100>>::new(clean::Config::DEFAULT);
             plain += u32::from(arrives(
                 seed,
                 |o, rng| (locator.push(o, rng), locator.advice()),
                 |radians| radians,
             ));
-            let mut locator = RobustLocator::<128, 32>::new(robust::Settings::default());
+            let mut locator = Clocked::<Robust<128, 32>>::new(robust::Config::DEFAULT);
             robust += u32::from(arrives(
                 seed,
                 |o, rng| (locator.push(o, rng), locator.advice()),
                 |radians| radians,
             ));
             // Towards where the bearings point instead.
-            let mut locator = RobustLocator::<128, 32>::new(robust::Settings::default());
+            let mut locator = Clocked::<Robust<128, 32>>::new(robust::Config::DEFAULT);
             astray += u32::from(arrives(
                 seed,
                 |o, rng| (locator.push(o, rng), locator.advice()),
@@ -282,7 +282,7 @@ mod tests {
     }
 
     fn degrees(belief: &Belief, from: [f32; 2], missing: f32) -> (f32, Advice) {
-        let latest = Observation::new(from, Bearing::from_radians(0.0), 0.02).unwrap();
+        let latest = Observation::new(0, from, Bearing::from_radians(0.0), 0.02).unwrap();
         let advice = belief.advice(&latest, missing).unwrap();
         (advice.direction.compass_degrees(), advice)
     }
@@ -290,7 +290,7 @@ mod tests {
     #[test]
     fn a_ray_is_crossed_by_driving_across_it() {
         let observation =
-            Observation::new([100.0, 50.0], Bearing::from_compass_degrees(30.0), 0.02).unwrap();
+            Observation::new(0, [100.0, 50.0], Bearing::from_compass_degrees(30.0), 0.02).unwrap();
         let belief = Belief::of_ray(&observation, 20_000.0);
         let (direction, advice) = degrees(&belief, [100.0, 50.0], 0.1);
         let across = (direction - 30.0).rem_euclid(180.0) - 90.0;
@@ -309,7 +309,7 @@ mod tests {
         let hypothesis = Hypothesis {
             position: [0.0, 1_000.0],
             covariance: [[25.0, 0.0], [0.0, 90_000.0]],
-            mass: 1.0,
+            probability: 1.0,
         };
         let belief = Belief::of_hypotheses([hypothesis].into_iter(), [0.0; 2]);
         let (direction, _) = degrees(&belief, [0.0, 0.0], 0.0);
@@ -345,7 +345,7 @@ mod tests {
 
     #[test]
     fn there_is_none_without_a_belief() {
-        let latest = Observation::new([0.0; 2], Bearing::from_radians(0.0), 0.02).unwrap();
+        let latest = Observation::new(0, [0.0; 2], Bearing::from_radians(0.0), 0.02).unwrap();
         assert_eq!(Belief::default().advice(&latest, 0.1), None);
         let nowhere = Belief::of_particles([&[f32::NAN], &[0.0]], &[1.0]);
         assert_eq!(nowhere.advice(&latest, 0.1), None);
