@@ -8,24 +8,12 @@
 //! FOXHUNT_MAP=$PWD/site.map cargo firmware beacon_gateway           # with the radio map of another site
 //! ```
 //!
-//! Packets come as sentences; as binary frames in `beacon_gateway_frames`. What it has in common with the firmware of a
-//! vehicle is in `board`.
+//! Packets come as sentences; as binary frames in `beacon_gateway_frames`. The gateway is in `foxhunt_gateways`, what
+//! the firmwares of the board have in common in `foxhunt_emulated`.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-mod board;
-mod gateways {
-    pub mod tunnel;
-}
-
 use foxhunt::gateway::beacon::Framing;
-use gateways::tunnel::{self, Gateway};
+use foxhunt_gateways::tunnel::{Gateway, gateway};
 
-const fn gateway() -> Gateway {
-    tunnel::gateway(Framing::Lines)
-}
-
-#[cfg(not(target_os = "none"))]
-fn main() -> std::io::Result<()> {
-    board::host::run()
-}
+foxhunt_emulated::firmware!(Gateway = gateway(Framing::Lines));

@@ -6,19 +6,7 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-mod board;
-mod gateways {
-    pub mod tunnel;
-}
-
 use foxhunt::gateway::beacon::Framing;
-use gateways::tunnel::{self, Gateway};
+use foxhunt_gateways::tunnel::{Gateway, gateway};
 
-const fn gateway() -> Gateway {
-    tunnel::gateway(Framing::Frames)
-}
-
-#[cfg(not(target_os = "none"))]
-fn main() -> std::io::Result<()> {
-    board::host::run()
-}
+foxhunt_emulated::firmware!(Gateway = gateway(Framing::Frames));

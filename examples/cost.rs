@@ -84,20 +84,7 @@ impl<const N: usize> Track<N> {
 }
 
 #[cfg(target_os = "none")]
-mod board {
-    pub mod region;
-    pub mod semihosting;
-}
-
-#[cfg(target_os = "none")]
-#[cortex_m_rt::entry]
-fn main() -> ! {
-    target::steps();
-    target::kernels();
-    target::refinements();
-    target::robust();
-    board::semihosting::exit(true)
-}
+foxhunt_emulated::program!(target::run);
 
 #[cfg(target_os = "none")]
 mod target {
@@ -109,17 +96,25 @@ mod target {
             Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Memory, Refinement,
         },
     };
+    use foxhunt_emulated::region::region;
 
     use super::*;
-    use crate::board::region::region;
 
     const N: usize = 200;
     /// Steps until the cloud has taken its usual shape.
     const WARM_UP: usize = 4;
     const STEPS: usize = 8;
 
+    /// Runs all regions.
+    pub fn run() {
+        steps();
+        kernels();
+        refinements();
+        robust();
+    }
+
     /// Whole steps, then each phase of as many others.
-    pub fn steps() {
+    fn steps() {
         hprintln!(
             "figure\tfilter.d2.n200.bytes\t{}\tbytes",
             size_of::<ParticleFilter<2, N>>()
@@ -149,7 +144,7 @@ mod target {
     }
 
     /// Each kernel, over an array.
-    pub fn kernels() {
+    fn kernels() {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
         let mut a = [0.0; N];
         a.fill_with(|| normal(&mut rng));
@@ -170,7 +165,7 @@ mod target {
     }
 
     /// One iteration of each refinement, by a density that costs next to nothing, and of the school by a bearing as well.
-    pub fn refinements() {
+    fn refinements() {
         // So far a fish sees a dozen mates on average.
         let school = FishSchool::new(Lengths::Relative, 0.22, 0.3).expect("lengths are positive");
         refinement::<1000>("m4f.refine.fish.n1000", &school, &bowl);
@@ -193,7 +188,7 @@ mod target {
 
     /// A bearing that has a robust locator search for its modes and move its particles: few of them, for a log of all
     /// instructions.
-    pub fn robust() {
+    fn robust() {
         robust_updates::<16>("m4f.robust.n16.update");
         robust_updates::<64>("m4f.robust.n64.update");
     }

@@ -9,20 +9,7 @@
 fn main() {}
 
 #[cfg(target_os = "none")]
-mod board {
-    pub mod region;
-    pub mod semihosting;
-}
-
-#[cfg(target_os = "none")]
-#[cortex_m_rt::entry]
-fn main() -> ! {
-    target::scans();
-    target::particles();
-    target::updates();
-    target::sizes();
-    board::semihosting::exit(true)
-}
+foxhunt_emulated::program!(target::run);
 
 #[cfg(target_os = "none")]
 mod target {
@@ -38,8 +25,7 @@ mod target {
         model::Likelihood,
         random::{SeedableRng, Xoshiro128PlusPlus, uniform},
     };
-
-    use crate::board::region::region;
+    use foxhunt_emulated::region::region;
 
     static MOMENTS: &[u8] = include_bytes!("../tests/data/tunnel.moments");
     static LEVELS: &[u8] = include_bytes!("../tests/data/tunnel.levels");
@@ -49,8 +35,16 @@ mod target {
         RadioMap::new(black_box(bytes)).expect("the map is whole")
     }
 
+    /// Runs all regions.
+    pub fn run() {
+        scans();
+        particles();
+        updates();
+        sizes();
+    }
+
     /// Whole scans, with the posterior and its moments.
-    pub fn scans() {
+    fn scans() {
         let (moments, levels) = (open(MOMENTS), open(LEVELS));
         let settings = Settings::new();
         let gaussian = black_box(GaussianMatcher::new(moments, &settings).expect("moments"));
@@ -75,7 +69,7 @@ mod target {
     }
 
     /// One packet for a cloud.
-    pub fn particles() {
+    fn particles() {
         const N: usize = 300;
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
         let mut x = [0.0; N];
@@ -101,7 +95,7 @@ mod target {
     }
 
     /// Updates of a tracker in the middle of a walk: scans by the half second, of two packets of every beacon.
-    pub fn updates() {
+    fn updates() {
         let mut floor = [0; FLOOR_BYTES];
         write_floor(&mut floor);
         follow::<80>("m4f.tracker.n300.update", open(MOMENTS), [0.5, 0.0]);
@@ -184,7 +178,7 @@ mod target {
         })
     }
 
-    pub fn sizes() {
+    fn sizes() {
         for (name, bytes) in [
             ("tracker.n300", size_of::<Tracker<300, 16>>()),
             ("fingerprint.map.moments", MOMENTS.len()),

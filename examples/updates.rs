@@ -8,19 +8,7 @@
 fn main() {}
 
 #[cfg(target_os = "none")]
-mod board {
-    pub mod semihosting;
-    pub mod stopwatch;
-}
-
-#[cfg(target_os = "none")]
-mod gateways {
-    pub mod evolution;
-    pub mod firefly;
-    pub mod fish;
-    pub mod kept;
-    pub mod robust;
-}
+foxhunt_emulated::program!(target::run);
 
 #[cfg(target_os = "none")]
 mod target {
@@ -40,22 +28,16 @@ mod target {
         refine::{DifferentialEvolution, Firefly, FishSchool, Lengths, Refinement},
         snapshot::Persist,
     };
+    use foxhunt_emulated::stopwatch::Stopwatch;
+    use foxhunt_gateways::{evolution, firefly, fish, kept, plain, robust as city};
     use heapless::String;
-
-    use crate::board::{semihosting, stopwatch::Stopwatch};
-    use crate::gateways::{evolution, firefly, fish, kept, robust as city};
 
     const DRIVE: &[u8] = include_bytes!("data/drive.nmea");
 
-    #[cortex_m_rt::entry]
-    fn main() -> ! {
+    /// Runs all gateways and locators.
+    pub fn run() {
         let stopwatch = Stopwatch::start();
-        let vehicle = || {
-            black_box(Vehicle::new(
-                Settings::new(),
-                Locator::<200, 64>::new(locator::Settings::new()),
-            ))
-        };
+        let vehicle = || black_box(plain::gateway());
         let one = &stopwatch;
         Updates::of_drive(vehicle(), one).print("vehicle");
         Updates::of_drive(black_box(fish::gateway()), one).print("vehicle.fish");
@@ -79,7 +61,6 @@ mod target {
             "figure\tvehicle.byte.worst.instructions\t{}\tinstructions",
             worst
         );
-        semihosting::exit(true)
     }
 
     /// A gateway whose particles move as published, after every bearing.

@@ -7,14 +7,6 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-mod board;
-mod gateways {
-    pub mod evolution;
-}
+use foxhunt_gateways::evolution::{Gateway, gateway};
 
-use gateways::evolution::{Gateway, gateway};
-
-#[cfg(not(target_os = "none"))]
-fn main() -> std::io::Result<()> {
-    board::host::run()
-}
+foxhunt_emulated::firmware!(Gateway = gateway());

@@ -7,14 +7,6 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-mod board;
-mod gateways {
-    pub mod firefly;
-}
+use foxhunt_gateways::firefly::{Gateway, gateway};
 
-use gateways::firefly::{Gateway, gateway};
-
-#[cfg(not(target_os = "none"))]
-fn main() -> std::io::Result<()> {
-    board::host::run()
-}
+foxhunt_emulated::firmware!(Gateway = gateway());

@@ -15,12 +15,13 @@
 //! - [`replay`]: those bytes through the library's gateway, as the firmware does it;
 //! - [`packets`]: what the radios of a tunnel hear, as bytes on their line, and through the library's gateway;
 //! - [`geodesy`]: places on the ellipsoid;
-//! - [`picture`]: all of it in one picture.
+//! - [`picture`]: all of it in one picture; [`figures`]: what was measured, with its limit.
 
 pub mod archive;
 pub mod density;
 pub mod drive;
 pub mod faults;
+pub mod figures;
 pub mod geodesy;
 pub mod measured;
 pub mod packets;

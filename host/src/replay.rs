@@ -11,14 +11,13 @@ use foxhunt::{
     resample::{Scheme, resample},
 };
 
-use crate::Sight;
+use foxhunt_gateways::plain;
 
-/// The locator of the firmware `vehicle`, with as many particles and bearings.
-pub type Plain = Locator<200, 64>;
+use crate::Sight;
 
 /// A gateway and all that it has said so far.
 #[derive(Debug)]
-pub struct Replay<L = Plain> {
+pub struct Replay<L = plain::Locator> {
     gateway: Box<Vehicle<L, LONG_REPORT>>,
     plane: Option<LocalPlane>,
     output: Vec<u8>,

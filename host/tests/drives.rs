@@ -1,16 +1,12 @@
 //! Drives on which something happens, through the gateway of the firmware `vehicle_robust`.
 
-// The source of the firmware.
-#[path = "../../examples/gateways/robust.rs"]
-mod robust;
-
 use foxhunt::aoa::{Locate, Source};
 use foxhunt::gateway::{Event, Rejected};
+use foxhunt_gateways::robust::{Gateway, gateway};
 use foxhunt_host::{
     geodesy::Place,
     scripts::{Scene, Script},
 };
-use robust::{Gateway, gateway};
 
 /// What is known after a line, at so many seconds from the beginning.
 struct Step {

@@ -47,7 +47,8 @@ fn point_mass<const N: usize, const G: usize, T: Transition<1>, L: Likelihood<1>
     start: f32,
     run: &Run<T, L>,
 ) -> f64 {
-    let mut filter = PointMassFilter::<1, N>::at([start]);
+    let mut filter = PointMassFilter::<1, N>::EMPTY;
+    filter.initialise_at([start]);
     errors(run, |dynamics, measurement| {
         filter
             .step(dynamics, measurement, 1.0, &mut [0.0; G])
@@ -61,7 +62,7 @@ fn auxiliary<const N: usize, T: Transition<1>, L: Likelihood<1>>(
     run: &Run<T, L>,
     rng: &mut impl Rng,
 ) -> f64 {
-    let mut filter = AuxiliaryFilter::<1, N>::new();
+    let mut filter = AuxiliaryFilter::<1, N>::EMPTY;
     filter.initialise(rng, |_| [start]);
     errors(run, |dynamics, measurement| {
         filter
@@ -102,6 +103,90 @@ fn fifty_points_are_exact_on_the_growth_model() {
     assert!(ratio(2) < 1.12);
 }
 
+type GammaRun = Run<gamma::GammaNoise, gamma::Measurement>;
+
+/// The bootstrap filter.
+fn blind(run: &GammaRun, rng: &mut impl Rng) -> f64 {
+    let mut filter = ParticleFilter::<1, 10>::new();
+    filter.initialise(rng, |_| [gamma::START]);
+    errors(run, |dynamics, measurement| {
+        filter.predict(dynamics, 1.0, rng);
+        filter.update(measurement).unwrap();
+        let mean = filter.mean()[0];
+        filter.resample(Scheme::Systematic, rng);
+        mean
+    })
+}
+
+/// The unscented particle filter.
+fn unscented(run: &GammaRun, rng: &mut impl Rng) -> f64 {
+    let mut filter = UnscentedParticleFilter::<1, 10>::EMPTY;
+    filter.initialise(rng, &Covariance::ZERO, |_| [gamma::START]);
+    errors(run, |dynamics, measurement| {
+        // Now and then all ten proposals lie where the noise cannot reach: the weights stay, and it goes on.
+        _ = filter.step(&Unscented::DEFAULT, dynamics, measurement, 1.0, rng);
+        let mean = filter.mean()[0];
+        filter.resample(Scheme::Systematic, rng);
+        mean
+    })
+}
+
+/// Evolution in place of resampling, towards the posterior.
+fn evolved(run: &GammaRun, memory: &mut Memory<1, 10>, rng: &mut impl Rng) -> f64 {
+    let evolution = DifferentialEvolution::new();
+    let mut filter = ParticleFilter::<1, 10>::new();
+    filter.initialise(rng, |_| [gamma::START]);
+    let mut before = [gamma::START; 10];
+    errors(run, |dynamics, measurement| {
+        filter.predict(dynamics, 1.0, rng);
+        let target = posterior(dynamics, measurement, &before);
+        filter.refine(&evolution, &target, memory, rng);
+        before.copy_from_slice(filter.particles().columns()[0]);
+        filter.mean()[0]
+    })
+}
+
+/// The same with unscented proposals.
+fn unscented_evolved(run: &GammaRun, memory: &mut Memory<1, 10>, rng: &mut impl Rng) -> f64 {
+    let evolution = DifferentialEvolution::new();
+    let mut filter = UnscentedParticleFilter::<1, 10>::EMPTY;
+    filter.initialise(rng, &Covariance::ZERO, |_| [gamma::START]);
+    let mut before = [gamma::START; 10];
+    errors(run, |dynamics, measurement| {
+        _ = filter.step(&Unscented::DEFAULT, dynamics, measurement, 1.0, rng);
+        let target = posterior(dynamics, measurement, &before);
+        filter.refine(&evolution, &target, memory, rng);
+        before.copy_from_slice(filter.cloud().particles().columns()[0]);
+        filter.mean()[0]
+    })
+}
+
+/// Evolution to get there, then a chain that keeps the posterior, over which the mean is taken.
+fn metropolis(run: &GammaRun, memory: &mut Memory<1, 10>, rng: &mut impl Rng) -> f64 {
+    let evolution = DifferentialEvolution::new();
+    let chain = evolution
+        .acceptance(Acceptance::Metropolis)
+        .generations(1)
+        .unwrap();
+    let mut filter = ParticleFilter::<1, 10>::new();
+    filter.initialise(rng, |_| [gamma::START]);
+    let mut before = [gamma::START; 10];
+    errors(run, |dynamics, measurement| {
+        filter.predict(dynamics, 1.0, rng);
+        let target = posterior(dynamics, measurement, &before);
+        filter.refine(&evolution, &target, memory, rng);
+        let mut sum = 0.0;
+        for generation in 0..80 {
+            filter.refine(&chain, &target, memory, rng);
+            if generation >= 20 {
+                sum += filter.mean()[0];
+            }
+        }
+        before.copy_from_slice(filter.particles().columns()[0]);
+        sum / 60.0
+    })
+}
+
 /// RMSE of a run of the model with gamma noise: of the exact filter, and of each of ours with ten particles.
 fn gamma_run(variance: f32, seed: u64) -> [f64; 8] {
     let model = reference::gamma::GammaNoise {
@@ -109,87 +194,19 @@ fn gamma_run(variance: f32, seed: u64) -> [f64; 8] {
         variance: f64::from(variance),
     };
     let nature = &mut Xoshiro128PlusPlus::seed_from_u64(1000 + seed);
-    let run: Run<_, _> = gamma::simulate(0.04, variance, nature)
+    let run: GammaRun = gamma::simulate(0.04, variance, nature)
         .take(STEPS)
         .collect();
     let measurements: Vec<f64> = run.iter().map(|s| f64::from(s.2.value)).collect();
     let rng = &mut Xoshiro128PlusPlus::seed_from_u64(seed);
-
-    let mut blind = ParticleFilter::<1, 10>::new();
-    blind.initialise(rng, |_| [gamma::START]);
-    let blind = errors(&run, |dynamics, measurement| {
-        blind.predict(dynamics, 1.0, rng);
-        blind.update(measurement).unwrap();
-        let mean = blind.mean()[0];
-        blind.resample(Scheme::Systematic, rng);
-        mean
-    });
-
-    let unscented = UnscentedParticleFilter::<1, 10>::new();
-    let mut upf = unscented.clone();
-    upf.initialise(rng, &Covariance::ZERO, |_| [gamma::START]);
-    let upf = errors(&run, |dynamics, measurement| {
-        // Now and then all ten proposals lie where the noise cannot reach: the weights stay, and it goes on.
-        _ = upf.step(&Unscented::DEFAULT, dynamics, measurement, 1.0, rng);
-        let mean = upf.mean()[0];
-        upf.resample(Scheme::Systematic, rng);
-        mean
-    });
-
-    // Evolution in place of resampling, towards the posterior.
-    let evolution = DifferentialEvolution::new();
     let mut memory = Memory::new();
-    let mut pfde = ParticleFilter::<1, 10>::new();
-    pfde.initialise(rng, |_| [gamma::START]);
-    let mut before = [gamma::START; 10];
-    let pfde = errors(&run, |dynamics, measurement| {
-        pfde.predict(dynamics, 1.0, rng);
-        let target = posterior(dynamics, measurement, &before);
-        pfde.refine(&evolution, &target, &mut memory, rng);
-        before.copy_from_slice(pfde.particles().columns()[0]);
-        pfde.mean()[0]
-    });
-    let mut upfde = unscented;
-    upfde.initialise(rng, &Covariance::ZERO, |_| [gamma::START]);
-    let mut before = [gamma::START; 10];
-    let upfde = errors(&run, |dynamics, measurement| {
-        _ = upfde.step(&Unscented::DEFAULT, dynamics, measurement, 1.0, rng);
-        let target = posterior(dynamics, measurement, &before);
-        upfde.refine(&evolution, &target, &mut memory, rng);
-        before.copy_from_slice(upfde.columns()[0]);
-        upfde.mean()[0]
-    });
-
-    // Evolution to get there, then a chain that keeps the posterior, over which the mean is taken.
-    let chain = evolution
-        .acceptance(Acceptance::Metropolis)
-        .generations(1)
-        .unwrap();
-    let mut metropolis = ParticleFilter::<1, 10>::new();
-    metropolis.initialise(rng, |_| [gamma::START]);
-    let mut before = [gamma::START; 10];
-    let metropolis = errors(&run, |dynamics, measurement| {
-        metropolis.predict(dynamics, 1.0, rng);
-        let target = posterior(dynamics, measurement, &before);
-        metropolis.refine(&evolution, &target, &mut memory, rng);
-        let mut sum = 0.0;
-        for generation in 0..80 {
-            metropolis.refine(&chain, &target, &mut memory, rng);
-            if generation >= 20 {
-                sum += metropolis.mean()[0];
-            }
-        }
-        before.copy_from_slice(metropolis.particles().columns()[0]);
-        sum / 60.0
-    });
-
     [
         errors_of(&run, model.means(&measurements)),
-        blind,
-        upf,
-        pfde,
-        upfde,
-        metropolis,
+        blind(&run, rng),
+        unscented(&run, rng),
+        evolved(&run, &mut memory, rng),
+        unscented_evolved(&run, &mut memory, rng),
+        metropolis(&run, &mut memory, rng),
         auxiliary::<10, _, _>(gamma::START, &run, rng),
         point_mass::<10, 64, _, _>(gamma::START, &run),
     ]

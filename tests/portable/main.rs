@@ -76,16 +76,14 @@ fn main() -> std::io::Result<()> {
     libtest_mimic::run(&Arguments::from_args(), cases().map(trial).collect()).exit()
 }
 
+/// Runs the cases on the board.
 #[cfg(target_os = "none")]
-#[path = "../../examples/board/semihosting.rs"]
-mod semihosting;
-
-#[cfg(target_os = "none")]
-#[cortex_m_rt::entry]
-fn main() -> ! {
+fn run() {
     for case in cases() {
         cortex_m_semihosting::hprintln!("{}", case.0);
         check(case);
     }
-    semihosting::exit(true)
 }
+
+#[cfg(target_os = "none")]
+foxhunt_emulated::program!(run);

@@ -3,14 +3,15 @@
 use std::{path::PathBuf, process::Command, time::Duration};
 
 use anyhow::{Context, Result, ensure};
+use foxhunt_host::figures::Figure;
 
 use crate::{
+    board::{BEACONS, VEHICLES},
     expected::Expected,
-    figures::{self, Figure},
+    figures,
     measure::{regions, sections, stack},
     project::{self, BOARD},
     qemu::Machine,
-    reset::KEPT,
     setup,
 };
 
@@ -46,23 +47,6 @@ const LIMITS: [(&str, f64); 14] = [
     ("fingerprint.map.moments.bytes", 1_024.0),
     ("fingerprint.map.levels.bytes", 5_427.0),
 ];
-
-/// The firmwares of a vehicle: with the locator's own moves, for bearings of which some are wrong, also over a reset, and
-/// with each refinement.
-pub const VEHICLES: [&str; 6] = [
-    "vehicle",
-    ROBUST,
-    KEPT,
-    "vehicle_fish",
-    "vehicle_firefly",
-    "vehicle_evolution",
-];
-
-/// The firmware of a vehicle for bearings of which some are wrong.
-pub const ROBUST: &str = "vehicle_robust";
-
-/// The firmware of a tunnel.
-const BEACONS: &str = "beacon_gateway";
 
 /// Instructions and modelled cycles that short polynomials with errors of about 1e-6 are known to take, per
 /// call in a loop over an array. They are rounded, so a kernel may take half an instruction or cycle more, and a

@@ -1,7 +1,7 @@
 //! The task `demo`: a drive through the firmware `vehicle` on the emulated board, or people through that of a tunnel.
 
 mod assessment;
-mod report;
+mod scene;
 mod tunnel;
 
 use std::{
@@ -12,11 +12,17 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail};
-use foxhunt_host::{drive, geodesy::Place, measured::Measured, replay::Replay};
+use foxhunt_host::{drive, geodesy::Place, measured::SIGMA_DEGREES, replay::Replay};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use self::{assessment::Assessment, report::Report};
-use crate::{project, qemu::Machine, setup, trace};
+use self::{assessment::Assessment, scene::Scene};
+use crate::{
+    board::{QUERY, ensure_same, has_status},
+    project,
+    qemu::Machine,
+    reports::vehicle::{self, Report},
+    setup,
+};
 
 /// The options of `cargo xtask demo`.
 #[derive(clap::Args)]
@@ -35,10 +41,10 @@ pub struct Options {
     #[arg(
         long,
         value_name = "DEGREES",
-        default_value_t = DEVIATION_DEGREES,
+        default_value_t = SIGMA_DEGREES,
         requires = "bearings"
     )]
-    deviation: f64,
+    sigma: f64,
 }
 
 /// What else there is to show.
@@ -48,22 +54,6 @@ enum Other {
     Tunnel(tunnel::Options),
 }
 
-/// A drive to be shown.
-struct Scene {
-    /// Name of the pictures.
-    name: String,
-    title: String,
-    /// Whether the bearings were taken on one way.
-    joined: bool,
-    bytes: Vec<u8>,
-}
-
-/// Standard deviation of measured bearings unless told otherwise.
-pub const DEVIATION_DEGREES: f64 = 4.0;
-/// The drive that comes with the project.
-pub const EXAMPLE: &str = "examples/data/drive.nmea";
-/// Asks the gateway for its answer and its status.
-pub const QUERY: &[u8] = b"$PFOXQ*50\r\n";
 /// The board is switched off after this time, whatever happens.
 const LIMIT: Duration = Duration::from_secs(120);
 /// Time on a terminal for a second of the drive, so that the fixes can be seen to come.
@@ -74,7 +64,10 @@ pub fn run(options: &Options) -> Result<()> {
     if let Some(Other::Tunnel(options)) = &options.other {
         return tunnel::run(options);
     }
-    let scene = Scene::new(options)?;
+    let scene = match (&options.bearings, &options.transmitter) {
+        (Some(file), Some(transmitter)) => Scene::measured(file, transmitter, options.sigma)?,
+        _ => Scene::example()?,
+    };
     let truth =
         drive::truth(&scene.bytes).context("the drive does not tell where the transmitter is")?;
 
@@ -87,10 +80,10 @@ pub fn run(options: &Options) -> Result<()> {
 
     let mut replay = Replay::of(&scene.bytes);
     replay.push(QUERY);
-    trace::ensure_same(&output, replay.output())?;
+    ensure_same(&output, replay.output())?;
     println!("the gateway on this machine gives the same reports, byte for byte");
 
-    let reports = report::parse(&output);
+    let reports = vehicle::parse(&output);
     if let Some(Report::Status(status)) = reports.last() {
         println!("{status}");
     }
@@ -115,37 +108,6 @@ pub fn run(options: &Options) -> Result<()> {
     assessment.check()
 }
 
-impl Scene {
-    fn new(options: &Options) -> Result<Self> {
-        let (Some(file), Some(transmitter)) = (&options.bearings, &options.transmitter) else {
-            let file = project::root().join(EXAMPLE);
-            let bytes = std::fs::read(&file).with_context(|| {
-                format!("cannot read {}: run `cargo xtask drive`", file.display())
-            })?;
-            let title = "A transmitter located from a moving vehicle".into();
-            return Ok(Self {
-                name: "drive".into(),
-                title,
-                joined: true,
-                bytes,
-            });
-        };
-        let measured = Measured::read(file, transmitter)?;
-        let set = file.file_stem().unwrap_or_default().to_string_lossy();
-        println!(
-            "{} bearings on {transmitter} of {set}, taken to be good to {} degrees",
-            measured.bearings.len(),
-            options.deviation
-        );
-        Ok(Self {
-            name: format!("{set}-{transmitter}"),
-            title: format!("{transmitter}, located by the measured bearings of {set}"),
-            joined: false,
-            bytes: measured.drive(options.deviation)?.bytes().to_vec(),
-        })
-    }
-}
-
 /// Sends the drive and a query, prints the fixes as they come, and returns all that the firmware sent.
 fn stream(machine: &mut Machine, bytes: &[u8], truth: Place) -> Result<Vec<u8>> {
     let bar = ProgressBar::new(bytes.len() as u64).with_style(ProgressStyle::with_template(
@@ -165,7 +127,7 @@ fn stream(machine: &mut Machine, bytes: &[u8], truth: Place) -> Result<Vec<u8>> 
             .iter()
             .rposition(|byte| *byte == b'\n')
             .map_or(0, |last| last + 1);
-        for report in report::parse(&output[shown..end]) {
+        for report in vehicle::parse(&output[shown..end]) {
             // The answer to the query repeats the last one.
             if let Report::Fix(fix) = report
                 && latest.as_ref() != Some(&fix)
@@ -197,12 +159,4 @@ fn stream(machine: &mut Machine, bytes: &[u8], truth: Place) -> Result<Vec<u8>> 
     }
     bar.finish_and_clear();
     Ok(output)
-}
-
-/// Whether the output ends with the answer to the query.
-pub fn has_status(output: &[u8]) -> bool {
-    output.ends_with(b"\n")
-        && report::parse(output)
-            .iter()
-            .any(|r| matches!(r, Report::Status(_)))
 }

@@ -9,7 +9,10 @@ use foxhunt_host::{
     scripts::Script,
 };
 
-use crate::{demo::EXAMPLE, project};
+use crate::project;
+
+/// The drive that comes with the project.
+pub const EXAMPLE: &str = "examples/data/drive.nmea";
 
 /// The options of `cargo xtask drive`.
 #[derive(clap::Args)]

@@ -3,9 +3,10 @@
 use std::{collections::BTreeMap, fs, path::PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use foxhunt_host::figures::Figure;
 use serde::{Deserialize, Serialize};
 
-use crate::{figures::Figure, project};
+use crate::project;
 
 /// By how much of itself a figure may differ when another compiler made it. With the same compiler it is the
 /// same, on every machine and in every directory.

@@ -7,14 +7,11 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail, ensure};
+use foxhunt_host::figures::Figure;
 use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
-use crate::{
-    figures::{self, Figure},
-    project, setup,
-    test::run as run_quietly,
-};
+use crate::{figures, project, setup};
 
 /// The options of `cargo xtask fuzz`.
 #[derive(clap::Args)]
@@ -65,7 +62,7 @@ pub fn check() -> Result<()> {
 fn try_all(formats: &[&str], seconds: u32) -> Result<Vec<Figure>> {
     setup::ensure(setup::FUZZ)?;
     let mut build = fuzz();
-    run_quietly(build.args(["build", "--sanitizer", "none"]))?;
+    project::run(build.args(["build", "--sanitizer", "none"]))?;
 
     let bar = ProgressBar::new(formats.len() as u64).with_style(ProgressStyle::with_template(
         "fuzzing {wide_bar} {pos} of {len} formats, {elapsed}",

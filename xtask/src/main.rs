@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::Parser;
 
+mod board;
 mod cost;
 mod demo;
 mod drive;
@@ -19,6 +20,7 @@ mod papers;
 mod project;
 mod qemu;
 mod replay;
+mod reports;
 mod reset;
 mod setup;
 mod test;

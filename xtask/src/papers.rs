@@ -1,28 +1,12 @@
 //! The task `papers`: published experiments, run again and compared with their figures.
 
-use std::path::PathBuf;
+use std::{env, path::PathBuf, time::Duration};
 
 use anyhow::Result;
-use indicatif::{ProgressBar, ProgressStyle};
+use foxhunt_studies::papers::{self, Study};
+use indicatif::ProgressBar;
 
-use crate::{
-    figures::{self, Figure},
-    project,
-};
-
-mod aoa;
-mod bearings;
-mod cost;
-mod counted;
-mod evolution;
-mod fingerprint;
-mod firefly;
-mod fish;
-mod instructions;
-mod methods;
-mod scalar;
-mod statistics;
-mod wild;
+use crate::{figures, project, qemu::Machine, setup};
 
 /// The options of `cargo xtask papers`.
 #[derive(clap::Args)]
@@ -35,26 +19,25 @@ pub struct Options {
 enum Paper {
     /// Locate a transmitter by bearings: the particle filter of Du et al. (2016), the locator and
     /// Gauss-Newton, beside the exact posterior.
-    Aoa(Study),
+    Aoa(Run),
     /// Its particles refined by a fish school (the same paper), as published and with the posterior kept.
-    Fish(Study),
+    Fish(Run),
     /// Track the growth model, and locate a transmitter, with fireflies: Du, Li and Jiang (2017).
-    Firefly(Study),
+    Firefly(Run),
     /// Track a model with gamma noise with differential evolution and unscented proposals: Li, Wang and Wang (2011).
-    Evolution(Study),
+    Evolution(Run),
     /// Track a person in a tunnel by radio fingerprints: Cui, Wu, He and Wu (2017), and the tracker, simulated and
     /// measured.
-    Fingerprint(Study),
-    /// Locate a transmitter by bearings of which some are wild, mirrored or biased: the robust locator, simulated and
+    Fingerprint(Run),
+    /// Locate a transmitter by bearings of which some are outliers, mirrored or biased: the robust locator, simulated and
     /// measured.
-    Bearings(Study),
+    Bearings(Run),
     /// What each method of these is worth beside the bootstrap filter that costs as much.
-    Cost(Study),
+    Cost(Run),
 }
 
-/// How a study is run.
 #[derive(clap::Args)]
-pub struct Study {
+struct Run {
     /// Runs of every method [default: as many as its figures ask for].
     #[arg(long, value_parser = clap::value_parser!(u32).range(10..))]
     runs: Option<u32>,
@@ -66,36 +49,41 @@ pub struct Study {
     json: Option<PathBuf>,
 }
 
-impl Study {
-    /// Prints the figures, writes them if asked to, and fails if one misses its limit.
-    fn conclude(&self, figures: &[Figure]) -> Result<()> {
-        figures::print(figures);
-        if let Some(file) = &self.json {
-            figures::write_json(figures, file)?;
-        }
-        figures::check(figures)
-    }
-}
-
-/// Runs the task.
+/// Runs the task: prints the figures, writes them if asked to, and fails if one misses its limit.
 pub fn run(options: &Options) -> Result<()> {
-    match &options.paper {
-        Paper::Aoa(study) => aoa::run(study),
-        Paper::Fish(study) => fish::run(study),
-        Paper::Firefly(study) => firefly::run(study),
-        Paper::Evolution(study) => evolution::run(study),
-        Paper::Fingerprint(study) => fingerprint::run(study),
-        Paper::Bearings(study) => wild::run(study),
-        Paper::Cost(study) => cost::run(study),
+    let (run, paper): (_, fn(&Study) -> _) = match &options.paper {
+        Paper::Aoa(run) => (run, papers::aoa::run),
+        Paper::Fish(run) => (run, papers::fish::run),
+        Paper::Firefly(run) => (run, papers::firefly::run),
+        Paper::Evolution(run) => (run, papers::evolution::run),
+        Paper::Fingerprint(run) => (run, papers::fingerprint::run),
+        Paper::Bearings(run) => (run, papers::outliers::run),
+        Paper::Cost(run) => (run, papers::cost::run),
+    };
+    let figures = paper(&Study {
+        runs: run.runs,
+        seed: run.seed,
+        data: env::var_os("FOXHUNT_DATA").map(PathBuf::from),
+        pictures: project::root().join("target/papers"),
+        board: on_board,
+    })?;
+    figures::print(&figures);
+    if let Some(file) = &run.json {
+        figures::write_json(&figures, file)?;
     }
+    figures::check(&figures)
 }
 
-/// Where a picture is written, without its ending.
-fn picture(name: &str) -> PathBuf {
-    project::root().join("target/papers").join(name)
-}
-
-fn progress(runs: u64, what: impl Into<std::borrow::Cow<'static, str>>) -> Result<ProgressBar> {
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} runs, {eta} left")?;
-    Ok(ProgressBar::new(runs).with_message(what).with_style(style))
+/// Builds the firmware `studies` and boots it for the study of this name: what it printed.
+fn on_board(study: &str) -> Result<String> {
+    setup::ensure(setup::FIRMWARE)?;
+    let spinner =
+        ProgressBar::new_spinner().with_message(format!("instructions, {study}, emulated"));
+    spinner.enable_steady_tick(Duration::from_millis(100));
+    let elf = project::firmware("studies")?;
+    // The board's clock counts instructions, whatever this machine does.
+    let clock = ["-icount", "shift=6", "-append", study];
+    let log = Machine::boot_with(&elf, Duration::from_secs(300), &clock)?.finish()?;
+    spinner.finish_and_clear();
+    Ok(String::from_utf8(log)?)
 }

@@ -106,6 +106,23 @@ fn built(mut cargo: Command, arguments: &[&str]) -> Result<PathBuf> {
     }
 }
 
+/// Runs a command; its output is shown only if it fails.
+pub fn run(command: &mut Command) -> Result<()> {
+    let line = command_line(command);
+    let output = command
+        .output()
+        .with_context(|| format!("cannot run {line}"))?;
+    if !output.status.success() {
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        bail!(
+            "{}{}\n`{line}` failed",
+            text(&output.stdout),
+            text(&output.stderr)
+        );
+    }
+    Ok(())
+}
+
 /// The directory of the compiler.
 pub fn sysroot() -> Result<PathBuf> {
     Ok(rustc(&["--print", "sysroot"])?.into())

@@ -1,8 +1,5 @@
 //! The task `replay`: a log from the field through a gateway, and what came of it as files for people.
 
-#[allow(dead_code, reason = "the firmware needs more of it")]
-#[path = "../../examples/gateways/robust.rs"]
-mod firmware;
 mod options;
 mod summary;
 
@@ -19,6 +16,7 @@ use foxhunt::aoa::{
     pursuit::{self, Pursuit},
     robust::RobustLocator,
 };
+use foxhunt_gateways::robust;
 use foxhunt_host::archive::Recorder;
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -56,7 +54,7 @@ pub fn run(options: &Options) -> Result<()> {
             let locator = Locator::<200, 64>::new(locator::Settings::new());
             options.replay(locator)
         }
-        Kind::Robust => options.replay(firmware::locator(options.belief.settings()?)),
+        Kind::Robust => options.replay(robust::locator(options.belief.settings()?)),
         Kind::Single => {
             let locator = RobustLocator::<256, 64>::new(options.belief.settings()?);
             options.replay(locator)

@@ -4,22 +4,15 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
 use foxhunt::{aoa::locator::Fix, gateway::Event};
+use foxhunt_gateways::kept;
 use foxhunt_host::scripts::Script;
 
-// The source of the firmware.
-#[path = "../../examples/gateways/kept.rs"]
-mod kept;
-
 use crate::{
-    demo::{QUERY, has_status},
+    board::{self, KEPT, QUERY, ensure_same},
     monitor::{Listener, Monitor},
     project,
     qemu::Machine,
-    trace::ensure_same,
 };
-
-/// The firmware that is kept over a reset.
-pub const KEPT: &str = "vehicle_kept";
 
 /// Seconds of the drive between two sources: when the board is reset, and when it reads on.
 const DOWN: [usize; 2] = [160, 163];
@@ -53,9 +46,11 @@ pub fn compare() -> Result<()> {
     );
 
     let mut board = Board::boot()?;
-    ensure_same(&board.answer(&before)?, &first.output).context("before the reset")?;
+    ensure_same(&board::answer(&mut board.machine, &before)?, &first.output)
+        .context("before the reset")?;
     board.monitor.reset()?;
-    ensure_same(&board.answer(&after)?, &second.output).context("after the reset")
+    ensure_same(&board::answer(&mut board.machine, &after)?, &second.output)
+        .context("after the reset")
 }
 
 /// The lines of a drive by the second: each begins with the receiver's.
@@ -126,16 +121,5 @@ impl Board {
         let machine = Machine::boot_with(&project::firmware(KEPT)?, limit, &monitor)?;
         let monitor = listener.accept()?;
         Ok(Self { machine, monitor })
-    }
-
-    /// What it sends, up to its status.
-    fn answer(&mut self, bytes: &[u8]) -> Result<Vec<u8>> {
-        self.machine.send(bytes)?;
-        let mut output = Vec::new();
-        while !has_status(&output) {
-            let received = self.machine.receive();
-            output.extend(received.context("the firmware ended before the drive did")?);
-        }
-        Ok(output)
     }
 }

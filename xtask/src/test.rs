@@ -1,9 +1,6 @@
 //! The task `test`: everything that is checked, in order, up to the first failure.
 
-use std::{
-    process::Command,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use console::style;
@@ -13,7 +10,7 @@ use crate::{
     cost,
     expected::Expected,
     fuzz,
-    project::{self, BARE_METAL, BOARD, cargo},
+    project::{self, BARE_METAL, BOARD, cargo, run},
     qemu::Machine,
     reset, setup, trace,
 };
@@ -109,23 +106,6 @@ fn timed(name: &str, check: &fn() -> Result<()>) -> Result<()> {
     };
     println!("{verdict} {:6.1} s  {name}", start.elapsed().as_secs_f64());
     result
-}
-
-/// Runs a command; its output is shown only if it fails.
-pub fn run(command: &mut Command) -> Result<()> {
-    let line = project::command_line(command);
-    let output = command
-        .output()
-        .with_context(|| format!("cannot run {line}"))?;
-    if !output.status.success() {
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        bail!(
-            "{}{}\n`{line}` failed",
-            text(&output.stdout),
-            text(&output.stderr)
-        );
-    }
-    Ok(())
 }
 
 fn clippy(what: &[&str]) -> Result<()> {

@@ -10,11 +10,15 @@ use std::{
 };
 
 use anyhow::{Context, Result, ensure};
-use foxhunt_host::{measured::Measured, packets, replay, scripts::Script};
+use foxhunt_host::{
+    measured::{Measured, SIGMA_DEGREES},
+    packets, replay,
+    scripts::Script,
+};
 
 use crate::{
-    cost::{self, ROBUST},
-    demo::{DEVIATION_DEGREES, EXAMPLE, QUERY, has_status},
+    board::{self, QUERY, ROBUST, VEHICLES, ensure_same},
+    drive::EXAMPLE,
     project,
     qemu::Machine,
     tunnel::{self, Framed},
@@ -27,7 +31,7 @@ pub fn compare() -> Result<()> {
     let drive = fs::read(project::root().join(EXAMPLE))?;
     compare_drive(drive.clone())?;
     let part = first_lines(&drive, PART);
-    for firmware in cost::VEHICLES {
+    for firmware in VEHICLES {
         let host = on_host(firmware, &part)?;
         ensure!(
             lines(&host).contains("\n$PFOXF"),
@@ -47,7 +51,7 @@ pub fn compare() -> Result<()> {
     };
     let set = Path::new(&data).join("wsr/los_set_a.csv");
     for transmitter in ["tx2", "tx3", "tx4"] {
-        let drive = Measured::read(&set, transmitter)?.drive(DEVIATION_DEGREES)?;
+        let drive = Measured::read(&set, transmitter)?.drive(SIGMA_DEGREES)?;
         compare_drive(drive.bytes().to_vec()).context(transmitter)?;
     }
     Ok(())
@@ -115,16 +119,7 @@ fn compare_drive(mut bytes: Vec<u8>) -> Result<()> {
 /// What the firmware sends, up to its status.
 fn on_board(firmware: &str, bytes: &[u8]) -> Result<Vec<u8>> {
     let mut machine = Machine::boot(&project::firmware(firmware)?, Duration::from_secs(120))?;
-    machine.send(bytes)?;
-    let mut output = Vec::new();
-    while !has_status(&output) {
-        output.extend(
-            machine
-                .receive()
-                .context("the firmware ended before the drive did")?,
-        );
-    }
-    Ok(output)
+    board::answer(&mut machine, bytes)
 }
 
 /// What the same example writes on the host.
@@ -144,23 +139,4 @@ fn on_host(firmware: &str, bytes: &[u8]) -> Result<Vec<u8>> {
 
 fn lines(output: &[u8]) -> String {
     String::from_utf8_lossy(output).into_owned()
-}
-
-/// Fails unless the board has sent what the host says, and then names the first line that differs.
-pub fn ensure_same(board: &[u8], host: &[u8]) -> Result<()> {
-    let (board, host) = (lines(board), lines(host));
-    for (number, (board, host)) in board.lines().zip(host.lines()).enumerate() {
-        let line = number + 1;
-        ensure!(
-            board == host,
-            "reports differ in line {line}\nboard: {board}\nhost:  {host}"
-        );
-    }
-    ensure!(
-        board == host,
-        "the board sent {} bytes, the host {}",
-        board.len(),
-        host.len()
-    );
-    Ok(())
 }

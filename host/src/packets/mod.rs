@@ -4,9 +4,6 @@ mod example;
 mod measured;
 mod path;
 mod replay;
-// The source of the firmware.
-#[path = "../../../examples/gateways/walks.rs"]
-mod settings;
 
 pub use example::{EXAMPLE_SEED, example};
 pub use measured::measured;
@@ -52,7 +49,7 @@ impl Walks {
     /// The settings that the firmware then takes.
     pub(crate) fn settings(self) -> tracker::Settings {
         match self {
-            Self::Tunnel => settings::tunnel(),
+            Self::Tunnel => foxhunt_gateways::walks::tunnel(),
             Self::Floor => tracker::Settings::new(),
         }
     }

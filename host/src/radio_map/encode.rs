@@ -41,6 +41,26 @@ impl Default for Options {
     }
 }
 
+impl Options {
+    /// Fails with the name of an option that is out of its range.
+    fn check(&self) -> Result<()> {
+        ensure!(
+            self.bandwidth > 0.0 && self.bandwidth <= 50.0,
+            "bandwidth is not within 0 and 50 dB"
+        );
+        ensure!(
+            self.outliers > 0.0 && self.outliers < 0.5,
+            "outliers is not within 0 and 0.5"
+        );
+        ensure!(
+            self.reach.is_none_or(|reach| reach >= 0.0),
+            "reach is negative"
+        );
+        ensure!(self.levels >= 2, "levels is below 2");
+        Ok(())
+    }
+}
+
 /// The fields of all beacons, when they are needed: levels, and logarithms of variances.
 type Fields<F> = LazyCell<[Vec<Option<Field>>; 2], F>;
 
@@ -104,25 +124,7 @@ impl SiteSurvey {
         encoding: Encoding,
         options: &Options,
     ) -> Result<Vec<u8>> {
-        let Options {
-            bandwidth,
-            outliers,
-            levels,
-            ..
-        } = *options;
-        ensure!(
-            bandwidth > 0.0 && bandwidth <= 50.0,
-            "bandwidth is not within 0 and 50 dB"
-        );
-        ensure!(
-            outliers > 0.0 && outliers < 0.5,
-            "outliers is not within 0 and 0.5"
-        );
-        ensure!(
-            options.reach.is_none_or(|reach| reach >= 0.0),
-            "reach is negative"
-        );
-        ensure!(levels >= 2, "levels is below 2");
+        options.check()?;
         let beacons = u8::try_from(self.beacons().len())
             .ok()
             .filter(|beacons| *beacons > 0)
@@ -133,25 +135,7 @@ impl SiteSurvey {
             Encoding::Moments => None,
             _ => anyhow::bail!("unknown encoding"),
         };
-        let mut bytes = b"FXRM".to_vec();
-        bytes.push(RadioMap::VERSION);
-        bytes.push(if levels.is_some() { 2 } else { 1 });
-        bytes.push(beacons);
-        bytes.push(levels.as_ref().map_or(0, |levels| levels.count));
-        bytes.extend((lattice.columns() as u16).to_le_bytes());
-        bytes.extend((lattice.rows() as u16).to_le_bytes());
-        for number in [lattice.origin()[0], lattice.origin()[1], lattice.spacing()] {
-            bytes.extend(number.to_le_bytes());
-        }
-        match &levels {
-            Some(levels) => {
-                bytes.extend(levels.lowest.to_le_bytes());
-                bytes.push(levels.spacing);
-                bytes.extend((levels.top as f32).to_le_bytes());
-                bytes.extend((levels.step as f32).to_le_bytes());
-            }
-            None => bytes.extend([0; 10]),
-        }
+        let mut bytes = header(lattice, beacons, levels.as_ref());
         let sensitivity = self.weakest().floor().max(-128.0);
         let detections: Vec<f64> = (0..self.beacons().len())
             .map(|b| self.detection(b))
@@ -304,6 +288,30 @@ impl SiteSurvey {
 }
 
 const RANGE_DB: f64 = SiteSurvey::RANGE_DBM[1] - SiteSurvey::RANGE_DBM[0];
+
+/// All that comes before the beacons.
+fn header(lattice: &Lattice, beacons: u8, levels: Option<&Levels>) -> Vec<u8> {
+    let mut bytes = b"FXRM".to_vec();
+    bytes.push(RadioMap::VERSION);
+    bytes.push(if levels.is_some() { 2 } else { 1 });
+    bytes.push(beacons);
+    bytes.push(levels.map_or(0, |levels| levels.count));
+    bytes.extend((lattice.columns() as u16).to_le_bytes());
+    bytes.extend((lattice.rows() as u16).to_le_bytes());
+    for number in [lattice.origin()[0], lattice.origin()[1], lattice.spacing()] {
+        bytes.extend(number.to_le_bytes());
+    }
+    match levels {
+        Some(levels) => {
+            bytes.extend(levels.lowest.to_le_bytes());
+            bytes.push(levels.spacing);
+            bytes.extend((levels.top as f32).to_le_bytes());
+            bytes.extend((levels.step as f32).to_le_bytes());
+        }
+        None => bytes.extend([0; 10]),
+    }
+    bytes
+}
 
 fn normal_density(distance: f64, deviation: f64) -> f64 {
     let z = distance / deviation;

@@ -33,7 +33,7 @@ use crate::estimate;
 use crate::math::{exp, ln, sqrt};
 use crate::particles::Particles;
 use crate::random::{Rng, normal, uniform};
-use crate::resample::Scheme;
+use crate::resample::{Scheme, resample};
 use crate::weights::{self, Normalised};
 use field::{Field, Level};
 use fix::seconds;
@@ -151,6 +151,7 @@ impl core::error::Error for PushError {}
 pub struct Tracker<const N: usize, const B: usize = 16> {
     /// Places, and the means of velocities.
     particles: Particles<4, N>,
+    log_weights: [f32; N],
     /// Of every particle's velocity, along x and along y.
     velocity_variance: [f32; 2],
     offset: OffsetBelief,
@@ -178,7 +179,8 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
     /// Knows nothing yet. Fit for a `static`.
     pub const fn new() -> Self {
         Self {
-            particles: Particles::new(),
+            particles: Particles::EMPTY,
+            log_weights: [0.0; N],
             velocity_variance: [0.0; 2],
             offset: OffsetBelief::new(),
             pending: Pending::new(),
@@ -191,7 +193,7 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
 
     /// Forgets all.
     pub fn reset(&mut self) {
-        self.particles.log_weights_mut().fill(0.0);
+        self.log_weights.fill(0.0);
         self.offset = OffsetBelief::new();
         self.pending.clear();
         self.fix = None;
@@ -331,7 +333,7 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
                 .field
                 .look_up(&site.map, channel, &self.offset, scan);
             self.draw(1.0, site, &workspace.field, rng);
-            let log_weights = self.particles.log_weights_mut();
+            let log_weights = &mut self.log_weights;
             let drawn = weights::normalise(log_weights, &mut workspace.weights);
             self.conclude(time_ms, drawn, site, workspace, rng);
             return;
@@ -350,7 +352,7 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         for ((weight, &x), &y) in workspace.weights.iter_mut().zip(x).zip(y) {
             *weight += workspace.field.at(lattice, [x, y]);
         }
-        let log_weights = self.particles.log_weights_mut();
+        let log_weights = &mut self.log_weights;
         let mut weighed = weights::reweigh(log_weights, &mut workspace.weights);
         if let Some(Normalised { shift, log_sum, .. }) = weighed {
             let smoothing = dt * (1.0 / Self::PATIENCE_S);
@@ -371,7 +373,7 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
                 self.resample(site, workspace, rng);
             }
             self.redraw(share, site, workspace, rng);
-            let log_weights = self.particles.log_weights_mut();
+            let log_weights = &mut self.log_weights;
             weighed = weights::normalise(log_weights, &mut workspace.weights);
         }
         self.conclude(time_ms, weighed, site, workspace, rng);
@@ -499,7 +501,7 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
             } else {
                 f32::NEG_INFINITY
             };
-            if let Some(slot) = self.particles.log_weights_mut().get_mut(i) {
+            if let Some(slot) = self.log_weights.get_mut(i) {
                 *slot = log_weight;
             }
         }
@@ -584,8 +586,14 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         let is_plane = site.map.lattice().rows() > 1;
         let wanted = [true, is_plane, true, is_plane];
         let weights = &mut workspace.weights;
-        self.particles
-            .resample_columns(wanted, Scheme::Systematic, weights, rng);
+        let ancestors = resample(Scheme::Systematic, weights, &mut self.log_weights, rng);
+        for (column, wanted) in self.particles.columns_mut().into_iter().zip(wanted) {
+            if wanted {
+                ancestors.gather(column, weights);
+            }
+        }
+        self.log_weights = [0.0; N];
+        *weights = [1.0 / N as f32; N];
     }
 }
 

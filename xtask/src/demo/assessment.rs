@@ -20,7 +20,8 @@ use foxhunt_host::{
 };
 
 use self::coverage::Coverage;
-use super::{Scene, report::ReportedFix};
+use super::scene::Scene;
+use crate::reports::vehicle::ReportedFix;
 
 /// A fix beside the truth and the best that the same bearings allow. Places in metres from the origin.
 pub struct Assessment {

@@ -1,7 +1,6 @@
 //! The task `demo tunnel`: people through the firmware `beacon_gateway` on the emulated board.
 
 mod assessment;
-mod report;
 mod screen;
 
 use std::{
@@ -19,8 +18,15 @@ use foxhunt_host::{
 };
 use indicatif::{ProgressBar, ProgressStyle};
 
-use self::{assessment::Assessment, report::Report, screen::Screen};
-use crate::{project, qemu::Machine, setup, trace, tunnel::Framed};
+use self::{assessment::Assessment, screen::Screen};
+use crate::{
+    board::{ensure_same, has_status},
+    project,
+    qemu::Machine,
+    reports::beacon::{self, Report},
+    setup,
+    tunnel::Framed,
+};
 
 /// The options of `cargo xtask demo tunnel`.
 #[derive(clap::Args)]
@@ -77,10 +83,10 @@ pub fn run(options: &Options) -> Result<()> {
 
     let mut replay = Replay::new(&scene, framed.framing())?;
     replay.push(&framed.bytes(&scene.recording));
-    trace::ensure_same(&output, replay.output())?;
+    ensure_same(&output, replay.output())?;
     println!("the gateway on this machine gives the same reports, byte for byte");
 
-    let reports = report::parse(&output);
+    let reports = beacon::parse(&output);
     if let Some(Report::Status(status)) = reports.last() {
         println!("{status}");
     }
@@ -151,7 +157,7 @@ fn stream(machine: &mut Machine, scene: &Scene, framed: Framed) -> Result<Vec<u8
         screen.show(&output);
     }
     // The status is the last of the answer to the query.
-    while !super::has_status(&output) {
+    while !has_status(&output) {
         output.extend(
             machine
                 .receive()

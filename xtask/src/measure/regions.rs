@@ -14,12 +14,13 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail, ensure};
+use foxhunt_host::figures::Figure;
 
 use super::{
     cortex_m4::{TAKEN_BRANCH, Timing},
     disassembly,
 };
-use crate::{figures::Figure, qemu};
+use crate::qemu;
 
 /// What a region cost, all of it together.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -9,8 +9,7 @@ use foxhunt::{
         Settings, UbloxQuality,
     },
 };
-
-use super::firmware;
+use foxhunt_gateways::robust as firmware;
 
 /// What takes the bearings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

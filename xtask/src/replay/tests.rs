@@ -23,7 +23,7 @@ fn replay(file: &Path, more: &[&str]) -> (Result<()>, PathBuf) {
 /// The shipped drive, by every locator: all find the source within their ellipse, widened to 99.99 %.
 #[test]
 fn the_shipped_drive_is_kept() {
-    let file = project::root().join(crate::demo::EXAMPLE);
+    let file = project::root().join(crate::drive::EXAMPLE);
     let truth = foxhunt_host::drive::truth(&fs::read(&file).unwrap()).unwrap();
     for locator in ["plain", "robust", "single", "moving"] {
         let (done, directory) = replay(&file, &["--locator", locator]);
@@ -61,7 +61,7 @@ fn nothing_is_written_of_nothing() {
     );
     assert!(!directory.exists());
 
-    let file = project::root().join(crate::demo::EXAMPLE);
+    let file = project::root().join(crate::drive::EXAMPLE);
     // The drive's finder is a KrakenSDR.
     let (done, directory) = replay(&file, &["--finder", "agrelo"]);
     assert!(
@@ -74,7 +74,7 @@ fn nothing_is_written_of_nothing() {
 
 #[test]
 fn what_a_locator_does_not_listen_to_is_refused() {
-    let file = project::root().join(crate::demo::EXAMPLE);
+    let file = project::root().join(crate::drive::EXAMPLE);
     let (done, _) = replay(&file, &["--locator", "plain", "--bias-deviation", "3"]);
     assert!(
         done.unwrap_err()
@@ -128,7 +128,7 @@ fn what_contradicts_is_refused_before_anything_is_read() {
 
 #[test]
 fn a_file_is_no_directory_to_write_to() {
-    let example = project::root().join(crate::demo::EXAMPLE);
+    let example = project::root().join(crate::drive::EXAMPLE);
     for output in [example.clone(), example.join("below")] {
         let arguments = [
             "replay".as_ref(),

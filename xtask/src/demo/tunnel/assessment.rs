@@ -9,7 +9,7 @@ use foxhunt_host::{
     picture::{Axis, Curve, Curves, Style, Walk, Walks},
 };
 
-use super::report::{Report, TagFix};
+use crate::reports::beacon::{Report, TagFix};
 
 /// Seconds from one look at a tag to the next, beginning when it has been there for as long.
 const STEP: f64 = 2.0;

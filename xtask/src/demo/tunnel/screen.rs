@@ -7,7 +7,7 @@ use foxhunt::fingerprint::RadioMap;
 use foxhunt_host::packets::Scene;
 use indicatif::ProgressBar;
 
-use super::report::{self, Report, TagFix};
+use crate::reports::beacon::{self, Report, TagFix};
 
 /// Columns of the tunnel's drawing.
 const COLUMNS: usize = 82;
@@ -46,7 +46,7 @@ impl<'a> Screen<'a> {
         // A report may come in pieces: only whole lines are read.
         let end = output.iter().rposition(|byte| *byte == b'\n');
         let end = end.map_or(0, |last| last + 1);
-        for report in report::parse(&output[self.read..end]) {
+        for report in beacon::parse(&output[self.read..end]) {
             self.take(report);
         }
         self.read = end;

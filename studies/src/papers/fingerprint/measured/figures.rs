@@ -1,0 +1,116 @@
+//! What came of the measured walks, in figures.
+
+use foxhunt_host::figures::Figure;
+
+use super::{both::Both, tracked::Tracked};
+use crate::papers::{fingerprint::errors::Errors, statistics::median};
+
+/// The errors of all methods.
+pub struct Results {
+    /// What the radio map errs by where a place of the survey is left out.
+    pub left_out_db: f64,
+    pub tracked: Tracked,
+    /// The tracker without the receiver whose loss is worst.
+    pub dead: Both,
+    /// The match alone, and the published filter after it: as printed, and fitted to these walks.
+    pub matched: Both,
+    pub printed: Both,
+    pub fitted: Both,
+    /// For every set of four receivers, the fraction of the steps of the straight walks below 2 m.
+    pub sets: Vec<f64>,
+}
+
+impl Results {
+    /// The fraction of the sets with which 85 % of the steps are below 2 m.
+    pub fn good_sets(&self) -> f64 {
+        let good = self.sets.iter().filter(|near| **near >= 0.85).count();
+        good as f64 / self.sets.len() as f64
+    }
+
+    /// The fraction of the steps below 2 m with the set in the middle.
+    pub fn median_set(&self) -> f64 {
+        median(self.sets.iter().copied())
+    }
+
+    /// All figures.
+    pub fn figures(&self) -> Vec<Figure> {
+        let mut figures = vec![figure("map.left_out", self.left_out_db, "dB")];
+        figures.extend(self.straight());
+        figures.extend(self.plane());
+        figures.extend(self.changed());
+        figures
+    }
+
+    /// The walks along corridors.
+    fn straight(&self) -> [Figure; 8] {
+        let all = &self.tracked.all.straight;
+        let figure = |name: &str, value, unit| figure(&format!("straight.{name}"), value, unit);
+        let beyond = |name: &str, errors: &Errors| {
+            let beyond = 1.0 - errors.near().value;
+            figure(&format!("{name}.beyond_2_m"), beyond, "of steps")
+        };
+        let median_set = 1.0 - self.median_set();
+        [
+            beyond("12_receivers", all).at_most(0.05),
+            figure("12_receivers.p90", all.quantile(0.9), "m"),
+            beyond("4_receivers", &self.tracked.four.straight).at_most(0.15),
+            figure("4_receivers.median_set_beyond_2_m", median_set, "of steps"),
+            figure(
+                "4_receivers.sets_that_miss",
+                1.0 - self.good_sets(),
+                "of sets",
+            ),
+            beyond("match", &self.matched.straight),
+            beyond("two_stage_printed", &self.printed.straight),
+            beyond("two_stage_fitted", &self.fitted.straight),
+        ]
+    }
+
+    /// The walks in the plane.
+    fn plane(&self) -> [Figure; 4] {
+        let p90 = |name: &str, both: &Both| {
+            figure(&format!("plane.{name}.p90"), both.plane.quantile(0.9), "m")
+        };
+        [
+            p90("12_receivers", &self.tracked.all).at_most(2.9),
+            p90("match", &self.matched),
+            p90("two_stage_printed", &self.printed),
+            p90("two_stage_fitted", &self.fitted),
+        ]
+    }
+
+    /// What changed packets do to the tracker.
+    fn changed(&self) -> [Figure; 8] {
+        let Tracked {
+            all,
+            louder,
+            quieter,
+            outliers,
+            ..
+        } = &self.tracked;
+        let ratio = |name: &str, changed: &Errors, clean: &Errors| {
+            let ratio = changed.quantile(0.9) / clean.quantile(0.9);
+            figure(&format!("{name}.p90_ratio"), ratio, "")
+        };
+        let plane =
+            |name: &str, both: &Both| ratio(&format!("plane.{name}"), &both.plane, &all.plane);
+        let straight = |name: &str, both: &Both| {
+            ratio(&format!("straight.{name}"), &both.straight, &all.straight)
+        };
+        let beyond = 1.0 - louder.straight.near().value;
+        [
+            plane("10_db_too_strong", louder).at_most(1.10),
+            plane("10_db_too_weak", quieter),
+            straight("10_db_too_strong", louder),
+            figure("straight.10_db_too_strong.beyond_2_m", beyond, "of steps"),
+            plane("5_percent_outliers", outliers).at_most(1.15),
+            straight("5_percent_outliers", outliers).at_most(1.15),
+            plane("one_dead", &self.dead).at_most(1.20),
+            straight("one_dead", &self.dead).at_most(1.20),
+        ]
+    }
+}
+
+fn figure(name: &str, value: f64, unit: &str) -> Figure {
+    Figure::new(format!("papers.fingerprint.measured.{name}"), value, unit)
+}

@@ -1,0 +1,151 @@
+//! The tracker on the measured walks, with all that it should bear.
+
+use anyhow::Result;
+use foxhunt::fingerprint::tracker::Settings;
+use foxhunt_host::{simulate::generator, tunnel::Packet, walks::Office};
+use indicatif::ParallelProgressIterator;
+use rand::RngExt;
+use rayon::prelude::*;
+
+use super::both::Both;
+use crate::papers::study::progress;
+
+/// Filter seeds of every walk, and of every set of four receivers.
+pub const SEEDS: u64 = 40;
+const SEEDS_OF_SETS: u64 = 4;
+/// Receivers that the straight walks do best with, of all sets of four.
+pub const FOUR: [usize; 4] = [0, 4, 9, 10];
+/// Fraction of the readings that are outliers, and what they then are, in dBm.
+const OUTLIERS: f64 = 0.05;
+const OUTLIER_DBM: std::ops::Range<f64> = -100.0..-40.0;
+/// What a tag reads too strong, in dB.
+const OFFSET: f64 = 10.0;
+
+/// What is changed about the packets of a walk, for a seed.
+type Change<'a> = &'a (dyn Fn(&[Packet], u64) -> Vec<Packet> + Sync);
+
+/// The tracker's errors, with all packets and with changed ones.
+pub struct Tracked {
+    pub all: Both,
+    pub four: Both,
+    pub louder: Both,
+    pub quieter: Both,
+    pub outliers: Both,
+    /// Without the receiver of each number.
+    dead: Vec<Both>,
+}
+
+impl Tracked {
+    /// Runs all of it.
+    pub fn new(office: &Office, seed: u64) -> Result<Self> {
+        let receivers = office.receivers.len();
+        let bar = progress(receivers as u64 + 5, "measured walks")?;
+        let tracked = |change: Change<'_>| -> Result<Both> {
+            let both = track(office, seed, change);
+            bar.inc(1);
+            both
+        };
+        let by = |offset| tracked(&move |packets, _| changed(packets, |p| p.level += offset));
+        let tracked = Self {
+            all: tracked(&|packets, _| packets.to_vec())?,
+            four: tracked(&|packets, _| only(packets, &FOUR))?,
+            louder: by(OFFSET)?,
+            quieter: by(-OFFSET)?,
+            outliers: tracked(&|packets, filter_seed| {
+                let mut rng = generator(seed ^ 9, filter_seed);
+                changed(packets, |packet| {
+                    if rng.random_bool(OUTLIERS) {
+                        packet.level = rng.random_range(OUTLIER_DBM).round();
+                    }
+                })
+            })?,
+            dead: (0..receivers)
+                .map(|dead| tracked(&move |packets, _| without(packets, dead)))
+                .collect::<Result<_>>()?,
+        };
+        bar.finish_and_clear();
+        Ok(tracked)
+    }
+
+    /// Without the receiver whose loss is worst on the straight walks, and without that whose loss is worst in the plane;
+    /// and their numbers.
+    pub fn worst(&self) -> (Both, [usize; 2]) {
+        let worst = |p90: &dyn Fn(&Both) -> f64| {
+            let dead = 0..self.dead.len();
+            let by_error =
+                |a: &usize, b: &usize| p90(&self.dead[*a]).total_cmp(&p90(&self.dead[*b]));
+            dead.max_by(by_error).expect("there are receivers")
+        };
+        let straight = worst(&|both| both.straight.quantile(0.9));
+        let plane = worst(&|both| both.plane.quantile(0.9));
+        let both = Both {
+            straight: self.dead[straight].straight.clone(),
+            plane: self.dead[plane].plane.clone(),
+        };
+        (both, [straight, plane])
+    }
+}
+
+fn changed(packets: &[Packet], mut change: impl FnMut(&mut Packet)) -> Vec<Packet> {
+    let mut packets = packets.to_vec();
+    packets.iter_mut().for_each(&mut change);
+    packets
+}
+
+fn only(packets: &[Packet], receivers: &[usize]) -> Vec<Packet> {
+    let heard = |packet: &&Packet| receivers.contains(&packet.beacon);
+    packets.iter().filter(heard).copied().collect()
+}
+
+fn without(packets: &[Packet], dead: usize) -> Vec<Packet> {
+    let packets = packets.iter().filter(|packet| packet.beacon != dead);
+    packets.copied().collect()
+}
+
+/// Every walk with every seed.
+fn track(office: &Office, seed: u64, change: Change<'_>) -> Result<Both> {
+    let jobs: Vec<(usize, u64)> = (0..office.walks.len())
+        .flat_map(|walk| (0..SEEDS).map(move |seed| (walk, seed)))
+        .collect();
+    let errors: Vec<Vec<f64>> = jobs
+        .par_iter()
+        .map(|(number, filter_seed)| {
+            let walk = &office.walks[*number];
+            let packets = change(&walk.packets, *number as u64 * SEEDS + filter_seed);
+            let times = walk.times();
+            let places = walk.follow(&packets, &times, Settings::new(), seed << 8 ^ filter_seed)?;
+            Ok(walk.errors(&times, &places))
+        })
+        .collect::<Result<_>>()?;
+    let mut both = Both::default();
+    for ((number, _), errors) in jobs.iter().zip(errors) {
+        both.push(&office.walks[*number], errors);
+    }
+    Ok(both)
+}
+
+/// For every set of four receivers, the fraction of the steps of the straight walks below 2 m.
+pub fn sets_of_four(office: &Office, seed: u64) -> Result<Vec<f64>> {
+    let receivers = office.receivers.len();
+    let sets: Vec<[usize; 4]> = (0..receivers)
+        .flat_map(|a| (a + 1..receivers).map(move |b| (a, b)))
+        .flat_map(|(a, b)| (b + 1..receivers).map(move |c| (a, b, c)))
+        .flat_map(|(a, b, c)| (c + 1..receivers).map(move |d| [a, b, c, d]))
+        .collect();
+    let near = |set: &[usize; 4]| -> Result<f64> {
+        let (mut count, mut near) = (0.0, 0.0);
+        for walk in office.walks.iter().filter(|walk| walk.is_straight) {
+            let (packets, times) = (only(&walk.packets, set), walk.times());
+            for filter_seed in 0..SEEDS_OF_SETS {
+                let seed = seed << 8 ^ filter_seed;
+                let places = walk.follow(&packets, &times, Settings::new(), seed)?;
+                let errors = walk.errors(&times, &places);
+                count += errors.len() as f64;
+                near += errors.iter().filter(|error| **error < 2.0).count() as f64;
+            }
+        }
+        Ok(near / count)
+    };
+    let bar = progress(sets.len() as u64, "sets of four receivers")?;
+    sets.par_iter().progress_with(bar).map(near).collect()
+}

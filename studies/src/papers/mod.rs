@@ -1,0 +1,18 @@
+//! The experiments: each prints its tables, draws its pictures and returns its figures.
+
+pub mod aoa;
+mod bearings;
+pub mod cost;
+mod counted;
+pub mod evolution;
+pub mod fingerprint;
+pub mod firefly;
+pub mod fish;
+mod instructions;
+pub mod outliers;
+mod scalar;
+mod statistics;
+mod study;
+mod table;
+
+pub use study::Study;

@@ -1,0 +1,66 @@
+//! What a method made of one run.
+
+use anyhow::Result;
+use foxhunt::{
+    aoa::{
+        locator::{Answer, Fix},
+        robust::{RobustLocator, Settings},
+    },
+    random::{SeedableRng, Xoshiro128PlusPlus},
+};
+use foxhunt_host::{
+    Sight,
+    reference::{Posterior, mahalanobis},
+};
+
+use crate::papers::statistics::NINETY_FIVE;
+
+/// What a method made of one run.
+#[derive(Debug, Clone, Copy)]
+pub struct Outcome {
+    /// In metres; infinite without a fix.
+    pub error: f64,
+    /// Whether the 95 % ellipse holds the source.
+    pub covered: bool,
+}
+
+impl Outcome {
+    /// That of the exact posterior.
+    pub fn exact(posterior: &Posterior, source: [f64; 2]) -> Self {
+        let error = [0, 1].map(|d| posterior.mean[d] - source[d]);
+        Self {
+            error: error[0].hypot(error[1]),
+            covered: mahalanobis(error, &posterior.covariance) <= NINETY_FIVE,
+        }
+    }
+
+    /// That of a locator.
+    pub fn of(answer: Answer, source: [f64; 2]) -> Self {
+        let Answer::Fix(fix) = answer else {
+            return Self {
+                error: f64::INFINITY,
+                covered: false,
+            };
+        };
+        Self {
+            error: distance(&fix, source),
+            covered: fix.ellipse(0.95).contains(source.map(|v| v as f32)),
+        }
+    }
+}
+
+/// Of a fix from the source, in metres.
+fn distance(fix: &Fix, source: [f64; 2]) -> f64 {
+    let [x, y] = [0, 1].map(|d| f64::from(fix.position[d]) - source[d]);
+    x.hypot(y)
+}
+
+/// The last answer to the bearings.
+pub fn locate(settings: Settings, sights: &[Sight], seed: u64) -> Result<Answer> {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+    let mut locator = Box::new(RobustLocator::<256, 64>::new(settings));
+    for sight in sights {
+        locator.push((*sight).try_into()?, &mut rng);
+    }
+    Ok(locator.answer())
+}

@@ -1,0 +1,107 @@
+//! Beacons that are not heard, and points that nobody surveyed.
+
+use foxhunt::fingerprint::{
+    Encoding, GaussianMatcher, Match, MatchError, Matcher, Missing, Posterior, RadioMap, Reading,
+    Settings, TableMatcher,
+};
+use foxhunt_host::radio_map::{self, Options, SiteSurvey};
+
+use crate::site::*;
+
+/// Both maps of a survey in which beacon 7 is heard in the left half only, beacons 5 and 9 everywhere alike.
+fn half_heard() -> [Vec<u8>; 2] {
+    let mut readings = vec![];
+    for x in 0..20 {
+        for noise in [-1.0, 1.0] {
+            let mut heard = |beacon, rssi| {
+                let x = f64::from(x);
+                readings.push(radio_map::Reading {
+                    x,
+                    y: 0.0,
+                    beacon,
+                    rssi,
+                });
+            };
+            heard(5, -60.0 + noise);
+            if x < 10 {
+                heard(7, -55.0 + noise);
+            }
+            heard(9, -90.0 + noise);
+        }
+    }
+    let survey = SiteSurvey::new(readings);
+    let lattice = survey.lattice(1.0).unwrap();
+    [Encoding::Moments, Encoding::Levels].map(|encoding| {
+        survey
+            .radio_map(&lattice, encoding, &Options::default())
+            .unwrap()
+    })
+}
+
+/// The weight of the left half, by each of the matchers.
+fn left(maps: &[Vec<u8>; 2], settings: &Settings, scan: &[Reading]) -> [f32; 2] {
+    let [moments, levels] = maps.each_ref().map(|map| RadioMap::new(map).unwrap());
+    let mut posterior = Posterior::<20>::new();
+    let mut left = |matcher: &dyn Fn(&mut Posterior<20>) -> Result<Match, MatchError>| {
+        matcher(&mut posterior).unwrap();
+        posterior.weights()[..10].iter().sum()
+    };
+    let gaussian = GaussianMatcher::new(moments, settings).unwrap();
+    let table = TableMatcher::new(levels, settings).unwrap();
+    [
+        left(&|posterior| gaussian.locate(scan, posterior)),
+        left(&|posterior| table.locate(scan, posterior)),
+    ]
+}
+
+#[test]
+fn a_missing_beacon_says_something_only_if_asked() {
+    let maps = half_heard();
+    let moments = RadioMap::new(&maps[0]).unwrap();
+    assert!(moments.moments(1, 3).is_some() && moments.moments(1, 13).is_none());
+    let reading = |beacon, rssi_dbm| Reading { beacon, rssi_dbm };
+    let scan = [reading(0, -60.0)];
+    for (missing, expected) in [
+        (Missing::Ignored, 0.45..0.55),
+        (Missing::Modelled, 0.0..0.02),
+    ] {
+        let left = left(&maps, &settings().with_missing(missing), &scan);
+        assert!(left.iter().all(|left| expected.contains(left)), "{left:?}");
+    }
+    // Where it is heard, nothing points to the half where it is not.
+    let scan = [scan[0], reading(1, -55.0)];
+    let left = left(&maps, &settings(), &scan);
+    assert!(left.iter().all(|left| *left > 0.99), "{left:?}");
+}
+
+#[test]
+fn points_that_nobody_was_near_are_left_out() {
+    let gap: Vec<[f64; 2]> = line()
+        .into_iter()
+        .filter(|[x, _]| !(30.0..50.0).contains(x))
+        .collect();
+    let survey = survey(&gap);
+    let lattice = survey.lattice(1.0).unwrap();
+    for encoding in [Encoding::Moments, Encoding::Levels] {
+        let bytes = survey
+            .radio_map(&lattice, encoding, &Options::default())
+            .unwrap();
+        let map = RadioMap::new(&bytes).unwrap();
+        let surveyed: Vec<bool> = (0..80).map(|point| map.is_surveyed(point)).collect();
+        assert!(surveyed[30] && surveyed[49] && !surveyed[31..49].contains(&true));
+        assert!(!map.is_surveyed(80) && !map.is_surveyed(usize::MAX));
+        let mut posterior = Posterior::<80>::new();
+        let scan = scan([40.0, 1.75]);
+        match encoding {
+            Encoding::Moments => GaussianMatcher::new(map, &settings())
+                .unwrap()
+                .locate(&scan, &mut posterior),
+            _ => TableMatcher::new(map, &settings())
+                .unwrap()
+                .locate(&scan, &mut posterior),
+        }
+        .unwrap();
+        assert!(posterior.weights()[31..49].iter().all(|w| *w == 0.0));
+        assert!((posterior.weights().iter().sum::<f32>() - 1.0).abs() < 1e-5);
+    }
+}
