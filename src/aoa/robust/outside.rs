@@ -1,59 +1,104 @@
 //! What a locator that is built round this one needs of it.
 
-use super::RobustLocator;
-use super::errors::{Errors, Shares, Tails};
+use super::errors::{Errors, Tails};
 use super::evidence::tempered;
-use super::merge::{Sight, agree};
+use super::merge::{Entry, similar};
+use super::mode::weigh;
+use super::search::climb_again;
 use super::term::{State, Term};
-use crate::aoa::Observation;
+use super::{Candidate, Config, Robust, crossing};
+use crate::aoa::{Answer, Locate, Mixture, Observation};
 use crate::math::{exp, ln, sqrt};
+use crate::random::Rng;
 
-impl<const N: usize, const B: usize> RobustLocator<N, B> {
-    pub(in crate::aoa) const fn errors(&self) -> &Errors {
-        &self.errors
+impl<const N: usize, const B: usize> Robust<N, B> {
+    /// The errors, with the rates as learned so far.
+    pub(in crate::aoa) fn errors(&self, config: &Config) -> Errors {
+        self.believed(config).errors
     }
 
-    /// Mean and covariance of the place and of the bias in its prior deviations.
+    /// The latest bearing by time.
+    pub(in crate::aoa) fn latest(&self) -> Option<&Observation> {
+        self.evidence.latest()
+    }
+
+    /// Mean and covariance of the place and of the bias in its prior sigmas.
     pub(in crate::aoa) fn moments(&self) -> (State, [State; 3]) {
         (self.filter.mean(), self.filter.covariance())
     }
 
-    /// Forgets all bearings but not the shares of `errors`.
-    pub(in crate::aoa) fn restart(&mut self, errors: Errors) {
+    /// Forgets all bearings, and starts again with these rates.
+    pub(in crate::aoa) fn restart(&mut self, rates: Mixture) {
         self.reset();
-        self.errors = errors;
+        self.rates = rates;
     }
 
     /// The source is as likely within `range_m` of `centre` as not, whatever the bearings say. The first bearing says
     /// where, so this comes later.
-    pub(in crate::aoa) fn believe(&mut self, centre: [f32; 2], range_m: f32) {
+    pub(in crate::aoa) fn centre_prior(&mut self, centre: [f32; 2], range_m: f32) {
         self.evidence.centre_on(centre, range_m);
     }
 
-    /// Takes a bearing of earlier, and does not look at what it says: the next one does.
-    pub(in crate::aoa) fn recall(&mut self, observation: Observation, seconds: f32) {
-        self.evidence.push(observation, seconds, None, &self.errors);
+    /// Takes an earlier bearing, and does not look at what it says: the next one does.
+    pub(in crate::aoa) fn recall(&mut self, observation: &Observation, config: &Config) {
+        let errors = self.errors(config);
+        self.evidence.push(&(*observation).into(), None, &errors);
+    }
+
+    /// Forgets everything, takes the bearings of a candidate, and says what is known with them.
+    ///
+    /// Evaluates up to `5 N B` likelihoods of one bearing, and `50 B` before. A candidate of more than `B` bearings takes
+    /// `B^2 / 2` comparisons for each beyond.
+    pub(in crate::aoa) fn initiate<R: Rng + ?Sized>(
+        &mut self,
+        candidate: &Candidate<'_>,
+        config: &Config,
+        rng: &mut R,
+    ) -> Answer {
+        self.reset();
+        self.evidence.adopt(candidate, &config.errors);
+        self.modes = climb_again(&self.evidence.density(config), candidate.modes);
+        weigh(&mut self.modes);
+        let fix = crossing(&self.evidence, &self.modes, config).and_then(|()| {
+            self.start(config, rng);
+            self.credible_fix(1.0, config)
+        });
+        self.answer = match fix {
+            Ok(fix) => Answer::Fix(fix),
+            Err(reason) => Answer::NotObservable(reason),
+        };
+        self.answer
+    }
+
+    /// States how many outliers were removed upstream for each bearing that it gets, so that the rates that it learns are
+    /// those of all. None unless stated.
+    pub(in crate::aoa) fn set_outliers_removed(&mut self, per_bearing: f32) {
+        if (0.0..=1e3).contains(&per_bearing) {
+            self.outliers_removed = per_bearing;
+        }
+    }
+
+    /// How many times as likely a bearing is to be direct or mirrored as an outlier: the mean over the particles. It means
+    /// nothing before the first fix.
+    pub(in crate::aoa) fn odds(&self, observation: &Observation, config: &Config) -> f32 {
+        let errors = self.errors(config);
+        let term = self.evidence.single(observation, &errors);
+        let scale = errors.bias_sigma_rad;
+        let [x, y, bias] = self.columns();
+        let states = x.iter().zip(y).zip(bias).zip(self.weights());
+        states
+            .map(|(((x, y), bias), weight)| weight * term.read(&[*x, *y, *bias], scale * bias).odds)
+            .sum()
+    }
+
+    /// How well the latest bearing fitted, if there was a fix before it: the mean of 1 + odds over the particles, less
+    /// what a reading that it was joined with had said.
+    pub(in crate::aoa) fn evidence(&self) -> f32 {
+        exp(self.log_evidence)
     }
 }
 
-impl super::Settings {
-    pub(in crate::aoa) const fn relative_range_error(&self) -> f32 {
-        self.common.relative_range_error
-    }
-}
-
-impl Errors {
-    pub(in crate::aoa) const fn shares_now(&self) -> Shares {
-        self.shares
-    }
-
-    /// In radians.
-    pub(in crate::aoa) const fn bias_scale(&self) -> f32 {
-        self.bias_deviation
-    }
-}
-
-/// Odds of a bearing not being wild, of a place and the bias in its prior deviations; `about` is where the source is, by
+/// Odds of a bearing not being an outlier, of a place and the bias in its prior sigmas; `about` is where the source is, by
 /// and large.
 pub(in crate::aoa) fn odds(
     observation: &Observation,
@@ -62,7 +107,7 @@ pub(in crate::aoa) fn odds(
 ) -> impl Fn(&State) -> f32 {
     let variance = errors.variance(observation, 1.0, Some(about));
     let term = Term::new(observation, errors, variance);
-    let scale = errors.bias_deviation;
+    let scale = errors.bias_sigma_rad;
     move |state| term.read(state, scale * state[2]).odds
 }
 
@@ -73,12 +118,12 @@ pub(in crate::aoa) fn independent<'a>(
     errors: &Errors,
 ) -> Observation {
     let [x, y] = observation.position();
-    let new = Sight::new(*observation, 1.0);
+    let new = Entry::new(*observation, 1.0);
     let mut least = f32::INFINITY;
     for (old, seconds) in earlier {
         let (dx, dy) = (old.position()[0] - x, old.position()[1] - y);
         let lengths = errors.correlation.lengths(sqrt(dx * dx + dy * dy), seconds);
-        if lengths < least && agree(&Sight::new(*old, 1.0), &new, None, errors) {
+        if lengths < least && similar(&Entry::new(*old, 1.0), &new, None, errors) {
             least = lengths;
         }
     }
@@ -88,7 +133,7 @@ pub(in crate::aoa) fn independent<'a>(
 /// The line of a bearing, as it is seen from a state.
 pub(in crate::aoa) struct Line {
     pub(in crate::aoa) error: LineError,
-    /// Derivatives of the error by the place and by the bias in its prior deviations.
+    /// Derivatives of the error by the place and by the bias in its prior sigmas.
     pub(in crate::aoa) gradient: State,
 }
 
@@ -101,18 +146,17 @@ pub(in crate::aoa) struct LineError {
 }
 
 impl LineError {
-    /// Odds of not being wild of an error of `angle`, if errors have this variance.
+    /// Odds of not being an outlier of an error of `angle`, if errors have this variance.
     pub(in crate::aoa) fn odds(&self, angle: f32, variance: f32, errors: &Errors) -> f32 {
-        let Shares {
+        let Mixture {
             direct,
-            mirror,
-            wild,
-        } = errors.shares;
-        let share = if self.mirrored { mirror } else { direct };
-        let peak = errors.tails.height() / (sqrt(variance) * wild);
+            mirrored,
+            outlier,
+        } = errors.rates;
+        let rate = if self.mirrored { mirrored } else { direct };
+        let peak = errors.tails.height() / (sqrt(variance) * outlier);
         let square = angle * angle / variance;
-        share
-            * peak
+        rate * peak
             * match errors.tails {
                 Tails::Normal => exp(-0.5 * square),
                 Tails::Student { freedom } => {
@@ -126,7 +170,7 @@ impl LineError {
 pub(in crate::aoa) fn read(observation: &Observation, errors: &Errors, state: &State) -> Line {
     let variance = errors.variance(observation, 1.0, Some(state));
     let term = Term::new(observation, errors, variance);
-    let reading = term.read(state, errors.bias_deviation * state[2]);
+    let reading = term.read(state, errors.bias_sigma_rad * state[2]);
     let [x, y] = term.gradient(state);
     Line {
         error: LineError {
@@ -134,6 +178,6 @@ pub(in crate::aoa) fn read(observation: &Observation, errors: &Errors, state: &S
             variance,
             mirrored: reading.mirrored,
         },
-        gradient: [x, y, errors.bias_deviation],
+        gradient: [x, y, errors.bias_sigma_rad],
     }
 }

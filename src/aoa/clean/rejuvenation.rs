@@ -2,9 +2,8 @@
 
 use core::fmt::Debug;
 
-use super::Settings;
 use super::evidence::Evidence;
-use super::moves::{self, Proposal};
+use super::moves::{Proposal, sweep};
 use crate::filter::ParticleFilter;
 use crate::random::Rng;
 use crate::refine::{Memory, Refinement};
@@ -13,6 +12,7 @@ use crate::resample::Scheme;
 /// The moves of a locator that was not given a refinement: draws about the mode of the posterior and steps of a random
 /// walk, in turns, accepted by Metropolis and Hastings. They need no memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ModeMoves;
 
 /// What may move the particles of a locator: [`ModeMoves`], or any [`Refinement`] of a position.
@@ -20,17 +20,20 @@ pub trait Moves<const N: usize>: Rejuvenate<N> {}
 
 impl<const N: usize, M: Rejuvenate<N>> Moves<N> for M {}
 
-/// Nobody else's concern.
+/// Sealed implementation detail.
 pub trait Rejuvenate<const N: usize> {
     /// What it works in.
     type Memory: Debug + Clone;
+
+    /// An unused memory.
+    const EMPTY: Self::Memory;
 
     /// Resamples the particles and moves them by what the bearings say.
     fn rejuvenate<const B: usize, R: Rng + ?Sized>(
         &self,
         filter: &mut ParticleFilter<2, N>,
         evidence: &Evidence<B>,
-        settings: &Settings,
+        moves: u8,
         memory: &mut Self::Memory,
         rng: &mut R,
     );
@@ -39,11 +42,13 @@ pub trait Rejuvenate<const N: usize> {
 impl<const N: usize> Rejuvenate<N> for ModeMoves {
     type Memory = ();
 
+    const EMPTY: () = ();
+
     fn rejuvenate<const B: usize, R: Rng + ?Sized>(
         &self,
         filter: &mut ParticleFilter<2, N>,
         evidence: &Evidence<B>,
-        settings: &Settings,
+        moves: u8,
         (): &mut (),
         rng: &mut R,
     ) {
@@ -54,8 +59,7 @@ impl<const N: usize> Rejuvenate<N> for ModeMoves {
             .or_else(|| Proposal::new(mean, filter.covariance()));
         filter.resample(Scheme::Systematic, rng);
         if let Some(proposal) = proposal {
-            let moves = settings.moves;
-            moves::sweep(filter.columns_mut(), evidence, &proposal, moves, rng);
+            sweep(filter.columns_mut(), evidence, &proposal, moves, rng);
         }
     }
 }
@@ -67,16 +71,18 @@ const COMPANY: f32 = 8.0;
 impl<const N: usize, F: Refinement<2>> Rejuvenate<N> for F {
     type Memory = Memory<2, N>;
 
+    const EMPTY: Self::Memory = Memory::new();
+
     fn rejuvenate<const B: usize, R: Rng + ?Sized>(
         &self,
         filter: &mut ParticleFilter<2, N>,
         evidence: &Evidence<B>,
-        settings: &Settings,
+        moves: u8,
         memory: &mut Self::Memory,
         rng: &mut R,
     ) {
         if filter.effective_sample_size() < COMPANY {
-            ModeMoves.rejuvenate(filter, evidence, settings, &mut (), rng);
+            ModeMoves.rejuvenate(filter, evidence, moves, &mut (), rng);
         } else {
             filter.resample(Scheme::Systematic, rng);
         }

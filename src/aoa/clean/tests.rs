@@ -1,6 +1,7 @@
 extern crate std;
 use super::*;
-use crate::aoa::Bearing;
+use crate::aoa::testing::Clocked;
+use crate::aoa::{Bearing, PushError};
 use crate::problems::bearings::Track;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 use crate::refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths};
@@ -11,12 +12,12 @@ const SIGMA: f32 = 0.0195;
 
 fn observe(position: [f32; 2], error: f32) -> Observation {
     let angle = (SOURCE[1] - position[1]).atan2(SOURCE[0] - position[0]);
-    Observation::new(position, Bearing::from_radians(angle + error), SIGMA).unwrap()
+    Observation::new(0, position, Bearing::from_radians(angle + error), SIGMA).unwrap()
 }
 
 /// The line from (0, 0) to (1500, 0).
 fn drive<const N: usize, const B: usize>(
-    locator: &mut Locator<N, B>,
+    locator: &mut Clocked<Clean<N, B>>,
     points: usize,
     rng: &mut Xoshiro128PlusPlus,
 ) -> Answer {
@@ -33,7 +34,7 @@ fn drive<const N: usize, const B: usize>(
 #[test]
 fn the_answer_is_a_reason_until_the_bearings_cross() {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(51);
-    let mut locator = Locator::<100>::new(Settings::new());
+    let mut locator = Clocked::<Clean<100>>::new(Config::DEFAULT);
     let none = NotObservable::TooFewBearings { have: 0 };
     assert_eq!(locator.answer(), Answer::NotObservable(none));
     let one = NotObservable::TooFewBearings { have: 1 };
@@ -41,19 +42,23 @@ fn the_answer_is_a_reason_until_the_bearings_cross() {
         locator.push(observe([0.0, 0.0], 0.0), &mut rng),
         Answer::NotObservable(one)
     );
-    let parked = locator.push(observe([0.0, 0.0], 0.0), &mut rng);
+    let stationary = locator.push(observe([0.0, 0.0], 0.0), &mut rng);
     assert!(
         matches!(
-            parked,
+            stationary,
             Answer::NotObservable(NotObservable::CrossingAngle { .. })
         ),
-        "{parked:?}"
+        "{stationary:?}"
     );
     let crept = locator.push(observe([30.0, 0.0], 0.0), &mut rng);
-    let Answer::NotObservable(NotObservable::CrossingAngle { radians, needed }) = crept else {
+    let Answer::NotObservable(NotObservable::CrossingAngle {
+        have_rad,
+        needed_rad,
+    }) = crept
+    else {
         panic!("{crept:?}");
     };
-    assert!(radians < needed);
+    assert!(have_rad < needed_rad);
     locator.push(observe([600.0, 0.0], 0.0), &mut rng);
     let crossed = locator.push(observe([1200.0, 0.0], 0.0), &mut rng);
     assert!(matches!(crossed, Answer::Fix(_)), "{crossed:?}");
@@ -64,11 +69,11 @@ fn the_answer_is_a_reason_until_the_bearings_cross() {
 #[test]
 fn rays_that_part_do_not_meet() {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(52);
-    let mut locator = Locator::<100>::new(Settings::new());
+    let mut locator = Clocked::<Clean<100>>::new(Config::DEFAULT);
     for (east, degrees) in [(0.0, -30.0), (100.0, 30.0)] {
         let bearing = Bearing::from_compass_degrees(degrees);
         locator.push(
-            Observation::new([east, 0.0], bearing, SIGMA).unwrap(),
+            Observation::new(0, [east, 0.0], bearing, SIGMA).unwrap(),
             &mut rng,
         );
     }
@@ -82,8 +87,8 @@ fn rays_that_part_do_not_meet() {
 fn a_small_buffer_forgets_nothing() {
     // 60 bearings through a buffer of 16, and through one that holds them all: the same posterior.
     for seed in 0..20 {
-        let mut whole = Locator::<400>::new(Settings::new());
-        let mut small = Locator::<400, 16>::new(Settings::new());
+        let mut whole = Clocked::<Clean<400>>::new(Config::DEFAULT);
+        let mut small = Clocked::<Clean<400, 16>>::new(Config::DEFAULT);
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
         let Answer::Fix(whole) = drive(&mut whole, 60, &mut rng) else {
             panic!()
@@ -95,7 +100,7 @@ fn a_small_buffer_forgets_nothing() {
         assert_eq!((whole.bearings, small.bearings), (60, 60));
         for axis in 0..2 {
             let sigma = whole.covariance[axis][axis].sqrt();
-            // The two clouds have their own noise of about a twelfth of a deviation.
+            // The two clouds have their own noise of about a twelfth of a sigma.
             let off = (whole.position[axis] - small.position[axis]).abs() / sigma;
             assert!(off < 0.4, "seed {seed}: {off}");
             let ratio = small.covariance[axis][axis].sqrt() / sigma;
@@ -105,9 +110,9 @@ fn a_small_buffer_forgets_nothing() {
 }
 
 #[test]
-fn a_thousand_readings_of_a_parked_vehicle_fit_into_the_buffer() {
+fn a_thousand_readings_of_a_stationary_vehicle_fit_into_the_buffer() {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(53);
-    let mut locator = Locator::<100, 8>::new(Settings::new());
+    let mut locator = Clocked::<Clean<100, 8>>::new(Config::DEFAULT);
     for _ in 0..1000 {
         let error = SIGMA * normal(&mut rng);
         locator.push(observe([0.0, 0.0], error), &mut rng);
@@ -121,21 +126,71 @@ fn a_thousand_readings_of_a_parked_vehicle_fit_into_the_buffer() {
 }
 
 #[test]
-fn settings_are_checked() {
-    assert_eq!(
-        Settings::new().relative_range_error(0.0),
-        Err(SettingsError::RelativeRangeError)
-    );
-    assert_eq!(
-        Settings::new().relative_range_error(f32::NAN),
-        Err(SettingsError::RelativeRangeError)
-    );
-    assert_eq!(
-        Settings::new().resample_share(1.5),
-        Err(SettingsError::ResampleShare)
-    );
-    assert_eq!(Settings::new().moves(0), Err(SettingsError::Moves));
-    assert!(Settings::new().moves(3).is_ok());
+fn a_configuration_is_checked() {
+    let wrong = [
+        Config {
+            relative_range_sigma: 0.0,
+            ..Config::DEFAULT
+        },
+        Config {
+            relative_range_sigma: f32::NAN,
+            ..Config::DEFAULT
+        },
+        Config {
+            resample_below: 1.5,
+            ..Config::DEFAULT
+        },
+        Config {
+            moves: 0,
+            ..Config::DEFAULT
+        },
+    ];
+    let fields = wrong.map(|config| config.check().unwrap_err().field());
+    let [first, second, third, fourth] = fields;
+    assert_eq!([first, second], ["relative_range_sigma"; 2]);
+    assert_eq!([third, fourth], ["resample_below", "moves"]);
+    assert!(Config::DEFAULT.check().is_ok());
+}
+
+/// Moves after every bearing.
+fn always<M>(refinement: M) -> Config<M> {
+    Config {
+        resample_below: 1.0,
+        ..Config::with_refinement(refinement)
+    }
+}
+
+#[test]
+fn late_bearings_and_duplicates_have_stated_outcomes() {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(54);
+    let mut locator = crate::aoa::Locator::<Clean<100, 8>>::new(Config::DEFAULT).unwrap();
+    let mut push = |time_ms, east, station| {
+        let taken = crate::aoa::testing::at(time_ms, &observe([east, 0.0], 0.0));
+        locator
+            .push(&taken.from_station(station), &mut rng)
+            .map(|_| ())
+    };
+    assert_eq!(push(5_000, 0.0, 0), Ok(()));
+    assert_eq!(push(9_000, 400.0, 0), Ok(()));
+    assert_eq!(push(9_000, 500.0, 0), Err(PushError::Duplicate));
+    assert_eq!(push(5_000, 500.0, 0), Err(PushError::Duplicate));
+    assert_eq!(push(4_999, 500.0, 0), Err(PushError::TooOld));
+    assert_eq!(push(7_000, 200.0, 0), Ok(()));
+    assert_eq!(push(9_000, 500.0, 1), Ok(()));
+    assert_eq!(locator.fix().unwrap().bearings, 4);
+    let empty = locator.push_alternatives(&[], &mut rng);
+    assert_eq!(empty, Err(PushError::Empty));
+}
+
+#[test]
+fn an_empty_state_is_all_zero() {
+    // Until the filter of equal weights is, its weights are not.
+    assert!(crate::aoa::testing::is_zero::<Evidence<8>>(|place| {
+        place.write(Evidence::EMPTY);
+    }));
+    assert!(crate::aoa::testing::is_zero::<Answer>(|place| {
+        place.write(Answer::NOTHING);
+    }));
 }
 
 /// Refinements of as many moves as the portable tests and the firmwares have.
@@ -157,11 +212,11 @@ fn evolution(acceptance: Acceptance) -> DifferentialEvolution {
 
 /// How the fixes of many drives compare with those of many particles, which stand for the posterior.
 struct Comparison {
-    /// Root mean square of the distance of the positions, in posterior deviations.
+    /// Root mean square of the distance of the positions, in posterior sigmas.
     apart: f32,
     /// Geometric mean of the ratio of the areas of the ellipses.
     area: f32,
-    /// Share of the 95 % ellipses that hold the source.
+    /// Fraction of the 95 % ellipses that hold the source.
     coverage: f32,
 }
 
@@ -182,7 +237,9 @@ impl std::fmt::Display for Comparison {
 const DRIVES: u64 = 200;
 
 /// The last fix of each drive along track A2.
-fn fixes<const N: usize, M: Moves<N>>(new: impl Fn() -> Locator<N, 64, M>) -> Vec<Fix> {
+fn fixes<const N: usize, M: Moves<N> + Copy + PartialEq + Debug>(
+    new: impl Fn() -> Clocked<Clean<N, 64, M>>,
+) -> Vec<Fix> {
     let fix = |run| {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1000 + run);
         let mut locator = new();
@@ -223,20 +280,20 @@ fn compare(fixes: &[Fix], posterior: &[Fix]) -> Comparison {
 #[test]
 fn refinements_that_keep_the_posterior_are_as_good_as_own_moves() {
     const METROPOLIS: Acceptance = Acceptance::Metropolis;
-    let posterior = fixes(|| Locator::<2000>::new(Settings::new()));
+    let posterior = fixes(|| Clocked::<Clean<2000>>::new(Config::DEFAULT));
     let all = [
-        ("own", fixes(|| Locator::<100>::new(Settings::new()))),
+        ("own", fixes(|| Clocked::<Clean<100>>::new(Config::DEFAULT))),
         ("fish", {
             let school = school(Lengths::Relative, 3.0, METROPOLIS);
-            fixes(|| Locator::<100, 64, _>::with_refinement(Settings::new(), school))
+            fixes(|| Clocked::<Clean<100, 64, _>>::new(Config::with_refinement(school)))
         }),
         ("fireflies", {
             let swarm = fireflies(Lengths::Relative, 0.1, 4.0, METROPOLIS);
-            fixes(|| Locator::<100, 64, _>::with_refinement(Settings::new(), swarm))
+            fixes(|| Clocked::<Clean<100, 64, _>>::new(Config::with_refinement(swarm)))
         }),
         ("evolution", {
             let evolution = evolution(METROPOLIS);
-            fixes(|| Locator::<100, 64, _>::with_refinement(Settings::new(), evolution))
+            fixes(|| Clocked::<Clean<100, 64, _>>::new(Config::with_refinement(evolution)))
         }),
     ];
     for (name, fixes) in &all {
@@ -247,7 +304,7 @@ fn refinements_that_keep_the_posterior_are_as_good_as_own_moves() {
             (0.9..1.1).contains(&comparison.area),
             "{name}: {comparison}"
         );
-        // Three deviations of a share of 200.
+        // Three sigmas of a fraction of 200.
         assert!(
             (0.9..=1.0).contains(&comparison.coverage),
             "{name}: {comparison}"
@@ -258,21 +315,20 @@ fn refinements_that_keep_the_posterior_are_as_good_as_own_moves() {
 #[test]
 fn greedy_refinements_find_the_source_but_not_their_error() {
     const GREEDY: Acceptance = Acceptance::Greedy;
-    let posterior = fixes(|| Locator::<2000>::new(Settings::new()));
-    let always = Settings::new().resample_share(1.0).unwrap();
+    let posterior = fixes(|| Clocked::<Clean<2000>>::new(Config::DEFAULT));
     // Steps of 10 m, a little more than the errors.
     let all = [
         ("fish", {
             let school = school(Lengths::Absolute, 10.0, GREEDY);
-            fixes(|| Locator::<100, 64, _>::with_refinement(always, school))
+            fixes(|| Clocked::<Clean<100, 64, _>>::new(always(school)))
         }),
         ("fireflies", {
             let swarm = fireflies(Lengths::Absolute, 0.01, 10.0, GREEDY);
-            fixes(|| Locator::<100, 64, _>::with_refinement(always, swarm))
+            fixes(|| Clocked::<Clean<100, 64, _>>::new(always(swarm)))
         }),
         ("evolution", {
             let evolution = evolution(GREEDY);
-            fixes(|| Locator::<100, 64, _>::with_refinement(always, evolution))
+            fixes(|| Clocked::<Clean<100, 64, _>>::new(always(evolution)))
         }),
     ];
     for (name, fixes) in &all {
@@ -286,7 +342,7 @@ fn greedy_refinements_find_the_source_but_not_their_error() {
     }
     // In lengths of a cloud that shrinks, a school does not get anywhere.
     let stuck = school(Lengths::Relative, 0.3, GREEDY);
-    let stuck = fixes(|| Locator::<100, 64, _>::with_refinement(always, stuck));
+    let stuck = fixes(|| Clocked::<Clean<100, 64, _>>::new(always(stuck)));
     let comparison = compare(&stuck, &posterior);
     std::println!("fish, relative: {comparison}");
     assert!(comparison.apart > 2.0 && comparison.coverage < 0.5);
@@ -296,7 +352,7 @@ fn greedy_refinements_find_the_source_but_not_their_error() {
 fn a_refinement_is_not_left_with_copies() {
     let evolution = evolution(Acceptance::Metropolis);
     for seed in 0..50 {
-        let mut locator = Locator::<50, 64, _>::with_refinement(Settings::new(), evolution);
+        let mut locator = Clocked::<Clean<50, 64, _>>::new(Config::with_refinement(evolution));
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
         // All intersections of two bearings are one point.
         locator.push(observe([0.0, 0.0], 0.0), &mut rng);
@@ -306,9 +362,9 @@ fn a_refinement_is_not_left_with_copies() {
         };
         assert!(wide.covariance[0][0] > 100.0 && wide.covariance[1][1] > 100.0);
 
-        // One so good that it leaves a particle or two: a deviation is 1.1 m at the source, to the north-west.
+        // One so good that it leaves a particle or two: a sigma is 1.1 m at the source, to the north-west.
         let sharp = Bearing::from_radians(2.356_194_5);
-        let sharp = Observation::new([2000.0, 0.0], sharp, Observation::MIN_DEVIATION_RAD).unwrap();
+        let sharp = Observation::new(0, [2000.0, 0.0], sharp, Observation::MIN_SIGMA_RAD).unwrap();
         let third = locator.push(sharp, &mut rng);
         let Answer::Fix(narrow) = third else {
             panic!("{third:?}")

@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use crate::aoa::gauss_newton::{Errors, Linearised, SolveError, linearise, solve};
-use crate::aoa::{Bearing, BearingLikelihood, Observation};
+use crate::aoa::{Bearing, BearingLikelihood, Observation, PushError};
 use crate::math::{atan2, sin_cos, sqrt, wrap};
 use crate::model::Likelihood;
 use crate::snapshot::{Error, Persist, Reader, Value, Writer, list, shape};
@@ -24,14 +24,12 @@ pub struct Evidence<const B: usize> {
 }
 
 impl<const B: usize> Evidence<B> {
-    pub(super) const fn new() -> Self {
-        Self {
-            observations: Vec::new(),
-            likelihoods: Vec::new(),
-            latest: None,
-            count: 0,
-        }
-    }
+    pub(super) const EMPTY: Self = Self {
+        observations: Vec::new(),
+        likelihoods: Vec::new(),
+        latest: None,
+        count: 0,
+    };
 
     pub(super) fn clear(&mut self) {
         self.observations.clear();
@@ -60,9 +58,36 @@ impl<const B: usize> Evidence<B> {
         sqrt(square_of_distance(point, latest))
     }
 
+    /// Whether a bearing can be taken.
+    pub(super) fn admit(&self, observation: &Observation) -> Result<(), PushError> {
+        let Some(latest) = &self.latest else {
+            return Ok(());
+        };
+        let same = |kept: &Observation| {
+            (kept.time_ms(), kept.station()) == (observation.time_ms(), observation.station())
+        };
+        if same(latest) || self.observations.iter().any(same) {
+            return Err(PushError::Duplicate);
+        }
+        let late = latest.since_ms(observation.time_ms());
+        let age = |kept: &Observation| latest.since_ms(kept.time_ms()) as u32;
+        if late > 0
+            && !self
+                .observations
+                .iter()
+                .any(|kept| age(kept) >= late as u32)
+        {
+            return Err(PushError::TooOld);
+        }
+        Ok(())
+    }
+
     /// Takes a bearing. `source` is where the source is thought to be, if anywhere.
-    pub(super) fn push(&mut self, observation: Observation, source: Option<[f32; 2]>) {
-        self.latest = Some(observation);
+    pub(super) fn push(&mut self, observation: &Observation, source: Option<[f32; 2]>) {
+        let observation = *observation;
+        if (self.latest).is_none_or(|latest| observation.since_ms(latest.time_ms()) >= 0) {
+            self.latest = Some(observation);
+        }
         self.count = self.count.saturating_add(1);
         if self.observations.push(observation).is_ok() {
             let _ = self.likelihoods.push(BearingLikelihood::new(&observation));
@@ -123,7 +148,7 @@ impl<const B: usize> Evidence<B> {
         sums
     }
 
-    /// What the bearings say to a source at `point`: the sum of the squares of their errors in deviations.
+    /// What the bearings say to a source at `point`: the sum of the squares of their errors in sigmas.
     #[inline(never)]
     pub(super) fn misfit(&self, point: [f32; 2]) -> f32 {
         let square = |o| {
@@ -182,8 +207,8 @@ fn square_of_distance(a: [f32; 2], b: [f32; 2]) -> f32 {
 /// The error that it has at the source is the average of theirs; far sources see the two under equal angles.
 fn average(a: &Observation, b: &Observation, source: Option<[f32; 2]>) -> Observation {
     let (ia, ib) = (a.information(), b.information());
-    let share = ib / (ia + ib);
-    let mix = |a: f32, b: f32| a + share * (b - a);
+    let part = ib / (ia + ib);
+    let mix = |a: f32, b: f32| a + part * (b - a);
     let position = [
         mix(a.position()[0], b.position()[0]),
         mix(a.position()[1], b.position()[1]),
@@ -195,14 +220,21 @@ fn average(a: &Observation, b: &Observation, source: Option<[f32; 2]>) -> Observ
         }
         None => {
             let turn = Bearing::from_radians(b.bearing().radians() - a.bearing().radians());
-            a.bearing().radians() + share * turn.radians()
+            a.bearing().radians() + part * turn.radians()
         }
     };
-    let deviation = 1.0 / sqrt(ia + ib);
-    let least = Observation::MIN_DEVIATION_RAD;
-    let deviation = if deviation > least { deviation } else { least };
+    let sigma = 1.0 / sqrt(ia + ib);
+    let least = Observation::MIN_SIGMA_RAD;
+    let sigma = if sigma > least { sigma } else { least };
+    let latest = if b.since_ms(a.time_ms()) > 0 { b } else { a };
     // What lies between two observations is one.
-    Observation::new(position, Bearing::from_radians(radians), deviation).unwrap_or(*b)
+    Observation::new(
+        latest.time_ms(),
+        position,
+        Bearing::from_radians(radians),
+        sigma,
+    )
+    .map_or(*b, |one| one.from_station(a.station()))
 }
 
 /// In a snapshot, what is behind the observations.

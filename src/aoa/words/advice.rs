@@ -2,9 +2,9 @@
 
 use heapless::Vec;
 
-use super::Bearing;
+use super::answer::Hypothesis;
+use super::bearing::Bearing;
 use super::observation::Observation;
-use super::robust::Hypothesis;
 use crate::estimate::Ellipse;
 use crate::math::{ln, sin_cos, sqrt};
 
@@ -29,11 +29,11 @@ pub const DIRECTIONS: u8 = 16;
 /// No advice is for a longer way than this, in metres.
 pub const FARTHEST_M: f32 = 25_600.0;
 
-/// The way after which directions are compared, as a share of the distance to the source.
+/// Distance at which directions are compared, as a fraction of the distance to the source.
 const REACH: f32 = 0.15;
 
-/// What is better by less, in nats, is not: left and right of a ray are alike, and whoever is told to turn back at every
-/// bearing gets nowhere.
+/// Minimum gain, in nats, to prefer another direction: left and right of a ray are equally good, and a driver who is told
+/// to turn back at every bearing gets nowhere.
 const TIE: f32 = 0.05;
 
 /// The most places of a [`Belief`].
@@ -45,7 +45,7 @@ const PLACES: usize = 32;
 /// where these places are seen in directions as different as can be. That weighs hypotheses against each other just as
 /// ranges along a ray.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Belief {
+pub(in crate::aoa) struct Belief {
     places: Vec<Place, PLACES>,
 }
 
@@ -57,7 +57,7 @@ struct Place {
 
 impl Belief {
     /// Of particles: so many of them, at equal distances in the columns.
-    pub(super) fn of_particles([east, north]: [&[f32]; 2], weights: &[f32]) -> Self {
+    pub(in crate::aoa) fn of_particles([east, north]: [&[f32]; 2], weights: &[f32]) -> Self {
         let mut belief = Self::default();
         let step = weights.len().div_ceil(PLACES).max(1);
         for ((x, y), weight) in east.iter().zip(north).zip(weights).step_by(step) {
@@ -68,11 +68,11 @@ impl Belief {
 
     /// Of hypotheses, as seen from a place: five places along the longer axis of each; of one that is so long that it
     /// says no more than a direction, along the ray to it.
-    pub(super) fn of_hypotheses(
+    pub(in crate::aoa) fn of_hypotheses(
         hypotheses: impl Iterator<Item = Hypothesis>,
         from: [f32; 2],
     ) -> Self {
-        /// In deviations, and the weights of a normal distribution.
+        /// Places in standard deviations, and their weights in a normal distribution.
         const SHAPE: [(f32, f32); 5] = [
             (-1.5, 0.123),
             (-0.75, 0.237),
@@ -91,17 +91,17 @@ impl Belief {
                 for (z, weight) in SHAPE {
                     let along = z * ellipse.semi_major;
                     let place = offset(hypothesis.position, [cos, sin], along);
-                    belief.add(place, hypothesis.mass * weight);
+                    belief.add(place, hypothesis.probability * weight);
                 }
             } else {
-                belief.add_ray(from, towards, 4.0 * distance, hypothesis.mass);
+                belief.add_ray(from, towards, 4.0 * distance, hypothesis.probability);
             }
         }
         belief
     }
 
     /// Of a single bearing: somewhere along its ray, up to half of the range.
-    pub(super) fn of_ray(observation: &Observation, range_m: f32) -> Self {
+    pub(in crate::aoa) fn of_ray(observation: &Observation, range_m: f32) -> Self {
         let mut belief = Self::default();
         let (sin, cos) = sin_cos(observation.bearing().radians());
         belief.add_ray(observation.position(), [cos, sin], 0.5 * range_m, 1.0);
@@ -124,15 +124,15 @@ impl Belief {
     /// What is best for a vehicle that is where the `latest` bearing was taken and whose bearings still have to turn by
     /// the angle `missing`, in radians. `None` of no belief.
     #[inline(never)]
-    pub(super) fn advice(&self, latest: &Observation, missing: f32) -> Option<Advice> {
-        let (from, deviation) = (latest.position(), latest.deviation());
+    pub(in crate::aoa) fn advice(&self, latest: &Observation, missing: f32) -> Option<Advice> {
+        let (from, sigma) = (latest.position(), latest.sigma_rad());
         let reach = REACH * self.distance(from)?;
         let mut best: Option<([f32; 2], Advice)> = None;
         for k in 0..DIRECTIONS {
             let radians = core::f32::consts::TAU / f32::from(DIRECTIONS) * f32::from(k);
             let (sin, cos) = sin_cos(radians);
             let spread = self.spread(offset(from, [cos, sin], reach));
-            let information = 0.5 * ln(1.0 + spread / (deviation * deviation));
+            let information = 0.5 * ln(1.0 + spread / (sigma * sigma));
             if best.is_none_or(|(_, best)| information > best.information + TIE) {
                 let advice = Advice {
                     direction: Bearing::from_radians(radians),
@@ -221,8 +221,8 @@ fn sight(from: [f32; 2], to: [f32; 2]) -> ([f32; 2], f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aoa::locator::{self, Answer, Locator};
-    use crate::aoa::robust::{self, RobustLocator};
+    use crate::aoa::testing::Clocked;
+    use crate::aoa::{Answer, Clean, Robust, clean, robust};
     use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 
     const SOURCE: [f32; 2] = [1_000.0, 2_000.0];
@@ -230,7 +230,7 @@ mod tests {
     /// Takes a bearing from a place.
     fn look(from: [f32; 2], rng: &mut Xoshiro128PlusPlus) -> Observation {
         let angle = (SOURCE[1] - from[1]).atan2(SOURCE[0] - from[0]) + 0.03 * normal(rng);
-        Observation::new(from, Bearing::from_radians(angle), 0.03).unwrap()
+        Observation::new(0, from, Bearing::from_radians(angle), 0.03).unwrap()
     }
 
     /// Whether there is a fix within 40 bearings, 30 m from one to the next. `steer` chooses the direction of travel from
@@ -255,20 +255,20 @@ mod tests {
     fn who_drives_as_advised_gets_a_fix() {
         let (mut plain, mut robust, mut astray) = (0, 0, 0);
         for seed in 0..40 {
-            let mut locator = Locator::<100>::new(locator::Settings::new());
+            let mut locator = Clocked::<Clean<100>>::new(clean::Config::DEFAULT);
             plain += u32::from(arrives(
                 seed,
                 |o, rng| (locator.push(o, rng), locator.advice()),
                 |radians| radians,
             ));
-            let mut locator = RobustLocator::<128, 32>::new(robust::Settings::default());
+            let mut locator = Clocked::<Robust<128, 32>>::new(robust::Config::DEFAULT);
             robust += u32::from(arrives(
                 seed,
                 |o, rng| (locator.push(o, rng), locator.advice()),
                 |radians| radians,
             ));
             // Towards where the bearings point instead.
-            let mut locator = RobustLocator::<128, 32>::new(robust::Settings::default());
+            let mut locator = Clocked::<Robust<128, 32>>::new(robust::Config::DEFAULT);
             astray += u32::from(arrives(
                 seed,
                 |o, rng| (locator.push(o, rng), locator.advice()),
@@ -282,7 +282,7 @@ mod tests {
     }
 
     fn degrees(belief: &Belief, from: [f32; 2], missing: f32) -> (f32, Advice) {
-        let latest = Observation::new(from, Bearing::from_radians(0.0), 0.02).unwrap();
+        let latest = Observation::new(0, from, Bearing::from_radians(0.0), 0.02).unwrap();
         let advice = belief.advice(&latest, missing).unwrap();
         (advice.direction.compass_degrees(), advice)
     }
@@ -290,7 +290,7 @@ mod tests {
     #[test]
     fn a_ray_is_crossed_by_driving_across_it() {
         let observation =
-            Observation::new([100.0, 50.0], Bearing::from_compass_degrees(30.0), 0.02).unwrap();
+            Observation::new(0, [100.0, 50.0], Bearing::from_compass_degrees(30.0), 0.02).unwrap();
         let belief = Belief::of_ray(&observation, 20_000.0);
         let (direction, advice) = degrees(&belief, [100.0, 50.0], 0.1);
         let across = (direction - 30.0).rem_euclid(180.0) - 90.0;
@@ -309,7 +309,7 @@ mod tests {
         let hypothesis = Hypothesis {
             position: [0.0, 1_000.0],
             covariance: [[25.0, 0.0], [0.0, 90_000.0]],
-            mass: 1.0,
+            probability: 1.0,
         };
         let belief = Belief::of_hypotheses([hypothesis].into_iter(), [0.0; 2]);
         let (direction, _) = degrees(&belief, [0.0, 0.0], 0.0);
@@ -345,7 +345,7 @@ mod tests {
 
     #[test]
     fn there_is_none_without_a_belief() {
-        let latest = Observation::new([0.0; 2], Bearing::from_radians(0.0), 0.02).unwrap();
+        let latest = Observation::new(0, [0.0; 2], Bearing::from_radians(0.0), 0.02).unwrap();
         assert_eq!(Belief::default().advice(&latest, 0.1), None);
         let nowhere = Belief::of_particles([&[f32::NAN], &[0.0]], &[1.0]);
         assert_eq!(nowhere.advice(&latest, 0.1), None);

@@ -176,11 +176,14 @@ mod tests {
 
     /// Two bearings that cross at 15 degrees with errors of 3: the posterior is far from normal.
     fn skewed() -> Evidence<4> {
-        let mut evidence = Evidence::new();
-        for (east, degrees) in [(-130.0f32, 7.5f32), (130.0, -7.5)] {
+        let mut evidence = Evidence::EMPTY;
+        for (time_ms, east, degrees) in [(0, -130.0f32, 7.5f32), (1, 130.0, -7.5)] {
             let bearing = Bearing::from_compass_degrees(degrees);
-            let observation = Observation::new([east, 0.0], bearing, 3f32.to_radians()).unwrap();
-            evidence.push(observation, None);
+            let sigma = 3f32.to_radians();
+            evidence.push(
+                &Observation::new(time_ms, [east, 0.0], bearing, sigma).unwrap(),
+                None,
+            );
         }
         evidence
     }

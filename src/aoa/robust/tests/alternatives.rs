@@ -9,8 +9,8 @@ fn apart(a: f32, b: f32) -> f32 {
     (a - b + 540.0).rem_euclid(360.0) - 180.0
 }
 
-fn part(observation: Observation, share: f32) -> Alternative {
-    Alternative::new(observation, share).unwrap()
+fn part(observation: Observation, probability: f32) -> Alternative {
+    Alternative::new(observation, probability).unwrap()
 }
 
 /// The spectrum of an array with two lobes at degrees `lobes`, of which the second is so many decibels higher.
@@ -32,8 +32,7 @@ fn spectrum(lobes: [f32; 2], second: f32) -> Spectrum {
 fn located(seed: u64, all: bool) -> Option<(f32, bool)> {
     let (mut rng, mut own) = (generator(seed ^ 0x5bec), generator(seed));
     let temper = Temper::new(0.3).unwrap();
-    let settings = Settings::new(independent());
-    let mut locator = RobustLocator::<256, 64>::new(settings);
+    let mut locator = Clocked::<Robust<256, 64>>::new(with(independent()));
     let mut building = SOURCE;
     for i in 0..40 {
         let place = [60.0 * i as f32, 0.0];
@@ -46,17 +45,17 @@ fn located(seed: u64, all: bool) -> Option<(f32, bool)> {
             let error = 4.0 * normal(&mut rng);
             (from[1] - place[1]).atan2(from[0] - place[0]).to_degrees() + error
         });
-        // Normal about -0.76 dB with a deviation of 3 dB: the reflection is the higher one of 40 %.
+        // Normal about -0.76 dB with a sigma of 3 dB: the reflection is the higher one of 40 %.
         let second = -0.76 + 3.0 * normal(&mut rng);
         let peaks = spectrum(seen, second).peaks(temper);
         let taken = if all { 3 } else { 1 };
         let alternatives = peaks.iter().take(taken).rev().flatten().map(|peak| {
             let bearing = Bearing::from_radians(peak.angle);
-            let observation = Observation::new(place, bearing, peak.deviation).unwrap();
+            let observation = Observation::new(0, place, bearing, peak.deviation).unwrap();
             part(observation, if all { peak.share } else { 1.0 })
         });
         let alternatives: Vec<Alternative> = alternatives.collect();
-        locator.push_alternatives(&alternatives, 0.0, &mut own);
+        locator.push_reading(&alternatives, &mut own);
     }
     match locator.answer() {
         Answer::Fix(fix) => Some((off(&fix), fix.ellipse(0.95).contains(SOURCE))),
@@ -64,7 +63,7 @@ fn located(seed: u64, all: bool) -> Option<(f32, bool)> {
     }
 }
 
-/// Share of the runs with a fix and, of those, median and largest error in metres and the share of the regions that hold
+/// Share of the runs with a fix and, of those, median and largest error in metres and the probability of the regions that hold
 /// the source.
 fn statistics(all: bool) -> [f32; 4] {
     const RUNS: u64 = 300;
@@ -85,17 +84,17 @@ fn statistics(all: bool) -> [f32; 4] {
 fn the_peaks_of_a_spectrum_are_worth_more_than_its_highest() {
     let [all, highest] = [true, false].map(statistics);
     std::println!("fixes, median, worst (m), coverage: all peaks {all:?}, the highest {highest:?}");
-    // 95 % of 300 has a deviation of 1.3 %: one false alarm in 500 seeds below 91 %.
+    // 95 % of 300 has a sigma of 1.3 %: one false alarm in 500 seeds below 91 %.
     assert!(all[0] > 0.99 && (0.91..=0.99).contains(&all[3]));
     assert!(all[1] < 0.9 * highest[1]);
 }
 
 #[test]
 fn a_share_is_taken_off_the_odds() {
-    let errors = Errors::new();
+    let errors = Errors::DEFAULT;
     let whole = towards([3.0, -2.0], SOURCE, 0.0, 0.05);
-    let odds = |share: f32, at: [f32; 2]| {
-        let term = term(&whole, &errors).with_share(share);
+    let odds = |probability: f32, at: [f32; 2]| {
+        let term = term(&whole, &errors).with_probability(probability);
         term.log_likelihood(&[at[0], at[1], 0.0], 0.0).exp() - 1.0
     };
     // Ahead and behind.
@@ -104,47 +103,58 @@ fn a_share_is_taken_off_the_odds() {
         assert!((ratio - 0.25).abs() < 1e-3, "{ratio}");
     }
     assert_eq!(odds(0.0, SOURCE), 0.0);
-    for share in [-0.1, 1.1, f32::NAN] {
-        assert!(Alternative::new(whole, share).is_err());
+    for probability in [-0.1, 1.1, f32::NAN] {
+        assert!(Alternative::new(whole, probability).is_err());
     }
 }
 
 #[test]
 fn one_reading_of_two_bearings_counts_as_one() {
     let mut rng = generator(20);
-    let mut locator = RobustLocator::<256, 64>::new(Settings::new(independent()));
+    let mut locator = Clocked::<Robust<256, 64>>::new(with(independent()));
     for i in 0..30 {
         let place = [80.0 * i as f32, 0.0];
         let right = towards(place, SOURCE, SIGMA * normal(&mut rng), SIGMA);
         let wrong = towards(place, SOURCE, 0.5 + 5.0 * uniform(&mut rng), SIGMA);
         let reading = [part(right, 0.4), part(wrong, 0.6)];
-        locator.push_alternatives(&reading, 0.0, &mut rng);
+        locator.push_reading(&reading, &mut rng);
     }
     let fix = fix(locator.answer());
     assert_eq!(fix.bearings, 30);
-    // None of the readings is wild: 30 and the 10 of the prior, of which 1.2 are.
-    let shares = locator.shares();
-    assert!(shares.wild < 0.06, "{shares:?}");
+    // None of the readings is outlier: 30 and the 10 of the prior, of which 1.2 are.
+    let rates = locator.rates().unwrap();
+    assert!(rates.outlier < 0.06, "{rates:?}");
     assert!(off(&fix) < 30.0);
 }
 
 #[test]
 fn what_becomes_one_has_the_mean_of_the_shares() {
-    let errors = Errors::new().correlation(0.9, 20.0, f32::INFINITY).unwrap();
-    let mut evidence = Evidence::<8>::new(20_000.0);
+    let errors = Errors {
+        correlation: Correlation {
+            at_rest: 0.9,
+            distance_m: 20.0,
+            time_s: f32::INFINITY,
+        },
+        ..Errors::DEFAULT
+    };
+    let mut evidence = Evidence::<8>::EMPTY;
     let one = towards([0.0, 0.0], SOURCE, 0.0, SIGMA);
     let other = towards([0.0, 0.0], [-400.0, 900.0], 0.0, SIGMA);
-    for share in [0.2, 0.4, 0.9] {
-        evidence.push(part(one, share), 0.0, None, &errors);
-        evidence.push(part(other, 1.0 - share), 0.0, None, &errors);
+    for probability in [0.2, 0.4, 0.9] {
+        evidence.push(&part(one, probability), None, &errors);
+        evidence.push(&part(other, 1.0 - probability), None, &errors);
     }
-    let shares: Vec<f32> = evidence.sights().iter().map(|sight| sight.share).collect();
-    assert_eq!(shares.len(), 2);
-    assert!((shares[0] - 0.5).abs() < 1e-6 && (shares[1] - 0.5).abs() < 1e-6);
+    let rates: Vec<f32> = evidence
+        .entries()
+        .iter()
+        .map(|entry| entry.probability)
+        .collect();
+    assert_eq!(rates.len(), 2);
+    assert!((rates[0] - 0.5).abs() < 1e-6 && (rates[1] - 0.5).abs() < 1e-6);
     assert_eq!(evidence.count(), 3);
     // One from a little further is worth less, not less likely.
     let further = towards([15.0, 0.0], SOURCE, 0.0, SIGMA);
-    evidence.push(part(further, 0.7), 0.0, None, &errors);
-    let last = evidence.sights().last().unwrap();
-    assert!(last.share == 0.7 && last.observation.deviation() > 1.1 * SIGMA);
+    evidence.push(&part(further, 0.7), None, &errors);
+    let last = evidence.entries().last().unwrap();
+    assert!(last.probability == 0.7 && last.observation.sigma_rad() > 1.1 * SIGMA);
 }
