@@ -7,6 +7,7 @@ use clap::Parser;
 
 mod board;
 mod book;
+mod constants;
 mod cost;
 mod demo;
 mod drive;
