@@ -11,8 +11,9 @@ use super::Manoeuvring;
 use crate::ConfigError;
 use crate::aoa::robust::{self, Candidate, Errors};
 use crate::aoa::track::{Stationary, Track, likeliest};
+use crate::aoa::words::Belief;
 use crate::aoa::{
-    Advice, Alternative, Answer, Belief, Bias, Fix, Hypothesis, Locate, Mixture, Motion,
+    Advice, Alternative, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Motion,
     NotObservable, Observation, PushError, Source,
 };
 use crate::estimate::largest_variance;

@@ -127,9 +127,9 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
         let seconds = elapsed_ms.max(0) as f32 / 1000.0;
         let kept = exp(-(1.0 / config.memory_bearings + seconds / config.memory_s));
         let place = self.associate(observation, config);
+        let outliers = kept * self.outliers;
         if let Some((slot, track)) = self.at(place) {
-            let recent = kept * slot.recent + 1.0;
-            track.set_outliers_removed(kept * self.outliers / recent);
+            track.set_outliers_removed(outliers / (kept * slot.recent + 1.0));
             track.push(observation, &config.track, rng)?;
         } else {
             self.candidates.push(observation, &beliefs, rng)?;
@@ -138,7 +138,7 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
             self.latest_ms = observation.time_ms();
         }
         self.recent = kept * self.recent + 1.0;
-        self.outliers *= kept;
+        self.outliers = outliers;
         for slot in &mut self.slots {
             slot.recent *= kept;
         }
