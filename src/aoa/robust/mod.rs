@@ -35,6 +35,7 @@ mod moves;
 pub(super) mod outside;
 mod search;
 mod term;
+mod track;
 
 use core::f32::consts::LN_2;
 
@@ -86,6 +87,17 @@ impl Config {
         relative_range_sigma: 0.25,
         resample_below: 0.5,
         moves: 2,
+    };
+
+    /// For a direction finder on a vehicle in a city: an array that may be turned by three degrees, on places of an ordinary
+    /// receiver.
+    pub const CITY: Self = Self {
+        errors: Errors {
+            bias_sigma_rad: 0.05,
+            position_sigma_m: 3.0,
+            ..Errors::DEFAULT
+        },
+        ..Self::DEFAULT
     };
 
     /// Checks the fields.

@@ -3,7 +3,7 @@
 use super::*;
 use crate::problems::bearings::Track;
 
-/// Shares of the sum of squares and of the runs that are covered.
+/// Sum of squares, and runs that are covered.
 struct Score {
     square: f64,
     covered: u32,
@@ -31,18 +31,19 @@ fn a_source_that_never_moves_is_located_as_well() {
         for seed in 0..RUNS {
             let mut rng = generator(u64::from(seed));
             let bearings: Vec<Observation> = track.simulate(&mut rng).collect();
-            let mut pursuit = Pursuit::<256, 64>::new(Settings::default());
-            let mut locator = RobustLocator::<256, 64>::new(robust::Settings::default());
+            let mut wrapped = subject();
+            let mut alone = Locator::<Robust<256, 64>>::new(robust::Config::DEFAULT).unwrap();
             let mut alarm = false;
-            for observation in &bearings {
+            for (i, observation) in (0..).zip(&bearings) {
                 // At 13 metres a second or more, one after the other.
-                pursuit.push_after(*observation, 2.0, &mut rng);
-                locator.push_after(*observation, 2.0, &mut rng);
-                alarm |= pursuit.motion().is_some_and(|motion| motion.moving > 0.5);
+                let observation = at(2000 * i, observation);
+                wrapped.push(&observation, &mut rng).unwrap();
+                alone.push(&observation, &mut rng).unwrap();
+                alarm |= wrapped.state().motion().is_some_and(|motion| motion.moving > 0.5);
             }
             alarms += u32::from(alarm);
-            score(pursuit.answer(), track.source(), &mut scores[0]);
-            score(locator.answer(), track.source(), &mut scores[1]);
+            score(wrapped.answer(), track.source(), &mut scores[0]);
+            score(alone.answer(), track.source(), &mut scores[1]);
         }
         let [with, without] = scores.map(|score| {
             let fixes = f64::from(score.fixes);

@@ -17,8 +17,8 @@ pub struct Chase {
     /// Circles round the source, or follows it, in zigzags.
     pub circles: bool,
     pub sigma: f32,
-    pub wild: f32,
-    /// Whether errors are correlated as the locator believes by default.
+    pub outliers: f32,
+    /// Whether errors are correlated as the default configuration says.
     pub correlated: bool,
 }
 
@@ -45,7 +45,7 @@ impl Chase {
             hunter_start: [range * angle.cos(), range * angle.sin()],
             circles: between(0.0, 1.0) < 0.5,
             sigma: between(0.035, 0.052),
-            wild: 0.1,
+            outliers: 0.1,
             correlated: false,
         }
     }
@@ -91,7 +91,7 @@ impl Chase {
             hunter[0] += self.hunter_speed * course.cos();
             hunter[1] += self.hunter_speed * course.sin();
             error = r * error + (1.0 - r * r).sqrt() * normal(&mut rng);
-            let off = if uniform(&mut rng) < self.wild {
+            let off = if uniform(&mut rng) < self.outliers {
                 TAU * uniform(&mut rng)
             } else {
                 self.sigma * error
@@ -99,7 +99,7 @@ impl Chase {
             out.push(Step {
                 time,
                 source,
-                observation: towards(hunter, source, off, self.sigma),
+                observation: towards(1000 * second, hunter, source, off, self.sigma),
             });
         }
         out

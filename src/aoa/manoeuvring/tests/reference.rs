@@ -2,23 +2,32 @@
 
 use super::chase::{Chase, Step};
 use super::*;
-use crate::aoa::robust::Errors;
+use crate::aoa::robust::outside::read;
+use crate::aoa::robust::{Correlation, Errors};
 
 const PARTICLES: usize = 20_000;
 
 /// Mean position at every bearing.
 pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
     let mut rng = generator(seed ^ 0x04ac1e);
-    let habits = Settings::default().habits;
-    let errors = Errors::new().shares(0.0, chase.wild.max(0.001)).unwrap();
+    let habits = Config::DEFAULT;
+    let errors = Errors {
+        rates: Mixture::new(0.0, chase.outliers.max(0.001)),
+        ..Errors::DEFAULT
+    };
     // What is known at the departure: by an exact posterior.
-    let mut parked = RobustLocator::<512, 256>::new(robust::Settings::new(
-        errors.correlation(0.0, 1.0, 1.0).unwrap(),
-    ));
+    let mut stationary = Locator::<Robust<512, 256>>::new(robust::Config {
+        errors: Errors {
+            correlation: Correlation::NONE,
+            ..errors
+        },
+        ..robust::Config::DEFAULT
+    })
+    .unwrap();
     let mut particles: Vec<[f32; 4]> = Vec::new();
     let mut weights = vec![1.0 / PARTICLES as f32; PARTICLES];
     let mut out = Vec::new();
-    let deviation = habits.speed * FRAC_1_SQRT_2;
+    let sigma = habits.speed_m_s * FRAC_1_SQRT_2;
     let turn = 1.0 - (-1.0 / habits.straight_s).exp();
     // A straight road keeps the velocity for twenty times as long as it lasts.
     let keep = (-1.0 / (20.0 * habits.straight_s)).exp();
@@ -27,7 +36,7 @@ pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
     } in bearings
     {
         if *time < chase.departure {
-            let answer = parked.push_after(*observation, 1.0, &mut rng);
+            let answer = stationary.push(observation, &mut rng).unwrap();
             out.push(match answer {
                 Answer::Fix(fix) => fix.position,
                 Answer::NotObservable(_) => [f32::NAN; 2],
@@ -35,17 +44,17 @@ pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
             continue;
         }
         if particles.is_empty() {
-            let columns = parked.columns();
+            let columns = stationary.state().columns();
             for i in 0..PARTICLES {
                 let [x, y, _] = crate::particles::read(&columns, i % 512);
-                let velocity = [deviation * normal(&mut rng), deviation * normal(&mut rng)];
+                let velocity = [sigma * normal(&mut rng), sigma * normal(&mut rng)];
                 particles.push([x, y, velocity[0], velocity[1]]);
             }
         }
         for particle in &mut particles {
             if *time < chase.stop {
                 let keep = if uniform(&mut rng) < turn { 0.0 } else { keep };
-                let kick = deviation * (1.0 - keep * keep).sqrt();
+                let kick = sigma * (1.0 - keep * keep).sqrt();
                 let [x, y, u, v] = *particle;
                 let (p, q) = (
                     keep * u + kick * normal(&mut rng),
@@ -57,9 +66,9 @@ pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
                 particle[1] += 0.1 * normal(&mut rng);
             }
         }
-        let odds = odds(observation, &errors, &[0.0; 3]);
         for (particle, weight) in particles.iter().zip(&mut weights) {
-            *weight *= 1.0 + odds(&[particle[0], particle[1], 0.0]);
+            let error = read(observation, &errors, &[particle[0], particle[1], 0.0]).error;
+            *weight *= 1.0 + error.odds(error.angle, error.variance, &errors);
         }
         let total: f32 = weights.iter().sum();
         weights.iter_mut().for_each(|weight| *weight /= total);
