@@ -184,9 +184,8 @@ fn late_bearings_and_duplicates_have_stated_outcomes() {
 
 #[test]
 fn an_empty_state_is_all_zero() {
-    // Until the filter of equal weights is, its weights are not.
-    assert!(crate::aoa::testing::is_zero::<Evidence<8>>(|place| {
-        place.write(Evidence::EMPTY);
+    assert!(crate::aoa::testing::is_zero::<Clean<8, 4>>(|place| {
+        place.write(Clean::EMPTY);
     }));
     assert!(crate::aoa::testing::is_zero::<Answer>(|place| {
         place.write(Answer::NOTHING);

@@ -1,12 +1,12 @@
 //! What a locator that is built round this one needs of it.
 
 use super::errors::{Errors, Tails};
-use super::evidence::tempered;
-use super::merge::{Entry, similar};
+use super::evidence::{Lines, tempered};
 use super::mode::weigh;
 use super::search::climb_again;
 use super::term::{State, Term};
 use super::{Candidate, Config, Robust, crossing};
+use crate::aoa::core::{Comparison, Entry};
 use crate::aoa::{Answer, Locate, Mixture, Observation};
 use crate::math::{exp, ln, sqrt};
 use crate::random::Rng;
@@ -19,12 +19,12 @@ impl<const N: usize, const B: usize> Robust<N, B> {
 
     /// The latest bearing by time.
     pub(in crate::aoa) fn latest(&self) -> Option<&Observation> {
-        self.evidence.latest()
+        self.evidence.bearings.latest()
     }
 
     /// Mean and covariance of the place and of the bias in its prior sigmas.
     pub(in crate::aoa) fn moments(&self) -> (State, [State; 3]) {
-        (self.filter.mean(), self.filter.covariance())
+        self.moments
     }
 
     /// Forgets all bearings, and starts again with these rates.
@@ -57,10 +57,12 @@ impl<const N: usize, const B: usize> Robust<N, B> {
     ) -> Answer {
         self.reset();
         self.evidence.adopt(candidate, &config.errors);
-        self.modes = climb_again(&self.evidence.density(config), candidate.modes);
+        let terms = self.evidence.terms(&config.errors);
+        self.modes = climb_again(&self.evidence.density(&terms, config), candidate.modes);
         weigh(&mut self.modes);
-        let fix = crossing(&self.evidence, &self.modes, config).and_then(|()| {
-            self.start(config, rng);
+        let crosses = crossing(&self.evidence, &terms, &self.modes, config);
+        let fix = crosses.and_then(|()| {
+            self.start(&terms, config, rng);
             self.credible_fix(1.0, config)
         });
         self.answer = match fix {
@@ -105,7 +107,7 @@ pub(in crate::aoa) fn odds(
     errors: &Errors,
     about: &State,
 ) -> impl Fn(&State) -> f32 {
-    let variance = errors.variance(observation, 1.0, Some(about));
+    let variance = errors.variance(observation, 1.0, Some([about[0], about[1]]));
     let term = Term::new(observation, errors, variance);
     let scale = errors.bias_sigma_rad;
     move |state| term.read(state, scale * state[2]).odds
@@ -119,11 +121,15 @@ pub(in crate::aoa) fn independent<'a>(
 ) -> Observation {
     let [x, y] = observation.position();
     let new = Entry::new(*observation, 1.0);
+    let lines = Lines {
+        source: None,
+        errors,
+    };
     let mut least = f32::INFINITY;
     for (old, seconds) in earlier {
         let (dx, dy) = (old.position()[0] - x, old.position()[1] - y);
         let lengths = errors.correlation.lengths(sqrt(dx * dx + dy * dy), seconds);
-        if lengths < least && similar(&Entry::new(*old, 1.0), &new, None, errors) {
+        if lengths < least && lines.is_similar(&Entry::new(*old, 1.0), &new) {
             least = lengths;
         }
     }
@@ -168,7 +174,7 @@ impl LineError {
 }
 
 pub(in crate::aoa) fn read(observation: &Observation, errors: &Errors, state: &State) -> Line {
-    let variance = errors.variance(observation, 1.0, Some(state));
+    let variance = errors.variance(observation, 1.0, Some([state[0], state[1]]));
     let term = Term::new(observation, errors, variance);
     let reading = term.read(state, errors.bias_sigma_rad * state[2]);
     let [x, y] = term.gradient(state);

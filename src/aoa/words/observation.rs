@@ -133,6 +133,12 @@ impl Observation {
     }
 }
 
+impl AsRef<Self> for Observation {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
 /// One of several bearings of one reading that exclude each other, like the peaks of a [spectrum](crate::aoa::spectrum).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
