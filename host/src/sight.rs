@@ -12,7 +12,7 @@ pub struct Sight {
     /// Direction of the source, in radians counter-clockwise from east.
     pub bearing: f64,
     /// Standard deviation of `bearing`, in radians.
-    pub deviation: f64,
+    pub sigma: f64,
 }
 
 impl Sight {
@@ -29,7 +29,7 @@ impl TryFrom<Sight> for Observation {
         Self::new(
             sight.position.map(|v| v as f32),
             Bearing::from_radians(sight.bearing as f32),
-            sight.deviation as f32,
+            sight.sigma as f32,
         )
     }
 }
@@ -39,7 +39,7 @@ impl From<&Observation> for Sight {
         Self {
             position: observation.position().map(f64::from),
             bearing: f64::from(observation.bearing().radians()),
-            deviation: f64::from(observation.deviation()),
+            sigma: f64::from(observation.deviation()),
         }
     }
 }

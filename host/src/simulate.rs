@@ -24,8 +24,8 @@ pub fn normal(rng: &mut impl Rng) -> f64 {
 pub fn bearings(track: &Track, rng: &mut impl Rng) -> Vec<Sight> {
     let sight = |&position: &[f64; 2]| Sight {
         position,
-        bearing: wrap(direction(position, track.source) + track.deviation * normal(rng)),
-        deviation: track.deviation,
+        bearing: wrap(direction(position, track.source) + track.sigma * normal(rng)),
+        sigma: track.sigma,
     };
     track.receivers.iter().map(sight).collect()
 }

@@ -140,7 +140,7 @@ fn linear_gaussian_model_agrees_with_the_kalman_filter() {
     let covariance = median(|run| run.covariance.sqrt());
     let evidence = median(|run| run.evidence.abs());
     println!(
-        "errors: mean {mean:.4} posterior deviations, covariance {covariance:.4}, log-evidence {evidence:.3}"
+        "errors: mean {mean:.4} posterior sigmas, covariance {covariance:.4}, log-evidence {evidence:.3}"
     );
     assert!(mean < 0.09);
     assert!(covariance < 0.09);
@@ -228,7 +228,7 @@ fn locator_is_nearly_exact_on_the_published_tracks() {
             let square = |[x, y]: [f64; 2]| x * x + y * y;
             let off = mahalanobis(between(position, posterior.mean), &posterior.covariance);
             // At most 0.45 in 4,000 other runs.
-            assert!(off < 1.0, "{}, run {run}: {off} deviations off", track.name);
+            assert!(off < 1.0, "{}, run {run}: {off} sigmas off", track.name);
             ours += square(between(position, track.source));
             floor += square(between(posterior.mean, track.source));
             apart += off * off;
@@ -260,7 +260,7 @@ fn measured_bearings_are_located_as_exactly() {
         let fix = replay.fix().unwrap();
         let offset = [0, 1].map(|d| f64::from(fix.position[d]) - posterior.mean[d]);
         let off = mahalanobis(offset, &posterior.covariance);
-        println!("{transmitter}: {off:.3} posterior deviations off");
+        println!("{transmitter}: {off:.3} posterior sigmas off");
         assert_eq!(fix.bearings, 50);
         // At most 0.25 for 200 seeds of the gateway.
         assert!(off < 0.3);

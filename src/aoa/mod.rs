@@ -12,15 +12,21 @@ pub mod correction;
 pub mod gauss_newton;
 pub mod geodesy;
 mod likelihood;
+pub mod manoeuvring;
+pub mod multi;
+pub mod presets;
 pub mod robust;
 pub mod spectrum;
 #[cfg(test)]
 pub(crate) mod testing;
+pub mod track;
 pub mod triangulation;
 mod words;
 
 pub use clean::Clean;
 pub use likelihood::BearingLikelihood;
+pub use manoeuvring::Manoeuvring;
+pub use multi::MultiTarget;
 pub use robust::Robust;
 
 pub use words::{

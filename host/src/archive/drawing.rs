@@ -24,7 +24,7 @@ impl Archive {
             caption: self.caption(),
             sights: of_kind(&[None, Some(Kind::Direct)]),
             mirrored: of_kind(&[Some(Kind::Mirrored)]),
-            rejected: of_kind(&[Some(Kind::Wild)]),
+            rejected: of_kind(&[Some(Kind::Outlier)]),
             past: of_kind(&[Some(Kind::Past)]),
             track: self.way_on(&last.plane),
             moves: self.moves().into_values().collect(),
@@ -55,7 +55,7 @@ impl Archive {
             clock(last.time_ms)
         );
         for (kind, name) in [
-            (Kind::Wild, "rejected"),
+            (Kind::Outlier, "rejected"),
             (Kind::Mirrored, "mirrored"),
             (Kind::Past, "of the past"),
         ] {

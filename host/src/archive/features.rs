@@ -83,7 +83,7 @@ impl Archive {
                 continue;
             };
             let colour = match taken.kind() {
-                Some(Kind::Wild) => "#788288",
+                Some(Kind::Outlier) => "#788288",
                 Some(Kind::Mirrored) => "#1e88e5",
                 Some(Kind::Past) => "#bc9e8a",
                 Some(Kind::Direct) | None => "#f08c28",

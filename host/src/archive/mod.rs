@@ -106,7 +106,7 @@ pub enum Kind {
     /// It points away from it.
     Mirrored,
     /// It says nothing of it.
-    Wild,
+    Outlier,
     /// It fitted where a source was when it was taken, which has moved on since or is not known any more.
     Past,
 }
@@ -122,7 +122,7 @@ impl Taken {
         Some(if self.past {
             Kind::Past
         } else if wild > direct.max(mirror) {
-            Kind::Wild
+            Kind::Outlier
         } else if mirror > direct {
             Kind::Mirrored
         } else {

@@ -17,7 +17,7 @@ use crate::{
 
 /// The most hypotheses that are asked for.
 const HYPOTHESES: usize = 16;
-/// A hypothesis of less than this share is not worth a line.
+/// A hypothesis of less than this probability is not worth a line.
 const SMALLEST: f32 = 1e-3;
 
 /// Reads a log, and notes what every bearing led to.
@@ -128,7 +128,7 @@ impl<L: Locate> Recorder<L> {
                 let found = last.sources.iter().find(same);
                 found.is_none_or(|found| found.motion.is_some())
             };
-            let is_past = now.kind() == Some(Kind::Wild)
+            let is_past = now.kind() == Some(Kind::Outlier)
                 && matches!(then.kind(), Some(Kind::Direct | Kind::Mirrored))
                 && then.fits.as_ref().is_some_and(has_left);
             if is_past {

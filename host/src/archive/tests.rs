@@ -103,12 +103,12 @@ fn tables_are_read_back() {
     for row in &read {
         let sum = row.direct_probability.unwrap()
             + row.mirrored_probability.unwrap()
-            + row.wild_probability.unwrap();
+            + row.outlier_probability.unwrap();
         assert!((sum - 1.0).abs() < 3e-4);
-        // Five deviations, and what the fix and its place are off.
+        // Five sigmas, and what the fix and its place are off.
         let off = row.residual_degrees.unwrap().abs();
         assert!(
-            row.kind != Some(Kind::Direct) || off < 6.0 * row.deviation_degrees,
+            row.kind != Some(Kind::Direct) || off < 6.0 * row.sigma_degrees,
             "{row:?}"
         );
     }
@@ -163,7 +163,7 @@ fn a_map_has_all_parts_and_its_polygons_are_wound_right() {
     assert!(rings >= 6);
 }
 
-/// Two sources, and some wild bearings: the truth of each bearing is known by when it was taken.
+/// Two sources, and some outliers: the truth of each bearing is known by when it was taken.
 #[test]
 fn each_of_two_sources_has_its_parts() {
     let scene = Script::TwoSources.scene(1);
@@ -221,7 +221,7 @@ fn each_of_two_sources_has_its_parts() {
     );
 }
 
-/// A source that drives off: what it was heard at before is no wild bearing.
+/// A source that drives off: what it was heard at before is no outlier.
 #[test]
 fn bearings_of_the_past_are_not_rejected() {
     let scene = Script::Departure.scene(1);
@@ -236,9 +236,9 @@ fn bearings_of_the_past_are_not_rejected() {
             .filter(|t| t.kind() == Some(kind))
             .count()
     };
-    // One bearing in twenty is wild.
+    // One bearing in twenty is an outlier.
     assert!(count(Kind::Past) > 60, "{}", count(Kind::Past));
-    assert!(count(Kind::Wild) < 80, "{}", count(Kind::Wild));
+    assert!(count(Kind::Outlier) < 80, "{}", count(Kind::Outlier));
     let collection = collection(&archive);
     assert_eq!(layer(&collection, "source track").len(), 1);
     let row = archive.fix_rows().pop().unwrap();

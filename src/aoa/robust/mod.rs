@@ -34,6 +34,7 @@ pub(super) mod outside;
 mod proposal;
 mod search;
 mod term;
+mod track;
 
 use core::f32::consts::LN_2;
 
