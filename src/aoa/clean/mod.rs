@@ -15,8 +15,7 @@
 mod posterior;
 mod proposal;
 mod rejuvenation;
-
-use core::fmt::Debug;
+mod track;
 
 use super::core::{Buffer, Crossing, Entry, is_depleted, sweep};
 use super::triangulation::random_intersection;
@@ -123,6 +122,8 @@ pub struct Clean<const N: usize, const B: usize = 64, M: Moves<N> = ModeMoves> {
     bearings: Buffer<B>,
     filter: ParticleFilter<2, N>,
     answer: Answer,
+    /// Logarithm of the density of the latest bearing.
+    log_evidence: f32,
     memory: M::Memory,
 }
 
@@ -135,15 +136,14 @@ const LEAST_SINE: f32 = 0.02;
 /// Moves of every particle before the first fix, at least.
 const START_MOVES: u8 = 8;
 
-impl<const N: usize, const B: usize, M: Moves<N> + Copy + PartialEq + Debug> Locate
-    for Clean<N, B, M>
-{
+impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
     type Config = Config<M>;
 
     const EMPTY: Self = Self {
         bearings: Buffer::EMPTY,
         filter: ParticleFilter::EMPTY,
         answer: Answer::NOTHING,
+        log_evidence: 0.0,
         memory: M::EMPTY,
     };
 
@@ -166,20 +166,15 @@ impl<const N: usize, const B: usize, M: Moves<N> + Copy + PartialEq + Debug> Loc
         let source = self.answer.fix().map(|fix| fix.position);
         let new = Entry::new(*observation, 1.0);
         self.bearings.add(new, &Agreement { source });
-        if source.is_some() {
+        self.answer = if source.is_some() {
             // A normal likelihood is never zero, so the update cannot fail.
-            let _ = self.filter.update(&BearingLikelihood::new(observation));
+            let evidence = self.filter.update(&BearingLikelihood::new(observation));
+            self.log_evidence = evidence.unwrap_or(0.0);
             self.rejuvenate(config, rng);
-            self.answer = Answer::Fix(self.cloud_fix());
+            Answer::Fix(self.cloud_fix())
         } else {
-            self.answer = match self.observe(config, rng) {
-                Err(reason) => Answer::NotObservable(reason),
-                Ok(start) => {
-                    self.start(start, config, rng);
-                    Answer::Fix(self.cloud_fix())
-                }
-            };
-        }
+            self.first_answer(config, rng)
+        };
         Ok(self.answer)
     }
 
@@ -190,10 +185,7 @@ impl<const N: usize, const B: usize, M: Moves<N> + Copy + PartialEq + Debug> Loc
         config: &Config<M>,
         rng: &mut R,
     ) -> Result<Answer, PushError> {
-        let by_probability =
-            |a: &&Alternative, b: &&Alternative| a.probability().total_cmp(&b.probability());
-        let best = alternatives.iter().max_by(by_probability);
-        self.push(best.ok_or(PushError::Empty)?.observation(), config, rng)
+        self.push(Alternative::most_probable(alternatives)?, config, rng)
     }
 
     fn answer(&self) -> Answer {
@@ -248,6 +240,17 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
     /// The bearings in the buffer, in no particular order; some are averages once it is full.
     pub fn observations(&self) -> impl ExactSizeIterator<Item = &Observation> {
         self.bearings.observations()
+    }
+
+    /// What is known before there is a fix, which may be the first one.
+    fn first_answer<R: Rng + ?Sized>(&mut self, config: &Config<M>, rng: &mut R) -> Answer {
+        match self.observe(config, rng) {
+            Err(reason) => Answer::NotObservable(reason),
+            Ok(start) => {
+                self.start(start, config, rng);
+                Answer::Fix(self.cloud_fix())
+            }
+        }
     }
 
     /// Whether the bearings make a fix: the normal distribution about their intersection, or the reason why not.
@@ -337,7 +340,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
 // What moves the particles is not in a snapshot: they are drawn from the same posterior whatever it is, and one that goes
 // on with other moves is as right, if not the same.
 persist!(impl[const N: usize, const B: usize, M: Moves<N>] Clean<N, B, M> as "Clean"(N, B) {
-    bearings, filter, answer
+    bearings, filter, answer, log_evidence
 } without { memory });
 
 #[cfg(test)]

@@ -17,9 +17,9 @@ use crate::resample::Scheme;
 pub struct ModeMoves;
 
 /// What may move the particles of a locator: [`ModeMoves`], or any [`Refinement`] of a position.
-pub trait Moves<const N: usize>: Rejuvenate<N> {}
+pub trait Moves<const N: usize>: Rejuvenate<N> + Copy + PartialEq + Debug {}
 
-impl<const N: usize, M: Rejuvenate<N>> Moves<N> for M {}
+impl<const N: usize, M: Rejuvenate<N> + Copy + PartialEq + Debug> Moves<N> for M {}
 
 /// Sealed implementation detail.
 pub trait Rejuvenate<const N: usize> {

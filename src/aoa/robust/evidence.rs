@@ -135,7 +135,7 @@ impl<const B: usize> Evidence<B> {
             source: Some(mean),
             errors,
         };
-        self.bearings.adopt(candidate.own(), latest, &lines);
+        self.bearings.adopt(candidate.entries(), latest, &lines);
     }
 
     /// Forgets the bearings that a mode explains.
@@ -255,10 +255,22 @@ pub struct Candidate<'a> {
 impl Candidate<'_> {
     /// The bearings, some of which may stand for several.
     pub fn observations(&self) -> impl Iterator<Item = &Observation> {
-        self.own().map(|entry| &entry.observation)
+        self.entries().map(|entry| &entry.observation)
     }
 
-    fn own(&self) -> impl Iterator<Item = &Entry> {
+    /// Where the source may be.
+    pub(in crate::aoa) fn position(&self) -> [f32; 2] {
+        let [x, y, _] = self.mode.mean;
+        [x, y]
+    }
+
+    /// The latest bearing by time, whatever source it is of.
+    pub(in crate::aoa) fn latest(&self) -> Option<&Observation> {
+        self.latest
+    }
+
+    /// The bearings as they stand in the buffer.
+    pub(in crate::aoa) fn entries(&self) -> impl Iterator<Item = &Entry> {
         let explained = |entry: &&Entry| explains(self.mode, entry, self.source, self.errors);
         self.entries.iter().filter(explained)
     }
