@@ -8,7 +8,7 @@ use super::lost::MEMORY;
 use super::phases::Phase;
 use crate::aoa::Observation;
 use crate::aoa::robust::Errors;
-use crate::aoa::track::Stationary;
+use crate::aoa::track::{Stationary, odds_by_moments};
 use crate::random::Rng;
 
 /// Least probability that a stationary source is still there, after any time without a bearing: it may have returned. The
@@ -67,8 +67,8 @@ impl<L: Stationary> Manoeuvring<L> {
         }
     }
 
-    /// Weighs both explanations by a bearing: that of a stationary source, which has taken it already, by its `evidence`.
-    pub(super) fn weigh(&mut self, observation: &Observation, evidence: f32, errors: &Errors) {
+    /// Weighs both explanations by a bearing: that of a stationary source by the normal distribution of where it was.
+    pub(super) fn weigh(&mut self, observation: &Observation, place: &Moments, errors: &Errors) {
         let moved = if self.cloud.is_alive() {
             self.moved * self.cloud.update(observation, errors)
         } else {
@@ -76,7 +76,7 @@ impl<L: Stationary> Manoeuvring<L> {
         };
         let mut total = moved;
         if self.may_be_stationary() {
-            total += (1.0 - self.moved) * evidence;
+            total += (1.0 - self.moved) * (1.0 + odds_by_moments(observation, errors, place));
             self.moved = moved / total;
         }
         self.misfit += (1.0 / total - self.misfit) / MEMORY;
