@@ -1,26 +1,10 @@
 //! The spectrum at the end of a KrakenSDR's line, read as its bytes arrive.
 
-use crate::aoa::spectrum::{Peak, Spectrum, Temper};
+use crate::aoa::spectrum::Spectrum;
 
-/// What becomes of the spectrum of a KrakenSDR's line: [`SkipSpectrum`] or a [`SpectrumReader`].
-pub trait TakeSpectrum: sealed::Take {}
-
-impl<S: sealed::Take> TakeSpectrum for S {}
-
-/// Spectra are skipped: a bearing is the one that its line states.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct SkipSpectrum;
-
-/// Reads spectra, in 736 bytes: a bearing is what the peaks are, each with its share and deviation, in place of the one
-/// that the line states. A locator that takes no alternatives has the largest alone.
-///
-/// The 360 values are decibels over the lowest, counter-clockwise from the array's axis, a degree apart. (So they are in
-/// every version of krakensdr_doa that writes this line, whichever way its bearing counts.) A line with more or fewer or
-/// with one that is no such number, or above [`Spectrum::MAX_DECIBELS`], is [`Unparsable`](super::Rejected::Unparsable);
-/// one without a peak, flat or as good as flat, has [`LowQuality`](super::Rejected::LowQuality).
+/// Reads the values of one line after the other.
 #[derive(Debug, Clone)]
-pub struct SpectrumReader {
-    temper: Temper,
+pub(super) struct SpectrumReader {
     spectrum: Spectrum,
     value: Value,
     malformed: bool,
@@ -43,19 +27,40 @@ enum Value {
 const LIMIT: u32 = Spectrum::MAX_LEVEL as u32;
 
 impl SpectrumReader {
-    /// To take spectra for likelihoods by `temper`.
-    pub const fn new(temper: Temper) -> Self {
-        Self {
-            temper,
-            spectrum: Spectrum::new(),
-            value: Value::Blank,
-            malformed: false,
+    pub const EMPTY: Self = Self {
+        spectrum: Spectrum::new(),
+        value: Value::Blank,
+        malformed: false,
+    };
+
+    /// The spectrum of the last line, if [whole](Spectrum::is_whole).
+    pub const fn spectrum(&self) -> &Spectrum {
+        &self.spectrum
+    }
+
+    /// A line begins.
+    pub fn begin(&mut self) {
+        self.spectrum.clear();
+        self.value = Value::Blank;
+        self.malformed = false;
+    }
+
+    /// Takes the next byte, from the one after the comma that ends the fields on.
+    pub fn take(&mut self, byte: u8) {
+        match (byte, self.value) {
+            (b',', _) => self.finish(),
+            (b'0'..=b'9', _) => self.digit(u32::from(byte - b'0')),
+            (b'.', Value::Whole(sum)) => self.value = Value::Decimals(100, sum),
+            (b' ', Value::Blank | Value::Ended(_)) => {}
+            (b' ', Value::Whole(sum) | Value::Decimals(_, sum)) => self.value = Value::Ended(sum),
+            _ => self.malformed = true,
         }
     }
 
-    /// That of the last line, if [whole](Spectrum::is_whole).
-    pub const fn spectrum(&self) -> &Spectrum {
-        &self.spectrum
+    /// The line has ended: whether its spectrum was whole and well-formed.
+    pub fn end(&mut self) -> bool {
+        self.finish();
+        !self.malformed && self.spectrum.is_whole()
     }
 
     fn finish(&mut self) {
@@ -90,88 +95,19 @@ impl SpectrumReader {
     }
 }
 
-impl sealed::Take for SkipSpectrum {
-    const READS: bool = false;
-
-    fn begin(&mut self) {}
-    fn take(&mut self, _byte: u8) {}
-    fn end(&mut self) {}
-    fn is_valid(&self) -> bool {
-        true
-    }
-    fn peaks(&self) -> Option<[Option<Peak>; 3]> {
-        None
-    }
-}
-
-impl sealed::Take for SpectrumReader {
-    const READS: bool = true;
-
-    fn begin(&mut self) {
-        self.spectrum.clear();
-        self.value = Value::Blank;
-        self.malformed = false;
-    }
-
-    fn take(&mut self, byte: u8) {
-        match (byte, self.value) {
-            (b',', _) => self.finish(),
-            (b'0'..=b'9', _) => self.digit(u32::from(byte - b'0')),
-            (b'.', Value::Whole(sum)) => self.value = Value::Decimals(100, sum),
-            (b' ', Value::Blank | Value::Ended(_)) => {}
-            (b' ', Value::Whole(sum) | Value::Decimals(_, sum)) => self.value = Value::Ended(sum),
-            _ => self.malformed = true,
-        }
-    }
-
-    fn end(&mut self) {
-        self.finish();
-    }
-
-    fn is_valid(&self) -> bool {
-        !self.malformed && self.spectrum.is_whole()
-    }
-
-    fn peaks(&self) -> Option<[Option<Peak>; 3]> {
-        Some(self.spectrum.peaks(self.temper))
-    }
-}
-
-pub(super) mod sealed {
-    use crate::aoa::spectrum::Peak;
-
-    /// Takes the bytes after the fields of a KrakenSDR's line.
-    pub trait Take {
-        /// Whether it takes anything: what does not costs nothing.
-        const READS: bool;
-        /// A line begins.
-        fn begin(&mut self);
-        /// Another byte, from the one after the comma that ends the fields on.
-        fn take(&mut self, byte: u8);
-        /// The line has ended.
-        fn end(&mut self);
-        /// Whether its spectrum was one.
-        fn is_valid(&self) -> bool;
-        /// What was seen in its stead, if it is taken at all.
-        fn peaks(&self) -> Option<[Option<Peak>; 3]>;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     extern crate std;
-    use super::sealed::Take;
     use super::*;
     use std::{format, string::String, vec::Vec};
 
     fn read(text: &str) -> Option<Spectrum> {
-        let mut reader = SpectrumReader::new(Temper::new(0.2).unwrap());
+        let mut reader = SpectrumReader::EMPTY;
         // What stands there is forgotten.
         reader.take(b'x');
         reader.begin();
         text.bytes().for_each(|byte| reader.take(byte));
-        reader.end();
-        reader.is_valid().then(|| reader.spectrum().clone())
+        reader.end().then(|| reader.spectrum().clone())
     }
 
     fn with(first: &str) -> Option<Spectrum> {
@@ -179,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn values_are_hundredths() {
+    fn values_are_read_as_hundredths() {
         for (text, decibels) in [
             ("0", 0.0),
             (" 0.00", 0.0),
@@ -198,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn refused() {
+    fn refuses_what_is_no_spectrum() {
         for text in [
             "",
             " ",

@@ -5,44 +5,43 @@
 //! Read here and not by a crate, because every `no_std` parser of NMEA leaves panics in the firmware that links
 //! it (float parsing, slices of strings). The tests hold this one to what the `nmea` crate reads.
 
-use super::clock::TimeOfDay;
-use super::decimal::{decimal, fixed};
-use super::{Rejected, sentence};
+use super::format::{Format, Layout, Motion, Sentence};
+use super::{Config, Finder};
 use crate::aoa::geodesy::Geodetic;
+use crate::gateway::clock::TimeOfDay;
+use crate::gateway::decimal::{decimal, fixed};
+use crate::gateway::outcome::Rejected;
+use crate::gateway::sentence;
 
 const METRES_PER_SECOND_PER_KNOT: f32 = 1852.0 / 3600.0;
 
-/// What a sentence says.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Sentence {
-    /// Where the vehicle is, and how it moves if the sentence tells.
-    Position(TimeOfDay, Geodetic, Option<Motion>),
-    /// The receiver has no position at this time.
-    NoFix(Option<TimeOfDay>),
-    /// How the vehicle moves.
-    Motion(Motion),
-    /// Where the bow points: degrees clockwise from true north.
-    Heading(f32),
-    /// The host asks for a report.
-    Query,
-    /// The host looks for another source.
-    Restart,
-    /// Of no use here.
-    Other,
-}
+/// The sentences of NMEA 0183, and those of the gateway's own host.
+#[derive(Debug)]
+pub struct Nmea;
 
-/// How a vehicle moves over ground.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Motion {
-    /// Degrees clockwise from true north; not known to a receiver that stands.
-    pub course: Option<f32>,
-    /// Metres per second.
-    pub speed: f32,
+impl Format for Nmea {
+    const FINDER: Option<Finder> = None;
+    /// The standard says 82 bytes, receivers send up to 102.
+    const LAYOUT: Layout = Layout {
+        longest: 120,
+        fields: u8::MAX,
+        interrupts: true,
+        holds: b"%",
+    };
+    const EMPTY: Self = Self;
+
+    fn begins(byte: u8) -> bool {
+        byte == b'$'
+    }
+
+    fn parse(&mut self, line: &[u8], _config: &Config) -> Result<Sentence, Rejected> {
+        parse(line)
+    }
 }
 
 /// Checks the sentence `$payload*hh` and reads it.
 #[inline(never)]
-pub(super) fn parse(line: &[u8]) -> Result<Sentence, Rejected> {
+fn parse(line: &[u8]) -> Result<Sentence, Rejected> {
     let payload = sentence::checked(line).ok_or(Rejected::Checksum)?;
     match payload {
         b"PFOXQ" => return Ok(Sentence::Query),
@@ -119,7 +118,7 @@ fn vtg(fields: &[u8]) -> Result<Sentence, Rejected> {
     }
 }
 
-/// `heading,mode` with one of the `valid` modes: HDT and THS, which the parser does not know.
+/// `heading,mode` with one of the `valid` modes: HDT and THS.
 fn heading(fields: &[u8], valid: &[u8]) -> Result<Sentence, Rejected> {
     let mut parts = fields.split(|byte| *byte == b',');
     match (parts.next(), parts.next()) {
