@@ -131,9 +131,9 @@ struct Normal {
 }
 
 impl Normal {
-    fn at(observations: &[Observation], errors: Errors, position: [f32; 2]) -> Self {
+    fn at(observations: &[impl AsRef<Observation>], errors: Errors, position: [f32; 2]) -> Self {
         let mut sums = Self::default();
-        for observation in observations {
+        for observation in observations.iter().map(AsRef::as_ref) {
             let Linearised {
                 residual,
                 gradient: [gx, gy],
@@ -164,7 +164,7 @@ impl Normal {
 /// # Errors
 /// When there are too few bearings, they are parallel, or the search does not settle; see [`SolveError`].
 pub fn solve(
-    observations: &[Observation],
+    observations: &[impl AsRef<Observation>],
     errors: Errors,
     start: [f32; 2],
 ) -> Result<Solution, SolveError> {
@@ -217,14 +217,14 @@ pub fn solve(
 
 /// Lenth (1981), the asymptotic covariance of the maximum-likelihood estimate.
 fn von_mises_covariance(
-    observations: &[Observation],
+    observations: &[impl AsRef<Observation>],
     position: [f32; 2],
 ) -> Result<[[f32; 2]; 2], SolveError> {
     let mut matrix = Symmetric::default();
     let mut weights = 0.0;
     // One less the mean cosine of the residuals, by half angles, which keep the digits of small ones.
     let mut shortfall = 0.0;
-    for observation in observations {
+    for observation in observations.iter().map(AsRef::as_ref) {
         let Linearised {
             residual,
             gradient: [gx, gy],

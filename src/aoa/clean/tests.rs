@@ -1,6 +1,7 @@
 extern crate std;
 use super::*;
 use crate::aoa::testing::Clocked;
+use crate::aoa::track::{Stationary, Track as _};
 use crate::aoa::{Bearing, PushError};
 use crate::problems::bearings::Track;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
@@ -183,10 +184,56 @@ fn late_bearings_and_duplicates_have_stated_outcomes() {
 }
 
 #[test]
+fn a_bearing_of_another_source_has_low_odds() {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(55);
+    let mut locator = Clocked::<Clean<100>>::new(Config::DEFAULT);
+    drive(&mut locator, 60, &mut rng);
+    let (own, other) = (observe([700.0, 0.0], 0.0), observe([700.0, 0.0], 0.3));
+    let odds = |locator: &Clocked<Clean<100>>, o| locator.state().odds(o, locator.config());
+    let expected = odds(&locator, &own);
+    assert!(expected > 100.0 && odds(&locator, &other) < 0.01);
+    // The evidence of a push is that of the odds before it.
+    locator.push(own, &mut rng);
+    let evidence = locator.state().evidence();
+    assert!((evidence / (1.0 + expected) - 1.0).abs() < 1e-3, "{evidence}");
+    locator.push(other, &mut rng);
+    assert!(locator.state().evidence() < 1.01);
+}
+
+#[test]
+fn a_source_among_the_bearings_of_two_is_taken_over() {
+    let config = Config::DEFAULT;
+    let beliefs = Clean::<100>::beliefs(&config);
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(56);
+    let mut candidates = crate::aoa::robust::Candidates::<64>::EMPTY;
+    for i in 0..20 {
+        let place = [75.0 * i as f32, 0.0];
+        let own = observe(place, SIGMA * normal(&mut rng));
+        let towards = (-700.0_f32).atan2(400.0 - place[0]);
+        let other = Observation::new(0, place, Bearing::from_radians(towards), SIGMA).unwrap();
+        for (k, observation) in [(0, own), (1, other)] {
+            let clocked = crate::aoa::testing::at(1000 * i + 500 * k, &observation);
+            candidates.push(&clocked, &beliefs, &mut rng).unwrap();
+        }
+    }
+    let mut near = [0; 2];
+    for rank in 0..2 {
+        let candidate = candidates.candidate(rank, 5.0, &beliefs).unwrap();
+        let mut track = Clean::<100>::new();
+        let fix = track.initiate(&candidate, &config, &mut rng).fix().unwrap();
+        for (near, source) in near.iter_mut().zip([SOURCE, [400.0, -700.0]]) {
+            let off = (fix.position[0] - source[0]).hypot(fix.position[1] - source[1]);
+            *near += u32::from(off < 30.0);
+        }
+        assert!((15..=25).contains(&fix.bearings), "{}", fix.bearings);
+    }
+    assert_eq!(near, [1, 1]);
+}
+
+#[test]
 fn an_empty_state_is_all_zero() {
-    // Until the filter of equal weights is, its weights are not.
-    assert!(crate::aoa::testing::is_zero::<Evidence<8>>(|place| {
-        place.write(Evidence::EMPTY);
+    assert!(crate::aoa::testing::is_zero::<Clean<8, 4>>(|place| {
+        place.write(Clean::EMPTY);
     }));
     assert!(crate::aoa::testing::is_zero::<Answer>(|place| {
         place.write(Answer::NOTHING);
@@ -237,7 +284,7 @@ impl std::fmt::Display for Comparison {
 const DRIVES: u64 = 200;
 
 /// The last fix of each drive along track A2.
-fn fixes<const N: usize, M: Moves<N> + Copy + PartialEq + Debug>(
+fn fixes<const N: usize, M: Moves<N>>(
     new: impl Fn() -> Clocked<Clean<N, 64, M>>,
 ) -> Vec<Fix> {
     let fix = |run| {
