@@ -195,7 +195,10 @@ fn a_bearing_of_another_source_has_low_odds() {
     // The evidence of a push is that of the odds before it.
     locator.push(own, &mut rng);
     let evidence = locator.state().evidence();
-    assert!((evidence / (1.0 + expected) - 1.0).abs() < 1e-3, "{evidence}");
+    assert!(
+        (evidence / (1.0 + expected) - 1.0).abs() < 1e-3,
+        "{evidence}"
+    );
     locator.push(other, &mut rng);
     assert!(locator.state().evidence() < 1.01);
 }
@@ -284,9 +287,7 @@ impl std::fmt::Display for Comparison {
 const DRIVES: u64 = 200;
 
 /// The last fix of each drive along track A2.
-fn fixes<const N: usize, M: Moves<N>>(
-    new: impl Fn() -> Clocked<Clean<N, 64, M>>,
-) -> Vec<Fix> {
+fn fixes<const N: usize, M: Moves<N>>(new: impl Fn() -> Clocked<Clean<N, 64, M>>) -> Vec<Fix> {
     let fix = |run| {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1000 + run);
         let mut locator = new();

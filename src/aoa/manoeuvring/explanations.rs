@@ -9,6 +9,7 @@ use super::phases::Phase;
 use crate::aoa::Observation;
 use crate::aoa::robust::Errors;
 use crate::aoa::track::{Stationary, odds_by_moments};
+use crate::estimate::Symmetric2;
 use crate::random::Rng;
 
 /// Least probability that a stationary source is still there, after any time without a bearing: it may have returned. The
@@ -28,7 +29,7 @@ pub(super) type Moments = ([f32; 3], [[f32; 3]; 3]);
 /// What is stationary where the stationary locator says.
 pub(super) fn stationary_there(([x, y, _], covariance): &Moments) -> Component {
     let [[xx, xy, _], [_, yy, _], _] = *covariance;
-    Component::stationary([*x, *y], [xx, xy, yy])
+    Component::stationary([*x, *y], Symmetric2 { xx, xy, yy })
 }
 
 impl<L: Stationary> Manoeuvring<L> {
