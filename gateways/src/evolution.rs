@@ -3,7 +3,7 @@
 use foxhunt::{
     aoa::locator::{self, Locator},
     gateway::{Settings, Vehicle},
-    refine::{Acceptance, DifferentialEvolution},
+    refine::DifferentialEvolution,
 };
 
 /// Two hundred particles, a memory of 64 bearings.
@@ -13,12 +13,7 @@ pub type Gateway = Vehicle<Locator<200, 64, DifferentialEvolution>>;
 ///
 /// Four generations move the particles.
 pub const fn gateway() -> Gateway {
-    let Ok(evolution) = DifferentialEvolution::new().generations(4) else {
-        panic!("four are some");
-    };
-    let locator = Locator::with_refinement(
-        locator::Settings::new(),
-        evolution.acceptance(Acceptance::Metropolis),
-    );
+    let locator =
+        Locator::with_refinement(locator::Settings::new(), DifferentialEvolution::METROPOLIS);
     Vehicle::new(Settings::new(), locator)
 }

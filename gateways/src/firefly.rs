@@ -3,7 +3,7 @@
 use foxhunt::{
     aoa::locator::{self, Locator},
     gateway::{Settings, Vehicle},
-    refine::{Acceptance, Firefly, Lengths},
+    refine::Firefly,
 };
 
 /// Two hundred fireflies, a memory of 64 bearings.
@@ -13,15 +13,6 @@ pub type Gateway = Vehicle<Locator<200, 64, Firefly>>;
 ///
 /// Each firefly is offered four places, towards the brightest of the other half or away from it.
 pub const fn gateway() -> Gateway {
-    let Ok(swarm) = Firefly::improved(Lengths::Relative, 0.1, 4.0) else {
-        panic!("absorption and flutter are positive");
-    };
-    let Ok(swarm) = swarm.iterations(4) else {
-        panic!("four are some");
-    };
-    let locator = Locator::with_refinement(
-        locator::Settings::new(),
-        swarm.acceptance(Acceptance::Metropolis),
-    );
+    let locator = Locator::with_refinement(locator::Settings::new(), Firefly::METROPOLIS);
     Vehicle::new(Settings::new(), locator)
 }

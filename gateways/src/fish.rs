@@ -3,7 +3,7 @@
 use foxhunt::{
     aoa::locator::{self, Locator},
     gateway::{Settings, Vehicle},
-    refine::{Acceptance, FishSchool, Lengths},
+    refine::FishSchool,
 };
 
 /// Two hundred fish, a memory of 64 bearings.
@@ -13,15 +13,6 @@ pub type Gateway = Vehicle<Locator<200, 64, FishSchool>>;
 ///
 /// Each fish is offered four places: steps of up to three sigmas of the cloud, and past the centre of four mates.
 pub const fn gateway() -> Gateway {
-    let Ok(school) = FishSchool::new(Lengths::Relative, 1.0, 3.0) else {
-        panic!("lengths are positive");
-    };
-    let Ok(school) = school.iterations(2) else {
-        panic!("two are some");
-    };
-    let locator = Locator::with_refinement(
-        locator::Settings::new(),
-        school.acceptance(Acceptance::Metropolis),
-    );
+    let locator = Locator::with_refinement(locator::Settings::new(), FishSchool::METROPOLIS);
     Vehicle::new(Settings::new(), locator)
 }

@@ -15,7 +15,7 @@ use crate::filter::ParticleFilter;
 use crate::math::{atan2, sin_cos};
 use crate::model::RandomWalk;
 use crate::random::{Rng, SeedableRng, Xoshiro128PlusPlus, normal};
-use crate::refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths};
+use crate::refine::{DifferentialEvolution, Firefly, FishSchool};
 
 const SOURCE: [f32; 2] = [1200.0, 800.0];
 
@@ -117,14 +117,9 @@ fn so_does_one_with_any_moves() {
         goes_on(new, false, |a, b| assert_eq!(state(a), state(b)));
     }
     let settings = locator::Settings::new();
-    let fish = FishSchool::new(Lengths::Relative, 1.0, 3.0).unwrap();
-    let fish = fish.acceptance(Acceptance::Metropolis);
-    refined(|| Locator::with_refinement(settings, fish));
-    let fireflies = Firefly::improved(Lengths::Relative, 0.1, 4.0).unwrap();
-    let fireflies = fireflies.acceptance(Acceptance::Metropolis);
-    refined(|| Locator::with_refinement(settings, fireflies));
-    let evolution = DifferentialEvolution::new().acceptance(Acceptance::Metropolis);
-    refined(|| Locator::with_refinement(settings, evolution));
+    refined(|| Locator::with_refinement(settings, FishSchool::METROPOLIS));
+    refined(|| Locator::with_refinement(settings, Firefly::METROPOLIS));
+    refined(|| Locator::with_refinement(settings, DifferentialEvolution::METROPOLIS));
 }
 
 #[test]

@@ -268,11 +268,10 @@ impl<const N: usize, const B: usize, F: Refinement<2>> Locator<N, B, F> {
     ///
     /// ```
     /// use foxhunt::aoa::locator::{Locator, Settings};
-    /// use foxhunt::refine::{Acceptance, FishSchool, Lengths, fish};
+    /// use foxhunt::refine::FishSchool;
     ///
-    /// let school = FishSchool::new(Lengths::Relative, 1.0, 3.0)?.iterations(2)?.acceptance(Acceptance::Metropolis);
+    /// let school = FishSchool::METROPOLIS;
     /// let locator = Locator::<100, 64, FishSchool>::with_refinement(Settings::new(), school);
-    /// # Ok::<(), fish::ConfigurationError>(())
     /// ```
     ///
     /// With [`Acceptance::Metropolis`](crate::refine::Acceptance::Metropolis), as here, the posterior stays exact and so
