@@ -56,9 +56,7 @@ pub fn cloud(rng: &mut Xoshiro128PlusPlus) {
     let mut columns = [some_mut(&mut a), some_mut(&mut b)];
     particles::write(&mut columns, any(0), any([0.0; 2]));
     Static.predict(&mut columns, any(0.0), rng);
-    let walk = any(RandomWalk {
-        deviation: [0.0; 2],
-    });
+    let walk = any(RandomWalk { sigma: [0.0; 2] });
     walk.predict(&mut columns, any(0.0), rng);
     black_box(walk.step(any([0.0; 2]), any(0.0), rng));
     let [a, b] = columns;
@@ -85,7 +83,7 @@ pub fn filter(rng: &mut Xoshiro128PlusPlus) {
     filter.initialise(rng, |_| any([0.0; 4]));
     filter.predict(
         &any(ConstantVelocity {
-            acceleration: [0.0; 2],
+            sigma_m_s2: [0.0; 2],
         }),
         any(0.0),
         rng,
@@ -173,9 +171,7 @@ pub fn propose(rng: &mut Xoshiro128PlusPlus) {
         black_box((dynamics.mean(&[truth], any(0.0)), measurement));
     }
 
-    let walk = any(RandomWalk {
-        deviation: [0.0; 2],
-    });
+    let walk = any(RandomWalk { sigma: [0.0; 2] });
     let mut memory = any([0.0; 300]);
     let mut auxiliary = any(AuxiliaryFilter::<2, 10>::EMPTY);
     let likelihood = |state: &[f32; 2]| any(state[0]);

@@ -1,19 +1,17 @@
 //! The gateway of a vehicle whose particles are moved by differential evolution, with the posterior kept exact.
 
 use foxhunt::{
-    aoa::locator::{self, Locator},
-    gateway::{Settings, Vehicle},
+    aoa::{Clean, clean},
+    gateway::{Config, Vehicle},
     refine::DifferentialEvolution,
 };
 
 /// Two hundred particles, a memory of 64 bearings.
-pub type Gateway = Vehicle<Locator<200, 64, DifferentialEvolution>>;
+pub type Gateway = Vehicle<Clean<200, 64, DifferentialEvolution>>;
 
-/// The gateway before its first byte.
-///
 /// Four generations move the particles.
-pub const fn gateway() -> Gateway {
-    let locator =
-        Locator::with_refinement(locator::Settings::new(), DifferentialEvolution::METROPOLIS);
-    Vehicle::new(Settings::new(), locator)
-}
+const MOVES: DifferentialEvolution = DifferentialEvolution::METROPOLIS;
+
+/// The defaults, for a car, with these moves.
+pub const CONFIG: Config<clean::Config<DifferentialEvolution>> =
+    Config::new(clean::Config::with_refinement(MOVES));

@@ -10,39 +10,20 @@ use crate::checksum::crc32;
 /// A view over bytes, which may lie in flash; nothing is copied. The bytes are made on a desk from a survey, by the
 /// project's host crate. All of them are checked when the map is opened, which the compiler can do already:
 ///
-/// ```ignore
-/// static TUNNEL: RadioMap<'static> = match RadioMap::new(include_bytes!("tunnel.map")) {
+/// ```
+/// use foxhunt::fingerprint::{MapError, RadioMap};
+///
+/// const BYTES: &[u8] =
+///     include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/tunnel.map"));
+/// static TUNNEL: RadioMap<'static> = match RadioMap::new(BYTES) {
 ///     Ok(map) => map,
 ///     Err(_) => panic!("the radio map is damaged"),
 /// };
-/// ```
 ///
-/// From a survey to a map:
-///
-/// ```
-/// use foxhunt::fingerprint::{Encoding, MapError, RadioMap};
-/// use foxhunt_host::radio_map::{Options, SiteSurvey};
-///
-/// let csv = "\
-/// x,y,beacon,rssi
-/// 0,0,177,-50
-/// 0,0,177,-52
-/// 1,0,177,-54
-/// 1,0,177,-55
-/// 2,0,177,-59
-/// 2,0,177,-61
-/// ";
-/// let survey = SiteSurvey::read(csv.as_bytes())?;
-/// let lattice = survey.lattice(1.0)?;
-/// let bytes = survey.radio_map(&lattice, Encoding::Moments, &Options::default())?;
-///
-/// let map = RadioMap::new(&bytes)?;
-/// let beacon = map.beacon_index(177).unwrap();
-/// assert_eq!(map.moments(beacon, 1).unwrap().mean_dbm, -54.5);
-///
-/// assert_eq!(map.limited(2, 4).err(), Some(MapError::Points));
-/// assert_eq!(RadioMap::new(&bytes[1..]).err(), Some(MapError::Magic));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// let beacon = TUNNEL.beacon_index(3).unwrap();
+/// assert_eq!(TUNNEL.moments(beacon, 49).unwrap().mean_dbm, -41.0);
+/// assert_eq!(TUNNEL.limited(80, 4).err(), Some(MapError::Points));
+/// assert_eq!(RadioMap::new(&BYTES[1..]).err(), Some(MapError::Magic));
 /// ```
 ///
 /// # Format, version 1

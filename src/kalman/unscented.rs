@@ -59,15 +59,15 @@ impl Unscented {
         // Below, f32 cannot tell the points apart.
         require!(
             self.alpha >= 0.01 && self.alpha <= 1.0,
-            "alpha must be from 0.01 to 1"
+            "alpha is not within 0.01 and 1"
         );
         require!(
             self.beta >= 0.0 && self.beta <= 100.0,
-            "beta must be from 0 to 100"
+            "beta is not within 0 and 100"
         );
         require!(
             self.kappa >= 0.0 && self.kappa <= 100.0,
-            "kappa must be from 0 to 100"
+            "kappa is not within 0 and 100"
         );
         Ok(())
     }

@@ -95,17 +95,17 @@ impl DifferentialEvolution {
     pub const fn check(&self) -> Result<(), ConfigError> {
         require!(
             is_positive(self.base_weight),
-            "base_weight must be positive and finite"
+            "base_weight is not positive and finite"
         );
         require!(
             is_positive(self.difference_weight),
-            "difference_weight must be positive and finite"
+            "difference_weight is not positive and finite"
         );
         require!(
             self.crossover >= 0.0 && self.crossover <= 1.0,
-            "crossover must be from 0 to 1"
+            "crossover is not within 0 and 1"
         );
-        require!(self.generations > 0, "generations must be at least one");
+        require!(self.generations > 0, "generations is zero");
         Ok(())
     }
 

@@ -122,21 +122,21 @@ impl Firefly {
     pub const fn check(&self) -> Result<(), ConfigError> {
         require!(
             self.absorption >= 0.0 && self.absorption <= f32::MAX,
-            "absorption must be finite and not negative"
+            "absorption is negative or not finite"
         );
         require!(
             is_positive(self.flutter),
-            "flutter must be positive and finite"
+            "flutter is not positive and finite"
         );
         require!(
             self.least_attraction >= 0.0 && self.least_attraction <= 1.0,
-            "least_attraction must be from 0 to 1"
+            "least_attraction is not within 0 and 1"
         );
         require!(
             is_positive(self.decay_iterations),
-            "decay_iterations must be positive and finite"
+            "decay_iterations is not positive and finite"
         );
-        require!(self.iterations > 0, "iterations must be at least one");
+        require!(self.iterations > 0, "iterations is zero");
         Ok(())
     }
 

@@ -59,7 +59,7 @@ pub struct FishSchool {
     pub perception: f32,
     /// How far a fish swims at most in an iteration.
     pub step: f32,
-    /// The density that a fish asks of a place that it shares with mates: the product with their number, relative to its
+    /// The density that a fish asks of a place where mates are: the product with their number, relative to its
     /// own density. The smaller, the denser the school.
     pub crowding: f32,
     /// How many places a fish looks at before it takes a random step.
@@ -150,18 +150,18 @@ impl FishSchool {
     pub const fn check(&self) -> Result<(), ConfigError> {
         require!(
             is_positive(self.perception),
-            "perception must be positive and finite"
+            "perception is not positive and finite"
         );
-        require!(is_positive(self.step), "step must be positive and finite");
+        require!(is_positive(self.step), "step is not positive and finite");
         require!(
             is_positive(self.crowding),
-            "crowding must be positive and finite"
+            "crowding is not positive and finite"
         );
-        require!(self.tries > 0, "tries must be at least one");
-        require!(self.iterations > 0, "iterations must be at least one");
+        require!(self.tries > 0, "tries is zero");
+        require!(self.iterations > 0, "iterations is zero");
         require!(
             self.threshold >= 0.0 && self.threshold <= f32::MAX,
-            "threshold must be finite and not negative"
+            "threshold is negative or not finite"
         );
         Ok(())
     }

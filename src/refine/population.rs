@@ -1,4 +1,4 @@
-//! Particles, their log-densities, and the three ways to take a place that is offered: what all refinements share.
+//! Particles, their log-densities, and the three ways to take a place that is offered: common to all refinements.
 
 use core::ops::Range;
 

@@ -127,8 +127,8 @@ fn a_walk_is_tracked() -> Digest {
         let ways = ways.into_iter().enumerate();
         for (number, (from, to, offset)) in ways {
             for packet in 0..8 * seconds {
-                let share = packet as f32 / (8 * seconds) as f32;
-                let point = (from as f32 + share * (to as f32 - from as f32)) as usize;
+                let fraction = packet as f32 / (8 * seconds) as f32;
+                let point = (from as f32 + fraction * (to as f32 - from as f32)) as usize;
                 let beacon = (packet % 4) as u8;
                 let there = map.moments(beacon.into(), point).expect("surveyed");
                 let noise = 6.0 * uniform(&mut rng) - 3.0;

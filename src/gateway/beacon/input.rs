@@ -4,8 +4,8 @@ use cobs::{DecodeResult, DecoderState};
 use heapless::Vec;
 
 use super::{Framing, Packet, Rejected};
-use crate::gateway::SkipSpectrum;
-use crate::gateway::line::{Kind, LineReader};
+use crate::gateway::formats::Nmea;
+use crate::gateway::line::LineReader;
 use crate::gateway::sentence;
 
 /// What the line has said.
@@ -27,14 +27,14 @@ pub(super) enum Message {
 )]
 #[derive(Debug)]
 pub(super) enum Input {
-    Lines(LineReader<SkipSpectrum>),
+    Lines(LineReader<(Nmea,)>),
     Frames(FrameReader),
 }
 
 impl Input {
     pub const fn new(framing: Framing) -> Self {
         match framing {
-            Framing::Lines => Self::Lines(LineReader::new(SkipSpectrum)),
+            Framing::Lines => Self::Lines(LineReader::EMPTY),
             Framing::Frames => Self::Frames(FrameReader::new()),
         }
     }
@@ -43,9 +43,9 @@ impl Input {
     pub fn push(&mut self, byte: u8) -> Option<Result<Message, Rejected>> {
         match self {
             Self::Lines(reader) => Some(match reader.push(byte)? {
-                Ok(Kind::Nmea) => from_line(reader.bytes()),
+                Ok(()) => from_line(reader.bytes()),
                 Err(crate::gateway::Rejected::Overlong) => Err(Rejected::Overlong),
-                Ok(_) | Err(_) => Err(Rejected::Unparsable),
+                Err(_) => Err(Rejected::Unparsable),
             }),
             Self::Frames(reader) => reader.push(byte),
         }

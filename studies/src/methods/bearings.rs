@@ -12,8 +12,8 @@ use foxhunt::{
     model::{Likelihood, RandomWalk},
     random::{Xoshiro128PlusPlus, normal, uniform},
     refine::{
-        Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Memory, Refinement,
-        fish::{Behaviour, Heading},
+        Acceptance, Behaviour, DifferentialEvolution, Firefly, FishSchool, Heading, Lengths,
+        Memory, Refinement,
     },
     resample::Scheme,
 };
@@ -88,8 +88,6 @@ pub(crate) const STANDARD: &str = "standard";
 pub(crate) const IMPROVED: &str = "improved";
 pub(crate) const RELATIVE: &str = "improved.relative";
 pub(crate) const IMPROVED_METROPOLIS: &str = "improved.metropolis";
-
-const VALID: &str = "the settings are valid";
 
 /// The study of the locator.
 pub fn aoa(visit: &mut impl Visit) {
@@ -264,14 +262,9 @@ fn any<'a>(observations: &'a [Observation], rng: &mut Xoshiro128PlusPlus) -> &'a
 }
 
 fn disturbed(observation: &Observation, rng: &mut Xoshiro128PlusPlus) -> Option<Observation> {
-    let deviation = observation.deviation();
-    let angle = observation.bearing().radians() + deviation * normal(rng);
-    Observation::new(
-        observation.position(),
-        Bearing::from_radians(angle),
-        deviation,
-    )
-    .ok()
+    let sigma = observation.deviation();
+    let angle = observation.bearing().radians() + sigma * normal(rng);
+    Observation::new(observation.position(), Bearing::from_radians(angle), sigma).ok()
 }
 
 /// How many places `b` is from `a` in the order of their angles.
@@ -330,7 +323,7 @@ fn bootstrap<const N: usize, L: Likelihood<2>>(
     mut refine: impl FnMut(&mut ParticleFilter<2, N>, &L, &mut Xoshiro128PlusPlus),
 ) -> Option<Estimate> {
     let walk = RandomWalk {
-        deviation: [sqrt(bearings.process); 2],
+        sigma: [sqrt(bearings.process); 2],
     };
     let mut filter = ParticleFilter::<2, N>::new();
     filter.initialise(rng, |rng| start.draw(bearings.observations, rng));

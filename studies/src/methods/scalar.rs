@@ -55,8 +55,6 @@ pub(crate) const EVOLUTION: &str = "evolution.metropolis";
 pub(crate) const AUXILIARY: &str = "auxiliary";
 pub(crate) const POINT_MASS: &str = "point_mass";
 
-const VALID: &str = "the settings are valid";
-
 /// The study of the fireflies: 50 particles.
 pub fn growth(visit: &mut impl Visit) {
     const N: usize = 50;
