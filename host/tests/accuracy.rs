@@ -64,7 +64,7 @@ mod linear {
         let mut simulation = simulate::generator(seed, 0);
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
         let dynamics = ConstantVelocity {
-            acceleration: [ACCELERATION as f32; 2],
+            sigma_m_s2: [ACCELERATION as f32; 2],
         };
         let mut truth = Vector4::from(START.map(|s| s * simulate::normal(&mut simulation)));
         let variances = START.map(|s| s * s);
