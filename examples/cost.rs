@@ -93,6 +93,7 @@ mod target {
         refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Memory, Refinement},
     };
     use foxhunt_emulated::region::region;
+    use micromath::F32Ext;
 
     use super::*;
 
@@ -158,6 +159,25 @@ mod target {
         kernel("m4f.math.atan2", &pairs, |[y, x]| math::atan2(y, x));
         kernel("m4f.math.sin_cos", &a, math::sin_cos);
         kernel("m4f.random.normal", &a, |_| normal(&mut rng));
+        other_kernels(&a, &pairs);
+    }
+
+    /// The elementary functions of others, over the same arrays.
+    #[inline(never)]
+    fn other_kernels(a: &[f32; N], pairs: &[[f32; 2]; N]) {
+        let magnitudes = a.map(f32::abs);
+        kernel("m4f.math.exp.libm", a, libm::expf);
+        kernel("m4f.math.exp.micromath", a, F32Ext::exp);
+        kernel("m4f.math.ln.libm", &magnitudes, libm::logf);
+        kernel("m4f.math.ln.micromath", &magnitudes, F32Ext::ln);
+        kernel("m4f.math.sqrt.libm", &magnitudes, libm::sqrtf);
+        kernel("m4f.math.sqrt.micromath", &magnitudes, F32Ext::sqrt);
+        kernel("m4f.math.atan2.libm", pairs, |[y, x]| libm::atan2f(y, x));
+        kernel("m4f.math.atan2.micromath", pairs, |[y, x]| {
+            F32Ext::atan2(y, x)
+        });
+        kernel("m4f.math.sin_cos.libm", a, libm::sincosf);
+        kernel("m4f.math.sin_cos.micromath", a, F32Ext::sin_cos);
     }
 
     /// One iteration of each refinement, by a density that costs next to nothing, and of the school by a bearing as well.
