@@ -1,10 +1,11 @@
-//! What became of the messages.
+//! Counts of the messages.
 
 use core::fmt;
 
 use crate::gateway::tally::Tally;
+use crate::snapshot::value;
 
-/// Why a message was not used. The trackers are as if it had not been there.
+/// Why a message was not used. The trackers are as before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -17,10 +18,10 @@ pub enum Rejected {
     Unparsable,
     /// A number that its field cannot hold, or a signal strength that no receiver measures.
     OutOfRange,
-    /// The map does not know the radio.
+    /// The radio is not in the map.
     UnknownRadio,
     /// The packet is older than one of the same tag that was used.
-    TimeBackwards,
+    TooOld,
 }
 
 impl Rejected {
@@ -31,7 +32,7 @@ impl Rejected {
         Self::Unparsable,
         Self::OutOfRange,
         Self::UnknownRadio,
-        Self::TimeBackwards,
+        Self::TooOld,
     ];
 }
 
@@ -43,7 +44,7 @@ impl fmt::Display for Rejected {
             Self::Unparsable => "message cannot be parsed",
             Self::OutOfRange => "value is out of range",
             Self::UnknownRadio => "radio is not in the map",
-            Self::TimeBackwards => "time runs backwards",
+            Self::TooOld => "packet is too old",
         })
     }
 }
@@ -51,30 +52,38 @@ impl fmt::Display for Rejected {
 impl core::error::Error for Rejected {}
 
 /// How many messages there were of each kind. Counts stay at their maximum when they reach it.
+///
+/// Every message is counted once: packets, queries, restarts, ignored and rejected messages add up to `messages`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {
     /// All messages that were not empty.
     pub messages: u32,
-    /// Packets that a tracker was given.
+    /// Packets that a tracker took.
     pub packets: u32,
-    /// Correct sentences of kinds that are of no use here.
+    /// Queries.
+    pub queries: u32,
+    /// Restarts.
+    pub restarts: u32,
+    /// Correct sentences of other kinds.
     pub ignored: u32,
     /// Trackers that were taken from one tag and given to another.
     pub evicted: u32,
     rejected: Tally<{ Rejected::ALL.len() }>,
 }
 
+value!(Counters { messages, packets, queries, restarts, ignored, evicted, rejected });
+
 impl Counters {
-    pub(super) const fn new() -> Self {
-        Self {
-            messages: 0,
-            packets: 0,
-            ignored: 0,
-            evicted: 0,
-            rejected: Tally::new(),
-        }
-    }
+    pub(super) const EMPTY: Self = Self {
+        messages: 0,
+        packets: 0,
+        queries: 0,
+        restarts: 0,
+        ignored: 0,
+        evicted: 0,
+        rejected: Tally::new(),
+    };
 
     /// How many messages were rejected for this reason.
     pub fn rejected(&self, reason: Rejected) -> u32 {
@@ -86,6 +95,11 @@ impl Counters {
     }
 }
 
+/// Counts one more.
+pub(super) fn count(counter: &mut u32) {
+    *counter = counter.saturating_add(1);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,7 +108,7 @@ mod tests {
     fn every_reason_is_counted_in_its_place() {
         for (place, reason) in Rejected::ALL.into_iter().enumerate() {
             assert_eq!(reason as usize, place);
-            let mut counters = Counters::new();
+            let mut counters = Counters::EMPTY;
             counters.reject(reason);
             for other in Rejected::ALL {
                 assert_eq!(counters.rejected(other), u32::from(other == reason));
