@@ -19,7 +19,7 @@ use foxhunt::{
 /// Where the source stands, in metres east and north.
 const SOURCE: [f32; 2] = [1200.0, 800.0];
 /// Standard deviation of a bearing, in radians.
-const BEARING_DEVIATION: f32 = 0.0195;
+const BEARING_SIGMA_RAD: f32 = 0.0195;
 /// A metre after one second: two normal samples for each particle and step.
 const DYNAMICS: RandomWalk<2> = RandomWalk {
     deviation: [1.0, 1.0],
@@ -54,9 +54,9 @@ impl<const N: usize> Track<N> {
         let east = 25.0 * self.second as f32;
         self.second += 1;
         let direction = math::atan2(SOURCE[1], SOURCE[0] - east);
-        let measured = direction + BEARING_DEVIATION * normal(&mut self.rng);
+        let measured = direction + BEARING_SIGMA_RAD * normal(&mut self.rng);
         let bearing = Bearing::from_radians(measured);
-        let observation = Observation::new([east, 0.0], bearing, BEARING_DEVIATION);
+        let observation = Observation::new([east, 0.0], bearing, BEARING_SIGMA_RAD);
         black_box(BearingLikelihood::new(
             &observation.expect("the drive is short"),
         ))
@@ -198,11 +198,11 @@ mod target {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(3);
         for second in 0..72 {
             let east = 20.0 * second as f32;
-            let error = BEARING_DEVIATION * normal(&mut rng);
-            let wild = if second % 5 == 0 { east } else { 0.0 };
-            let direction = math::atan2(SOURCE[1], SOURCE[0] - east) + error + wild;
+            let error = BEARING_SIGMA_RAD * normal(&mut rng);
+            let outlier = if second % 5 == 0 { east } else { 0.0 };
+            let direction = math::atan2(SOURCE[1], SOURCE[0] - east) + error + outlier;
             let bearing = Bearing::from_radians(direction);
-            let observation = Observation::new([east, 0.0], bearing, BEARING_DEVIATION);
+            let observation = Observation::new([east, 0.0], bearing, BEARING_SIGMA_RAD);
             let observation = observation.expect("the drive is short");
             // One of eight bearings has them moved.
             if second < 64 {

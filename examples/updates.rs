@@ -66,7 +66,7 @@ mod target {
     /// A gateway whose particles move as published, after every bearing.
     fn greedy<F: Refinement<2>>(refinement: F) -> Vehicle<Locator<200, 64, F>> {
         let settings = locator::Settings::new().resample_share(1.0);
-        let locator = Locator::with_refinement(settings.expect("one is a share"), refinement);
+        let locator = Locator::with_refinement(settings.expect("one is a fraction"), refinement);
         black_box(Vehicle::new(Settings::new(), locator))
     }
 
@@ -125,7 +125,7 @@ mod target {
         }
     }
 
-    /// What a robust locator takes for bearings of which three tenths are wild: along a track, and on a drive towards
+    /// What a robust locator takes for bearings of which three tenths are outliers: along a track, and on a drive towards
     /// the source, whose first fix comes when the memory of bearings is full, of a vehicle that then turns aside.
     fn robust_updates(stopwatch: &Stopwatch) -> Updates {
         let mut updates = Updates::default();
@@ -144,8 +144,8 @@ mod target {
             let mut locator = black_box(RobustLocator::<256, 64>::new(robust::Settings::default()));
             for [px, py] in places {
                 let (error, kind) = (0.0195 * normal(&mut rng), uniform(&mut rng));
-                let wild = if kind < 0.3 { 20.0 * kind } else { 0.0 };
-                let bearing = foxhunt::math::atan2(y - py, x - px) + error + wild;
+                let outlier = if kind < 0.3 { 20.0 * kind } else { 0.0 };
+                let bearing = foxhunt::math::atan2(y - py, x - px) + error + outlier;
                 let bearing = Bearing::from_radians(bearing);
                 let observation = Observation::new([px, py], bearing, 0.0195).expect("in range");
                 let (_, instructions) =
@@ -172,9 +172,9 @@ mod target {
     /// Where a bearing is taken, or where its source is.
     type Where = fn(u32) -> [f32; 2];
 
-    /// What several sources take: three tenths of the bearings wild, three sources that are heard from the start, along a
-    /// track, and three of which the third comes when the memory of wild bearings is full; one straight ahead, which
-    /// becomes observable only then, when the vehicle turns aside, with as many wild bearings and with none; and one of
+    /// What several sources take: three tenths of the bearings outliers, three sources that are heard from the start, along a
+    /// track, and three of which the third comes when the memory of outliers is full; one straight ahead, which
+    /// becomes observable only then, when the vehicle turns aside, with as many outliers and with none; and one of
     /// two that drives off for a while, round which the vehicle drives.
     fn sources_updates<L: Locate + Clone>(locator: &L, stopwatch: &Stopwatch) -> Updates {
         const PLACES: [[f32; 2]; 3] = [[1200.0, 800.0], [2300.0, 300.0], [600.0, -700.0]];
@@ -208,13 +208,17 @@ mod target {
             (130, ahead, there, 0.0),
             (360, round, driving, 0.3),
         ];
-        for (count, place, truth, share) in drives {
+        for (count, place, truth, outlier_rate) in drives {
             let mut sources = locator.clone();
             for i in 0..count {
                 let ([px, py], [x, y]) = (place(i), truth(i));
                 let (error, kind) = (0.0195 * normal(&mut rng), uniform(&mut rng));
-                let wild = if kind < share { 20.0 * kind } else { 0.0 };
-                let bearing = foxhunt::math::atan2(y - py, x - px) + error + wild;
+                let outlier = if kind < outlier_rate {
+                    20.0 * kind
+                } else {
+                    0.0
+                };
+                let bearing = foxhunt::math::atan2(y - py, x - px) + error + outlier;
                 let bearing = Bearing::from_radians(bearing);
                 let observation = Observation::new([px, py], bearing, 0.0195).expect("in range");
                 let (_, instructions) =
@@ -253,8 +257,8 @@ mod target {
         }
     }
 
-    /// The dearest byte of a drive whose first fix comes when the memory of bearings is full: for a minute the vehicle is
-    /// parked, then it is 400 m further north.
+    /// The byte that takes longest, of a drive whose first fix comes when the memory of bearings is full: for a minute the vehicle is
+    /// stationary, then it is 400 m further north.
     fn worst_byte(mut gateway: Vehicle<Locator<200, 64>>, stopwatch: &Stopwatch) -> u64 {
         let mut worst = 0;
         let mut push = |text: &str| {

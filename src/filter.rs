@@ -4,60 +4,38 @@
 //! The model is an argument of each step, so one filter takes any number of sensors, and a measurement that
 //! is missing is a step that is left out.
 
-use core::fmt;
-
 use crate::estimate;
-use crate::math::ln;
 use crate::model::{Dynamics, Likelihood};
 use crate::particles::Particles;
 use crate::persist;
 use crate::random::Rng;
 use crate::refine::{Memory, Refinement, Report};
 use crate::resample::Scheme;
-use crate::weights;
+pub use crate::weights::UpdateError;
+use crate::weights::Weights;
 
 /// A particle filter of `N` particles with a state of `D` dimensions.
 ///
-/// Takes 4 N (D + 2) + 8 bytes, has no heap and never moves itself: put it into a `static`.
+/// Takes 4 N (D + 2) + 8 bytes, has no heap and never moves itself: put it into a `static`, where it takes no flash.
 ///
 /// See [`crate::model`] for a complete example.
 #[derive(Debug, Clone)]
 pub struct ParticleFilter<const D: usize, const N: usize> {
-    particles: Particles<D, N>,
-    /// The exponentials of the log-weights, scaled to sum to one.
-    weights: [f32; N],
-    /// Natural logarithm of the sum of the exponentials of the log-weights.
-    log_sum: f32,
-    effective_sample_size: f32,
+    pub(crate) particles: Particles<D, N>,
+    pub(crate) weights: Weights<N>,
 }
-
-/// Why an update was refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum UpdateError {
-    /// Every particle finds the measurement impossible (log-likelihood minus infinity, or NaN). The filter
-    /// stays as it was: leave the measurement out, or start again from elsewhere.
-    AllWeightsZero,
-}
-
-impl fmt::Display for UpdateError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("every particle finds the measurement impossible")
-    }
-}
-
-impl core::error::Error for UpdateError {}
 
 impl<const D: usize, const N: usize> ParticleFilter<D, N> {
-    /// All particles at the origin, with equal weights; see [`ParticleFilter::initialise`].
+    /// All particles at the origin, with equal weights, in bits that are all zero. Only [`ParticleFilter::initialise`]
+    /// or an update makes [`ParticleFilter::weights`] sum to one.
+    pub const EMPTY: Self = Self {
+        particles: Particles::EMPTY,
+        weights: Weights::EMPTY,
+    };
+
+    /// [`ParticleFilter::EMPTY`].
     pub const fn new() -> Self {
-        Self {
-            particles: Particles::new(),
-            weights: [1.0 / N as f32; N],
-            log_sum: ln(N as f32),
-            effective_sample_size: N as f32,
-        }
+        Self::EMPTY
     }
 
     /// Draws the state of every particle from `draw`, the prior, and makes their weights equal.
@@ -67,8 +45,27 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
         draw: impl FnMut(&mut R) -> [f32; D],
     ) {
         self.particles.initialise(rng, draw);
-        self.weights = [1.0 / N as f32; N];
-        self.equal_weights();
+        self.weights.make_equal();
+    }
+
+    /// Follows the state for `dt` seconds to a measurement: resamples if the effective sample size is below half of the
+    /// number of particles, predicts, updates, and returns the log-evidence.
+    ///
+    /// The parts are there for all else: another fraction or scheme, a measurement that is missing (predict alone), a
+    /// second one of the same time (update alone).
+    ///
+    /// # Errors
+    /// When no particle is left with any weight; the measurement then counts as missing.
+    pub fn step<R: Rng + ?Sized>(
+        &mut self,
+        model: &impl Dynamics<D>,
+        measurement: &impl Likelihood<D>,
+        dt: f32,
+        rng: &mut R,
+    ) -> Result<f32, UpdateError> {
+        self.resample_below(0.5, rng);
+        self.predict(model, dt, rng);
+        self.update(measurement)
     }
 
     /// Moves every particle by `dt` seconds.
@@ -83,24 +80,16 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
     /// # Errors
     /// When no particle is left with any weight; the filter is then as before.
     pub fn update(&mut self, likelihood: &impl Likelihood<D>) -> Result<f32, UpdateError> {
-        likelihood.log_likelihoods(&self.particles.columns(), &mut self.weights);
-        let log_weights = self.particles.log_weights_mut();
-        let Some(normalised) = weights::reweigh(log_weights, &mut self.weights) else {
-            // The weights follow from the log-weights, which are untouched.
-            weights::normalise(log_weights, &mut self.weights);
-            return Err(UpdateError::AllWeightsZero);
-        };
-        let log_evidence = normalised.shift + normalised.log_sum - self.log_sum;
-        self.log_sum = normalised.log_sum;
-        self.effective_sample_size = normalised.effective_sample_size;
-        Ok(log_evidence)
+        let (_, log_likelihoods) = self.weights.columns_mut();
+        likelihood.log_likelihoods(&self.particles.columns(), log_likelihoods);
+        self.weights.update()
     }
 
-    /// Resamples if the effective sample size is below `share` of the number of particles; says whether it did.
+    /// Resamples if the effective sample size is below `fraction` of the number of particles; says whether it did.
     ///
     /// Do so before a prediction rather than after an update: the estimate of a weighted cloud is the better one.
-    pub fn resample_below<R: Rng + ?Sized>(&mut self, share: f32, rng: &mut R) -> bool {
-        let needed = self.effective_sample_size < share * N as f32;
+    pub fn resample_below<R: Rng + ?Sized>(&mut self, fraction: f32, rng: &mut R) -> bool {
+        let needed = self.effective_sample_size() < fraction * N as f32;
         if needed {
             self.resample(Scheme::Systematic, rng);
         }
@@ -109,8 +98,9 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
 
     /// Replaces light particles by copies of heavy ones and makes the weights equal.
     pub fn resample<R: Rng + ?Sized>(&mut self, scheme: Scheme, rng: &mut R) {
-        self.particles.resample(scheme, &mut self.weights, rng);
-        self.equal_weights();
+        self.weights.resample(scheme, rng, |ancestors, scratch| {
+            self.particles.gather(ancestors, scratch);
+        });
     }
 
     /// Moves the particles by the log-density `target` and leaves their weights as they are: see [`crate::refine`]
@@ -126,27 +116,22 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
         refinement.refine(columns, target, &mut memory.workspace(), rng)
     }
 
-    fn equal_weights(&mut self) {
-        self.log_sum = ln(N as f32);
-        self.effective_sample_size = N as f32;
-    }
-
     /// How many equally weighted particles the cloud is worth, from 1 to `N`.
     pub fn effective_sample_size(&self) -> f32 {
-        self.effective_sample_size
+        self.weights.effective_sample_size()
     }
 
     /// Weighted mean of the states.
     pub fn mean(&self) -> [f32; D] {
-        estimate::mean(&self.particles.columns(), &self.weights)
+        estimate::mean(&self.particles.columns(), self.weights())
     }
 
     /// Weighted covariance of the states.
     pub fn covariance(&self) -> [[f32; D]; D] {
-        estimate::covariance(&self.particles.columns(), &self.weights)
+        estimate::covariance(&self.particles.columns(), self.weights())
     }
 
-    /// The states and log-weights.
+    /// The states.
     pub fn particles(&self) -> &Particles<D, N> {
         &self.particles
     }
@@ -158,7 +143,12 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
 
     /// The weights, which sum to one.
     pub fn weights(&self) -> &[f32] {
-        &self.weights
+        self.weights.weights()
+    }
+
+    /// Natural log-weights with an arbitrary common offset.
+    pub fn log_weights(&self) -> &[f32] {
+        self.weights.log_weights()
     }
 }
 
@@ -168,9 +158,7 @@ impl<const D: usize, const N: usize> Default for ParticleFilter<D, N> {
     }
 }
 
-persist!(impl[const D: usize, const N: usize] ParticleFilter<D, N> as "ParticleFilter"(D, N) {
-    particles, weights, log_sum, effective_sample_size
-});
+persist!(impl[const D: usize, const N: usize] ParticleFilter<D, N> as "ParticleFilter"(D, N) { particles, weights });
 
 #[cfg(test)]
 mod tests {
@@ -199,12 +187,9 @@ mod tests {
         for impossible in [f32::NEG_INFINITY, f32::NAN, f32::INFINITY] {
             let result = filter.update(&|_: &[f32; 2]| impossible);
             assert_eq!(result, Err(UpdateError::AllWeightsZero));
-            assert_eq!(filter.weights, before.weights);
-            assert_eq!(filter.log_sum, before.log_sum);
-            assert_eq!(
-                filter.particles.log_weights(),
-                before.particles.log_weights()
-            );
+            assert_eq!(filter.weights(), before.weights());
+            assert_eq!(filter.weights.log_sum(), before.weights.log_sum());
+            assert_eq!(filter.log_weights(), before.log_weights());
         }
     }
 

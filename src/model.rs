@@ -1,4 +1,4 @@
-//! What a user tells the filter: how states move, and how well a measurement fits a state.
+//! What a user tells the filter: how states move, and how well they explain a measurement.
 //!
 //! Both traits ask for one particle and get the whole cloud for free; a model that knows a faster way over
 //! the columns overrides the second method. This is a complete model of a robot on a line that measures its
@@ -6,29 +6,38 @@
 //!
 //! ```
 //! use foxhunt::filter::ParticleFilter;
-//! use foxhunt::model::Dynamics;
+//! use foxhunt::model::{Dynamics, Likelihood};
 //! use foxhunt::random::{normal, Rng, SeedableRng, Xoshiro128PlusPlus};
 //!
-//! struct Robot { speed: f32 }
+//! struct Robot { speed_m_s: f32 }
 //!
 //! impl Dynamics<1> for Robot {
 //!     fn step<R: Rng + ?Sized>(&self, [x]: [f32; 1], dt: f32, rng: &mut R) -> [f32; 1] {
-//!         [x + self.speed * dt + 0.1 * normal(rng)]
+//!         [x + self.speed_m_s * dt + 0.1 * normal(rng)]
+//!     }
+//! }
+//!
+//! struct Distance { metres: f32 }
+//!
+//! impl Likelihood<1> for Distance {
+//!     fn log_likelihood(&self, [x]: &[f32; 1]) -> f32 {
+//!         -0.5 * ((self.metres - x) / 0.2).powi(2)
 //!     }
 //! }
 //!
 //! let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
 //! let mut filter = ParticleFilter::<1, 500>::new();
 //! filter.initialise(&mut rng, |rng| [normal(rng)]);
+//! let robot = Robot { speed_m_s: 1.0 };
 //! for second in 1..=10 {
-//!     let measured = second as f32;
-//!     filter.resample_below(0.5, &mut rng);
-//!     filter.predict(&Robot { speed: 1.0 }, 1.0, &mut rng);
-//!     // A closure from the state to the log-likelihood is a likelihood.
-//!     filter.update(&|&[x]: &[f32; 1]| -0.5 * ((measured - x) / 0.2).powi(2)).unwrap();
+//!     let measurement = Distance { metres: second as f32 };
+//!     filter.step(&robot, &measurement, 1.0, &mut rng)?;
 //! }
 //! assert!((filter.mean()[0] - 10.0).abs() < 0.2);
+//! # Ok::<(), foxhunt::filter::UpdateError>(())
 //! ```
+//!
+//! A closure from the state to its log-likelihood is a likelihood, too.
 
 use crate::math::sqrt;
 use crate::particles::{read, write};

@@ -5,34 +5,24 @@
 
 use crate::persist;
 use crate::random::Rng;
-use crate::resample::{Scheme, resample};
+use crate::resample::Ancestors;
 
-/// `N` particles with a state of `D` dimensions, and their log-weights.
-///
-/// Log-weights are natural logarithms with an arbitrary common offset: [`crate::weights`] turns them into
-/// weights that sum to one.
+/// `N` particles with a state of `D` dimensions.
 #[derive(Debug, Clone)]
 pub struct Particles<const D: usize, const N: usize> {
     columns: [[f32; N]; D],
-    log_weights: [f32; N],
 }
 
 impl<const D: usize, const N: usize> Particles<D, N> {
-    /// All particles at the origin, with equal weights.
-    pub const fn new() -> Self {
-        const {
-            assert!(
-                D > 0 && N > 0 && N <= 1 << 16,
-                "from one to 65,536 particles"
-            )
-        };
+    /// All particles at the origin, in bits that are all zero.
+    pub const EMPTY: Self = {
+        assert!(D > 0, "a state has dimensions");
         Self {
             columns: [[0.0; N]; D],
-            log_weights: [0.0; N],
         }
-    }
+    };
 
-    /// Draws the state of every particle from `draw` and makes their weights equal.
+    /// Draws the state of every particle from `draw`.
     pub fn initialise<R: Rng + ?Sized>(
         &mut self,
         rng: &mut R,
@@ -41,37 +31,14 @@ impl<const D: usize, const N: usize> Particles<D, N> {
         for i in 0..N {
             self.set(i, draw(rng));
         }
-        self.log_weights = [0.0; N];
     }
 
-    /// Replaces light particles by copies of heavy ones, and makes the weights equal. `weights` must sum to one.
-    pub fn resample<R: Rng + ?Sized>(
-        &mut self,
-        scheme: Scheme,
-        weights: &mut [f32; N],
-        rng: &mut R,
-    ) {
-        self.resample_columns([true; D], scheme, weights, rng);
-    }
-
-    /// The same for some of the columns; the others, which say nothing, stay as they are.
+    /// Replaces every particle by its ancestor. `scratch` holds nothing of use before or after.
     #[inline(always)]
-    pub(crate) fn resample_columns<R: Rng + ?Sized>(
-        &mut self,
-        wanted: [bool; D],
-        scheme: Scheme,
-        weights: &mut [f32; N],
-        rng: &mut R,
-    ) {
-        // Both columns of weights are about to be equal: until then they serve as memory.
-        let ancestors = resample(scheme, weights, &mut self.log_weights, rng);
-        for (column, wanted) in self.columns.iter_mut().zip(wanted) {
-            if wanted {
-                ancestors.gather(column, weights);
-            }
+    pub fn gather(&mut self, ancestors: &Ancestors<'_>, scratch: &mut [f32; N]) {
+        for column in &mut self.columns {
+            ancestors.gather(column, scratch);
         }
-        self.log_weights = [0.0; N];
-        *weights = [1.0 / N as f32; N];
     }
 
     /// The state of particle `i`, or `None` when there are fewer particles.
@@ -93,22 +60,6 @@ impl<const D: usize, const N: usize> Particles<D, N> {
     pub fn columns_mut(&mut self) -> [&mut [f32]; D] {
         self.columns.each_mut().map(|column| column.as_mut_slice())
     }
-
-    /// Natural log-weights with an arbitrary common offset.
-    pub fn log_weights(&self) -> &[f32] {
-        &self.log_weights
-    }
-
-    /// Natural log-weights, to change them.
-    pub fn log_weights_mut(&mut self) -> &mut [f32] {
-        &mut self.log_weights
-    }
-}
-
-impl<const D: usize, const N: usize> Default for Particles<D, N> {
-    fn default() -> Self {
-        Self::new()
-    }
 }
 
 /// Row `i` of the columns; zero where a column is shorter.
@@ -127,4 +78,4 @@ pub fn write<const D: usize>(columns: &mut [&mut [f32]; D], i: usize, state: [f3
     }
 }
 
-persist!(impl[const D: usize, const N: usize] Particles<D, N> as "Particles"(D, N) { columns, log_weights });
+persist!(impl[const D: usize, const N: usize] Particles<D, N> as "Particles"(D, N) { columns });

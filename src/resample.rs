@@ -88,7 +88,7 @@ pub struct Ancestors<'a> {
 
 impl Ancestors<'_> {
     /// The ancestor of each particle.
-    pub fn iter(&self) -> impl Iterator<Item = usize> {
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = usize> + ExactSizeIterator {
         self.indices.iter().map(|index| index.to_bits() as usize)
     }
 

@@ -1,9 +1,164 @@
 //! From log-weights to weights, in one place and without underflow.
 //!
 //! Log-weights are shifted by their maximum before the exponential, so the best particle always has a
-//! weight: a measurement that every particle finds a thousand deviations off still ranks them.
+//! weight: a measurement that is a thousand sigmas away from every particle still ranks them.
+
+use core::fmt;
 
 use crate::math::{exp_of_weight, ln};
+use crate::persist;
+use crate::random::Rng;
+use crate::resample::{Ancestors, Scheme, resample};
+
+/// The weights of `N` particles: natural log-weights, which have an arbitrary common offset, and what follows from them.
+///
+/// ```
+/// use foxhunt::weights::Weights;
+///
+/// let mut weights = Weights::<4>::EMPTY;
+/// let (_, log_likelihoods) = weights.columns_mut();
+/// *log_likelihoods = [0.0, 0.0, -100.0, -100.0];
+/// let log_evidence = weights.update()?;
+/// // Half of the particles explain the measurement.
+/// assert!((log_evidence - 0.5_f32.ln()).abs() < 1e-6);
+/// assert_eq!(weights.weights(), [0.5, 0.5, 0.0, 0.0]);
+/// assert_eq!(weights.effective_sample_size(), 2.0);
+/// # Ok::<(), foxhunt::weights::UpdateError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Weights<const N: usize> {
+    log_weights: [f32; N],
+    /// The exponentials of the log-weights, scaled to sum to one.
+    weights: [f32; N],
+    /// Natural logarithm of the sum of the exponentials of the log-weights.
+    log_sum: f32,
+    /// At least one; zero as long as the weights are those of `EMPTY`, which makes the other sums void.
+    effective_sample_size: f32,
+}
+
+/// Why an update was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum UpdateError {
+    /// Every particle finds the measurement impossible (log-likelihood minus infinity, or NaN). The filter
+    /// stays as it was: leave the measurement out, or start again from elsewhere.
+    AllWeightsZero,
+}
+
+impl fmt::Display for UpdateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("every particle finds the measurement impossible")
+    }
+}
+
+impl core::error::Error for UpdateError {}
+
+impl<const N: usize> Weights<N> {
+    /// Equal weights, in bits that are all zero: [`Weights::weights`] holds zeros until the first call of any other method
+    /// that changes the weights.
+    pub const EMPTY: Self = {
+        assert!(N > 0 && N <= 1 << 16, "from one to 65,536 particles");
+        Self {
+            log_weights: [0.0; N],
+            weights: [0.0; N],
+            log_sum: 0.0,
+            effective_sample_size: 0.0,
+        }
+    };
+
+    /// Makes all weights equal.
+    pub fn make_equal(&mut self) {
+        self.log_weights = [0.0; N];
+        self.weights = [1.0 / N as f32; N];
+        self.log_sum = const { ln(N as f32) };
+        self.effective_sample_size = N as f32;
+    }
+
+    /// Natural log-weights with an arbitrary common offset.
+    pub fn log_weights(&self) -> &[f32] {
+        &self.log_weights
+    }
+
+    /// The weights, which sum to one.
+    pub fn weights(&self) -> &[f32] {
+        &self.weights
+    }
+
+    /// Natural logarithm of the sum of the exponentials of the log-weights.
+    pub fn log_sum(&self) -> f32 {
+        if self.effective_sample_size > 0.0 {
+            self.log_sum
+        } else {
+            const { ln(N as f32) }
+        }
+    }
+
+    /// How many equally weighted particles the cloud is worth, from 1 to `N`.
+    pub fn effective_sample_size(&self) -> f32 {
+        if self.effective_sample_size > 0.0 {
+            self.effective_sample_size
+        } else {
+            N as f32
+        }
+    }
+
+    /// The column of log-weights and that of weights, to be changed before [`Weights::normalise`], which reads the first, or
+    /// [`Weights::update`], which reads the second as log-likelihoods.
+    pub fn columns_mut(&mut self) -> (&mut [f32; N], &mut [f32; N]) {
+        (&mut self.log_weights, &mut self.weights)
+    }
+
+    /// Computes the weights from the log-weights.
+    ///
+    /// # Errors
+    /// When no particle has a weight. The log-weights are then as before, and the weights of no use.
+    pub fn normalise(&mut self) -> Result<Normalised, UpdateError> {
+        let normalised = normalise(&mut self.log_weights, &mut self.weights);
+        self.keep(normalised)
+    }
+
+    /// Multiplies the weights by likelihoods, whose logarithms were written into the second of [`Weights::columns_mut`].
+    /// Returns the log-evidence: the natural logarithm of the weighted mean of the likelihoods.
+    ///
+    /// # Errors
+    /// When no particle is left with any weight. The weights are then as before.
+    pub fn update(&mut self) -> Result<f32, UpdateError> {
+        let before = self.log_sum();
+        let normalised = reweigh(&mut self.log_weights, &mut self.weights);
+        if normalised.is_none() {
+            // The weights follow from the log-weights, which are untouched.
+            normalise(&mut self.log_weights, &mut self.weights);
+        }
+        let Normalised { shift, log_sum, .. } = self.keep(normalised)?;
+        Ok(shift + log_sum - before)
+    }
+
+    /// Keeps the sums, if there are any.
+    fn keep(&mut self, normalised: Option<Normalised>) -> Result<Normalised, UpdateError> {
+        let normalised = normalised.ok_or(UpdateError::AllWeightsZero)?;
+        self.log_sum = normalised.log_sum;
+        self.effective_sample_size = normalised.effective_sample_size;
+        Ok(normalised)
+    }
+
+    /// Chooses an ancestor for every particle by the weights, and makes the weights equal. `carry` replaces whatever belongs
+    /// to the particles; it gets a column of scratch memory, too.
+    #[inline(always)]
+    pub fn resample<R: Rng + ?Sized>(
+        &mut self,
+        scheme: Scheme,
+        rng: &mut R,
+        carry: impl FnOnce(&Ancestors<'_>, &mut [f32; N]),
+    ) {
+        // Both columns are about to be equal: until then they serve as memory.
+        let ancestors = resample(scheme, &self.weights, &mut self.log_weights, rng);
+        carry(&ancestors, &mut self.weights);
+        self.make_equal();
+    }
+}
+
+persist!(impl[const N: usize] Weights<N> as "Weights"(N) { log_weights, weights, log_sum, effective_sample_size });
 
 /// What the sum over the weights says.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,7 +178,7 @@ pub struct Normalised {
 /// A log-weight that is NaN or plus infinity stands for no weight at all, like minus infinity. Weights below
 /// 2^-60 of the largest become zero.
 ///
-/// Returns `None`, with the log-weights as they were and no use in the weights, when no particle has any.
+/// Returns `None` when no particle has a weight: the log-weights are then as before, and the weights of no use.
 pub fn normalise(log_weights: &mut [f32], weights: &mut [f32]) -> Option<Normalised> {
     weights.fill(0.0);
     reweigh(log_weights, weights)
@@ -159,6 +314,21 @@ mod tests {
         let one = normalise(&mut logs, &mut weights).unwrap();
         assert_eq!(one.effective_sample_size, 1.0);
         assert_eq!(effective_sample_size(&weights), 1.0);
+    }
+
+    #[test]
+    fn empty_weights_are_equal() {
+        let mut weights = Weights::<64>::EMPTY;
+        assert_eq!(weights.effective_sample_size(), 64.0);
+        weights.columns_mut().1.fill(1.5);
+        assert!((weights.update().unwrap() - 1.5).abs() < 1e-5);
+        assert_eq!(weights.weights(), [1.0 / 64.0; 64]);
+
+        let mut weights = Weights::<64>::EMPTY;
+        weights.columns_mut().1.fill(f32::NAN);
+        assert_eq!(weights.update(), Err(UpdateError::AllWeightsZero));
+        assert_eq!(weights.weights(), [1.0 / 64.0; 64]);
+        assert_eq!(weights.effective_sample_size(), 64.0);
     }
 
     #[test]

@@ -17,7 +17,7 @@ use foxhunt::{
         Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Memory, Refinement, fish,
     },
     resample::{Scheme, resample},
-    weights,
+    weights::{self, Weights},
 };
 
 use crate::{
@@ -42,13 +42,17 @@ pub fn random(rng: &mut Xoshiro128PlusPlus) {
 }
 
 pub fn cloud(rng: &mut Xoshiro128PlusPlus) {
-    let mut cloud = any(Particles::<3, 50>::new());
+    let mut cloud = any(Particles::<3, 50>::EMPTY);
     cloud.initialise(rng, |_| any([0.0; 3]));
     cloud.set(any(0), any([0.0; 3]));
     black_box(cloud.get(any(0)));
-    cloud.log_weights_mut().fill(any(0.0));
-    cloud.resample(any(Scheme::Systematic), &mut any([0.0; 50]), rng);
-    black_box(cloud.log_weights());
+    let mut weights = any(Weights::<50>::EMPTY);
+    *weights.columns_mut().1 = any([0.0; 50]);
+    _ = black_box((weights.update(), weights.normalise()));
+    weights.resample(any(Scheme::Systematic), rng, |ancestors, scratch| {
+        cloud.gather(ancestors, scratch);
+    });
+    black_box((weights.log_weights(), weights.log_sum()));
 
     let (mut a, mut b, mut c) = (any([0.0; 20]), any([0.0; 20]), any([0.0; 20]));
     let mut columns = [some_mut(&mut a), some_mut(&mut b)];
@@ -96,8 +100,9 @@ pub fn filter(rng: &mut Xoshiro128PlusPlus) {
         filter.covariance(),
         filter.effective_sample_size(),
     ));
+    _ = black_box(filter.step(&any(Static), &|_: &[f32; 4]| any(0.0), any(0.0), rng));
     black_box((filter.columns_mut(), any(0.0)));
-    black_box((filter.particles(), filter.weights()));
+    black_box((filter.particles(), filter.weights(), filter.log_weights()));
 }
 
 pub fn refine<const D: usize>(rng: &mut Xoshiro128PlusPlus) {
@@ -163,11 +168,12 @@ pub fn kalman(rng: &mut Xoshiro128PlusPlus) {
 
 pub fn propose(rng: &mut Xoshiro128PlusPlus) {
     let covariance = any(Covariance::diagonal([0.0]));
-    let mut unscented = any(UnscentedParticleFilter::<1, 10>::new());
+    let mut unscented = any(UnscentedParticleFilter::<1, 10>::EMPTY);
     unscented.initialise(rng, &covariance, |_| any([0.0]));
-    let mut auxiliary = any(AuxiliaryFilter::<1, 10>::new());
+    let mut auxiliary = any(AuxiliaryFilter::<1, 10>::EMPTY);
     auxiliary.initialise(rng, |_| any([0.0]));
-    let mut points = any(PointMassFilter::<1, 10>::at([0.0]));
+    let mut points = any(PointMassFilter::<1, 10>::EMPTY);
+    points.initialise_at(any([0.0]));
     let mut memory = any([0.0; 32]);
     let seed = any(1);
     for (dynamics, _, measurement) in gamma::simulate(
@@ -194,14 +200,14 @@ pub fn propose(rng: &mut Xoshiro128PlusPlus) {
         deviation: [0.0; 2],
     });
     let mut memory = any([0.0; 300]);
-    let mut auxiliary = any(AuxiliaryFilter::<2, 10>::new());
+    let mut auxiliary = any(AuxiliaryFilter::<2, 10>::EMPTY);
     let likelihood = |state: &[f32; 2]| any(state[0]);
     _ = black_box(auxiliary.step(&walk, &likelihood, any(0.0), &mut memory, rng));
     let (low, high) = any(([0.0; 2], [0.0; 2]));
     let prior = |state: &[f32; 2]| any(state[1]);
-    if let Ok(mut points) = PointMassFilter::<2, 10>::from_prior(low, high, prior, &mut memory) {
-        _ = black_box(points.step(&walk, &likelihood, any(0.0), &mut memory));
-    }
+    let mut points = any(PointMassFilter::<2, 10>::EMPTY);
+    _ = black_box(points.initialise(low, high, prior, &mut memory));
+    _ = black_box(points.step(&walk, &likelihood, any(0.0), &mut memory));
     for observation in any(Track::A2).simulate(rng) {
         black_box(observation);
     }

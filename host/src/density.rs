@@ -1,4 +1,4 @@
-//! How dense particles are: the smallest regions that hold a share of the probability.
+//! How dense particles are: the smallest regions that hold a given probability.
 
 use contour::ContourBuilder;
 use foxhunt::{
@@ -6,10 +6,10 @@ use foxhunt::{
     estimate::{self, Ellipse, quantile},
 };
 
-/// The smallest region that holds a share of the probability.
+/// The smallest region that holds a given probability.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
-    /// Its share, 0 to 1.
+    /// What it holds, 0 to 1.
     pub probability: f64,
     /// Its parts, the larger first: each an outline, counter-clockwise, and its holes, clockwise. Rings of places in the
     /// unit of the particles; the last place of a ring is its first.
@@ -21,15 +21,15 @@ pub type Ring = Vec<[f64; 2]>;
 
 /// Fewest and most cells along an axis of the grid.
 const CELLS: [f64; 2] = [32.0, 128.0];
-/// Cells for a deviation of the kernel.
+/// Cells for a sigma of the kernel.
 const FINENESS: f64 = 3.0;
-/// Where the kernel ends, in its deviations.
+/// Where the kernel ends, in its sigmas.
 const KERNEL: f64 = 3.5;
 
-/// The regions of a cloud that hold these shares of its probability, by a kernel density.
+/// The regions of a cloud that hold these probabilities, by a kernel density.
 ///
 /// The kernel is normal, along the principal axes of the cloud, and as wide as Scott's rule says (*Multivariate Density
-/// Estimation*, 1992): the deviation along each axis, or what the quartiles say it is where that is less, by the number
+/// Estimation*, 1992): the sigma along each axis, or what the quartiles say it is where that is less, by the number
 /// of particles to the power of -1/6.
 pub fn regions(cloud: &Cloud<'_>, probabilities: &[f64]) -> Vec<Region> {
     let Some(grid) = Grid::new(cloud) else {
@@ -54,7 +54,7 @@ struct Axis {
     low: f64,
     step: f64,
     cells: usize,
-    /// The deviation of the kernel.
+    /// The sigma of the kernel.
     width: f64,
 }
 
@@ -63,7 +63,7 @@ impl Grid {
         let columns = [cloud.east, cloud.north];
         let centre = estimate::mean(&columns, cloud.weights);
         let covariance = estimate::covariance(&columns, cloud.weights);
-        let ellipse = Ellipse::of_normal(centre, covariance, Ellipse::ONE_SIGMA);
+        let ellipse = Ellipse::of_sigmas(centre, covariance, 1.0);
         let (centre, orientation) = (centre.map(f64::from), f64::from(ellipse.orientation));
         let (sin, cos) = orientation.sin_cos();
         let turned: [Vec<f32>; 2] = [[cos, sin], [-sin, cos]].map(|[x, y]| {
@@ -100,7 +100,7 @@ impl Grid {
         })
     }
 
-    /// The density above which lies this share of the probability.
+    /// The density above which this much of the probability lies.
     fn level(&self, probability: f64) -> f64 {
         let mut sorted = self.density.clone();
         sorted.sort_by(|a, b| b.total_cmp(a));
@@ -154,16 +154,16 @@ impl Grid {
 
 impl Axis {
     /// Of particles worth so many of the same weight.
-    fn new(column: &[f32], weights: &[f32], deviation: f32, worth: f64) -> Option<Self> {
-        /// From the quartiles of a normal distribution to its deviation.
+    fn new(column: &[f32], weights: &[f32], sigma: f32, worth: f64) -> Option<Self> {
+        /// From the quartiles of a normal distribution to its sigma.
         const QUARTILES: f64 = 1.349;
-        let deviation = f64::from(deviation);
-        let quartile = |share| f64::from(quantile(column, weights, share));
+        let sigma = f64::from(sigma);
+        let quartile = |fraction| f64::from(quantile(column, weights, fraction));
         let by_quartiles = (quartile(0.75) - quartile(0.25)) / QUARTILES;
         let scale = if by_quartiles > 0.0 {
-            by_quartiles.min(deviation)
+            by_quartiles.min(sigma)
         } else {
-            deviation
+            sigma
         };
         let mut inside = (column.iter().zip(weights))
             .filter(|(_, weight)| **weight > 0.0)
@@ -250,8 +250,8 @@ mod tests {
         crossings
             .filter(|pair| (pair[0][1] > y) != (pair[1][1] > y))
             .filter(|pair| {
-                let share = (y - pair[0][1]) / (pair[1][1] - pair[0][1]);
-                x < pair[0][0] + share * (pair[1][0] - pair[0][0])
+                let fraction = (y - pair[0][1]) / (pair[1][1] - pair[0][1]);
+                x < pair[0][0] + fraction * (pair[1][0] - pair[0][0])
             })
             .count()
             % 2
@@ -260,7 +260,7 @@ mod tests {
 
     /// Of 2000 points a region of probability p holds p, but for what the kernel widens it.
     #[test]
-    fn regions_hold_their_shares_and_lie_in_each_other() {
+    fn regions_hold_their_probabilities_and_lie_in_each_other() {
         let places = cloud(2000, |u, v, _| {
             [100.0 + 30.0 * u, -50.0 + 20.0 * u + 1.5 * v]
         });

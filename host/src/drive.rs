@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Write};
 
-use foxhunt::gateway::Settings;
+use foxhunt_gateways::plain;
 use rand::{Rng, RngExt};
 
 use crate::{
@@ -165,7 +165,7 @@ pub fn example(seed: u64) -> Drive {
         }
         if second % PAUSE == 0 {
             let quality = quality(&mut rng);
-            let error = deviation_degrees(quality) * normal(&mut rng);
+            let error = sigma_degrees(quality) * normal(&mut rng);
             drive.kraken(Reading {
                 time,
                 degrees: place.compass_degrees(transmitter) - heading + error,
@@ -186,8 +186,8 @@ fn quality(rng: &mut impl Rng) -> f64 {
 }
 
 /// Standard deviation of a bearing of this quality, in degrees, as the gateway takes it to be.
-pub(crate) fn deviation_degrees(quality: f64) -> f64 {
-    f64::from(Settings::default().deviation_rad(quality as f32)).to_degrees()
+pub(crate) fn sigma_degrees(quality: f64) -> f64 {
+    f64::from(plain::CONFIG.sigma_rad(quality as f32)).to_degrees()
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
-//! What goes wrong with bearings: some are wild, some mirrored, all may be biased, and those of a parked vehicle repeat
-//! each other's errors.
+//! What goes wrong with bearings: some are outliers, some mirrored, all may be biased, and those of a stationary vehicle
+//! repeat each other's errors.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,24 +13,24 @@ use crate::tracks::Track;
 /// How many bearings are wrong, and how.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Faults {
-    /// Share of the bearings that are uniform on the circle.
-    pub wild: f64,
-    /// Share of the bearings that are turned by half a circle.
-    pub mirror: f64,
-    /// Standard deviation of what all bearings of a run are off by alike, in radians.
-    pub bias: f64,
+    /// Rate of outliers: bearings that are uniform on the circle.
+    pub outlier_rate: f64,
+    /// Rate of mirrored bearings, which are turned by half a circle.
+    pub mirrored_rate: f64,
+    /// Standard deviation of the common bias of all bearings of a run, in radians.
+    pub bias_sigma: f64,
 }
 
 impl Faults {
     /// Spoils the bearings of one run. The errors that they have stay as they are, so that runs with different faults
     /// can be compared bearing by bearing.
     pub fn spoil(&self, sights: &mut [Sight], rng: &mut impl Rng) {
-        let bias = self.bias * normal(rng);
+        let bias = self.bias_sigma * normal(rng);
         for sight in sights {
             let (kind, anywhere): (f64, f64) = (rng.random(), rng.random());
-            sight.bearing = if kind < self.wild {
+            sight.bearing = if kind < self.outlier_rate {
                 wrap(TAU * anywhere)
-            } else if kind < self.wild + self.mirror {
+            } else if kind < self.outlier_rate + self.mirrored_rate {
                 wrap(sight.bearing + bias + PI)
             } else {
                 wrap(sight.bearing + bias)
@@ -39,9 +39,9 @@ impl Faults {
     }
 }
 
-/// A drive that stops for many readings, with errors that neighbouring ones have in common.
+/// A drive whose vehicle is stationary for many readings, with errors that neighbouring ones have in common.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parked {
+pub struct Stationary {
     /// The stop, counted from zero.
     pub stop: usize,
     /// How many readings are taken there.
@@ -52,7 +52,7 @@ pub struct Parked {
     pub distance: f64,
 }
 
-impl Parked {
+impl Stationary {
     /// The bearings: an autoregression of first order along the drive.
     pub fn bearings(&self, track: &Track, rng: &mut impl Rng) -> Vec<Sight> {
         let mut sights: Vec<Sight> = Vec::new();
@@ -66,9 +66,10 @@ impl Parked {
                 });
                 error = common * error + (1.0 - common * common).sqrt() * normal(rng);
                 sights.push(Sight {
+                    time_ms: 1000 * sights.len() as u32,
                     position,
-                    bearing: wrap(direction(position, track.source) + track.deviation * error),
-                    deviation: track.deviation,
+                    bearing: wrap(direction(position, track.source) + track.sigma * error),
+                    sigma: track.sigma,
                 });
             }
         }
@@ -82,12 +83,12 @@ mod tests {
     use crate::simulate::{bearings, generator};
 
     #[test]
-    fn shares_and_bias_are_as_asked_for() {
+    fn rates_and_bias_are_as_asked_for() {
         let track = Track::a2();
         let faults = Faults {
-            wild: 0.2,
-            mirror: 0.3,
-            bias: 0.05,
+            outlier_rate: 0.2,
+            mirrored_rate: 0.3,
+            bias_sigma: 0.05,
         };
         let (mut turned, mut off, mut biases, mut all) = (0.0, 0.0, 0.0, 0.0);
         const RUNS: u64 = 500;
@@ -99,7 +100,7 @@ mod tests {
                 .map(|(c, s)| wrap(s.bearing - c.bearing))
                 .collect();
             let near = |a: f64, b: f64| wrap(a - b).abs() < 1e-9;
-            // The bias is what most of those that are not turned share.
+            // The bias is common to most of those that are not turned.
             let bias = *turns
                 .iter()
                 .max_by_key(|t| turns.iter().filter(|u| near(**t, **u)).count())
@@ -119,24 +120,24 @@ mod tests {
         // Four standard errors.
         assert!((turned / all - 0.3_f64).abs() < 0.011, "{}", turned / all);
         assert!((off / all - 0.2_f64).abs() < 0.01, "{}", off / all);
-        let deviation = (biases / RUNS as f64).sqrt();
-        assert!((deviation - 0.05_f64).abs() < 0.007, "{deviation}");
+        let sigma = (biases / RUNS as f64).sqrt();
+        assert!((sigma - 0.05_f64).abs() < 0.007, "{sigma}");
     }
 
     #[test]
     fn errors_at_rest_are_correlated() {
         let track = Track::a1();
-        let parked = Parked {
+        let stationary = Stationary {
             stop: 20,
             readings: 20_000,
             at_rest: 0.9,
             distance: 20.0,
         };
-        let sights = parked.bearings(&track, &mut generator(3, 0));
+        let sights = stationary.bearings(&track, &mut generator(3, 0));
         assert_eq!(sights.len(), 20_059);
         let errors: Vec<f64> = sights[20..20_020]
             .iter()
-            .map(|s| s.residual(track.source) / track.deviation)
+            .map(|s| s.residual(track.source) / track.sigma)
             .collect();
         let product: f64 = errors.windows(2).map(|w| w[0] * w[1]).sum();
         let square: f64 = errors.iter().map(|e| e * e).sum();

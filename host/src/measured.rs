@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use foxhunt::gateway::Settings;
+use foxhunt_gateways::plain;
 use serde::Deserialize;
 
 use crate::{
@@ -77,12 +77,12 @@ impl Measured {
     }
 
     /// The drive that stops at every place, heading north, and takes its bearing there. The quality of
-    /// the bearings is the one that the gateway takes for a standard deviation of `deviation_degrees`.
+    /// the bearings is the one that the gateway takes for a standard deviation of `sigma_degrees`.
     ///
     /// # Errors
-    /// If no quality stands for that deviation.
-    pub fn drive(&self, deviation_degrees: f64) -> Result<Drive> {
-        let quality = quality(deviation_degrees)?;
+    /// If no quality stands for that sigma.
+    pub fn drive(&self, sigma_degrees: f64) -> Result<Drive> {
+        let quality = quality(sigma_degrees)?;
         let mut drive = Drive::default();
         drive.truth(ORIGIN.offset(self.transmitter));
         for (stop, (position, azimuth)) in self.bearings.iter().enumerate() {
@@ -99,14 +99,14 @@ impl Measured {
     }
 }
 
-fn quality(deviation_degrees: f64) -> Result<f64> {
-    let settings = Settings::default();
-    let degrees = |quality| f64::from(settings.deviation_rad(quality)).to_degrees();
-    let (best, worst) = (degrees(100.0), degrees(settings.minimum_quality()));
+fn quality(sigma_degrees: f64) -> Result<f64> {
+    let config = plain::CONFIG;
+    let degrees = |quality| f64::from(config.sigma_rad(quality)).to_degrees();
+    let (best, worst) = (degrees(100.0), degrees(config.min_quality));
     ensure!(
-        (best..=worst).contains(&deviation_degrees),
-        "the gateway takes deviations from {best:.1} to {worst:.1} degrees"
+        (best..=worst).contains(&sigma_degrees),
+        "the gateway takes sigmas from {best:.1} to {worst:.1} degrees"
     );
-    let slope = (worst - best) / f64::from(100.0 - settings.minimum_quality());
-    Ok(100.0 - (deviation_degrees - best) / slope)
+    let slope = (worst - best) / f64::from(100.0 - config.min_quality);
+    Ok(100.0 - (sigma_degrees - best) / slope)
 }

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_6, TAU};
 use rand::RngExt;
 
 use crate::{
-    drive::{Drive, Reading, deviation_degrees},
+    drive::{Drive, Reading, sigma_degrees},
     geodesy::Place,
     packets::Path,
     simulate::{generator, normal},
@@ -18,7 +18,7 @@ pub enum Script {
     Outage,
     /// There is no compass, and the receiver's course stands still while the vehicle crawls round a corner.
     FrozenCourse,
-    /// The source is parked, drives off round a corner, and parks again.
+    /// The source is stationary, drives off round a corner, and stops again.
     Departure,
     /// Two sources take turns, which are 60 degrees apart as seen from the middle of the drive.
     TwoSources,
@@ -103,12 +103,12 @@ impl Script {
             let source = &sources[self.speaker(second) % sources.len()];
             let [x, y] = source.at(t).expect("as long as the vehicle's");
             let truth = (x - here[0]).atan2(y - here[1]).to_degrees();
-            let error = deviation_degrees(QUALITY) * normal(&mut rng);
-            let is_wild = rng.random_bool(WILD);
+            let error = sigma_degrees(QUALITY) * normal(&mut rng);
+            let is_outlier = rng.random_bool(OUTLIER_RATE);
             let anywhere = rng.random_range(0.0..360.0);
             drive.kraken(Reading {
                 time,
-                degrees: if is_wild {
+                degrees: if is_outlier {
                     anywhere
                 } else {
                     truth - heading + error
@@ -135,7 +135,7 @@ impl Script {
     }
 
     fn paths(self) -> (Path, Vec<Path>) {
-        let parked = |place, end| Path::new(&[(0.0, place), (end, place)]);
+        let stationary = |place, end| Path::new(&[(0.0, place), (end, place)]);
         match self {
             Self::Outage => {
                 let vehicle = [
@@ -143,7 +143,10 @@ impl Script {
                     (150.0, [1_800.0, 0.0]),
                     (300.0, [1_800.0, 1_800.0]),
                 ];
-                (Path::new(&vehicle), vec![parked([900.0, 1_000.0], 300.0)])
+                (
+                    Path::new(&vehicle),
+                    vec![stationary([900.0, 1_000.0], 300.0)],
+                )
             }
             Self::FrozenCourse => {
                 let [slow, fast] = Self::CRAWL;
@@ -154,7 +157,7 @@ impl Script {
                     (fast, [1_212.0, 20.0]),
                     (fast + 100.0, [1_212.0, 1_220.0]),
                 ];
-                (Path::new(&vehicle), vec![parked([500.0, 900.0], 300.0)])
+                (Path::new(&vehicle), vec![stationary([500.0, 900.0], 300.0)])
             }
             Self::Departure => {
                 let [start, stop] = Self::MOVES;
@@ -183,7 +186,7 @@ impl Script {
                 // From the corner, 30 degrees left and right of north.
                 let sources = [-1.0, 1.0].map(|side: f64| {
                     let (sin, cos) = (side * FRAC_PI_6).sin_cos();
-                    parked([1_500.0 + 900.0 * sin, 900.0 * cos], 250.0)
+                    stationary([1_500.0 + 900.0 * sin, 900.0 * cos], 250.0)
                 });
                 (Path::new(&vehicle), sources.to_vec())
             }
@@ -202,8 +205,8 @@ impl Scene {
 }
 
 const QUALITY: f64 = 80.0;
-/// Share of the bearings that are wild.
-const WILD: f64 = 0.05;
+/// Rate of outliers among the bearings.
+const OUTLIER_RATE: f64 = 0.05;
 
 fn within([start, end]: [f64; 2], t: f64) -> bool {
     (start..end).contains(&t)

@@ -7,12 +7,14 @@ use foxhunt::aoa::{Bearing, Observation, ObservationError};
 /// What [`Observation`] is to the library: one bearing and where it was taken, in f64.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sight {
+    /// When it was taken, in milliseconds.
+    pub time_ms: u32,
     /// Where it was taken, in metres east and north of the origin.
     pub position: [f64; 2],
     /// Direction of the source, in radians counter-clockwise from east.
     pub bearing: f64,
     /// Standard deviation of `bearing`, in radians.
-    pub deviation: f64,
+    pub sigma: f64,
 }
 
 impl Sight {
@@ -27,9 +29,10 @@ impl TryFrom<Sight> for Observation {
 
     fn try_from(sight: Sight) -> Result<Self, ObservationError> {
         Self::new(
+            sight.time_ms,
             sight.position.map(|v| v as f32),
             Bearing::from_radians(sight.bearing as f32),
-            sight.deviation as f32,
+            sight.sigma as f32,
         )
     }
 }
@@ -37,9 +40,10 @@ impl TryFrom<Sight> for Observation {
 impl From<&Observation> for Sight {
     fn from(observation: &Observation) -> Self {
         Self {
+            time_ms: observation.time_ms(),
             position: observation.position().map(f64::from),
             bearing: f64::from(observation.bearing().radians()),
-            deviation: f64::from(observation.deviation()),
+            sigma: f64::from(observation.sigma_rad()),
         }
     }
 }

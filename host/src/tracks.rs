@@ -15,7 +15,7 @@ pub struct Track {
     /// Where the bearings are taken, in order, in metres east and north.
     pub receivers: Vec<[f64; 2]>,
     /// Standard deviation of the bearings, in radians.
-    pub deviation: f64,
+    pub sigma: f64,
     /// Process noise that the published filter assumes, in square metres per step and axis. The
     /// source itself does not move.
     pub process: f64,
@@ -52,7 +52,7 @@ impl Track {
             receivers: (0..track.bearings())
                 .map(|index| track.receiver(index).map(f64::from))
                 .collect(),
-            deviation: f64::from(track.variance()).sqrt(),
+            sigma: f64::from(track.variance()).sqrt(),
             process: f64::from(track.process_variance()),
             particles: track.particles(),
         }

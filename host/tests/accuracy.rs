@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use foxhunt::aoa::gauss_newton::{self, Errors, Solution};
-use foxhunt::aoa::locator::{Answer, Fix, Locator, Settings};
-use foxhunt::aoa::{Bearing, Observation};
+use foxhunt::aoa::{Bearing, Clean, Locator, Observation, clean};
 use foxhunt::filter::ParticleFilter;
 use foxhunt::model::ConstantVelocity;
 use foxhunt::problems::growth::{Growth, Measurement, START};
@@ -140,7 +139,7 @@ fn linear_gaussian_model_agrees_with_the_kalman_filter() {
     let covariance = median(|run| run.covariance.sqrt());
     let evidence = median(|run| run.evidence.abs());
     println!(
-        "errors: mean {mean:.4} posterior deviations, covariance {covariance:.4}, log-evidence {evidence:.3}"
+        "errors: mean {mean:.4} posterior sigmas, covariance {covariance:.4}, log-evidence {evidence:.3}"
     );
     assert!(mean < 0.09);
     assert!(covariance < 0.09);
@@ -202,13 +201,6 @@ fn growth_model_is_as_good_as_particles_can_be() {
     assert!(ours < 1.015 * floor);
 }
 
-fn fix(answer: Answer) -> Fix {
-    match answer {
-        Answer::Fix(fix) => fix,
-        Answer::NotObservable(reason) => panic!("{reason:?}"),
-    }
-}
-
 #[test]
 fn locator_is_nearly_exact_on_the_published_tracks() {
     const RUNS: u64 = 200;
@@ -217,18 +209,19 @@ fn locator_is_nearly_exact_on_the_published_tracks() {
         for run in 0..RUNS {
             let sights = simulate::bearings(&track, &mut simulate::generator(12, run));
             let mut rng = Xoshiro128PlusPlus::seed_from_u64(run);
-            let mut locator = Locator::<100>::new(Settings::default());
+            let mut locator = Locator::<Clean<100>>::new(clean::Config::DEFAULT).unwrap();
             for sight in &sights {
-                locator.push((*sight).try_into().unwrap(), &mut rng);
+                let observation = (*sight).try_into().unwrap();
+                locator.push(&observation, &mut rng).unwrap();
             }
-            let fix = fix(locator.answer());
+            let fix = locator.fix().unwrap();
             let posterior = Posterior::new(&sights).unwrap();
             let position = fix.position.map(f64::from);
             let between = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
             let square = |[x, y]: [f64; 2]| x * x + y * y;
             let off = mahalanobis(between(position, posterior.mean), &posterior.covariance);
             // At most 0.45 in 4,000 other runs.
-            assert!(off < 1.0, "{}, run {run}: {off} deviations off", track.name);
+            assert!(off < 1.0, "{}, run {run}: {off} sigmas off", track.name);
             ours += square(between(position, track.source));
             floor += square(between(posterior.mean, track.source));
             apart += off * off;
@@ -260,7 +253,7 @@ fn measured_bearings_are_located_as_exactly() {
         let fix = replay.fix().unwrap();
         let offset = [0, 1].map(|d| f64::from(fix.position[d]) - posterior.mean[d]);
         let off = mahalanobis(offset, &posterior.covariance);
-        println!("{transmitter}: {off:.3} posterior deviations off");
+        println!("{transmitter}: {off:.3} posterior sigmas off");
         assert_eq!(fix.bearings, 50);
         // At most 0.25 for 200 seeds of the gateway.
         assert!(off < 0.3);
@@ -275,9 +268,11 @@ fn lenths_bearings_give_his_estimates() {
     let read = |name: &str| csv::Reader::from_path(data.join("lenth").join(name)).unwrap();
     let all: Vec<Observation> = read("bearings.csv")
         .deserialize::<[f32; 3]>()
-        .map(|row| {
+        .zip(0..)
+        .map(|(row, time_ms)| {
             let [x, y, degrees] = row.unwrap();
-            Observation::new([x, y], Bearing::from_compass_degrees(degrees), 0.1).unwrap()
+            let bearing = Bearing::from_compass_degrees(degrees);
+            Observation::new(time_ms, [x, y], bearing, 0.1).unwrap()
         })
         .collect();
     let without_sixth: Vec<Observation> = all

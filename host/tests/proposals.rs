@@ -47,7 +47,8 @@ fn point_mass<const N: usize, const G: usize, T: Transition<1>, L: Likelihood<1>
     start: f32,
     run: &Run<T, L>,
 ) -> f64 {
-    let mut filter = PointMassFilter::<1, N>::at([start]);
+    let mut filter = PointMassFilter::<1, N>::EMPTY;
+    filter.initialise_at([start]);
     errors(run, |dynamics, measurement| {
         filter
             .step(dynamics, measurement, 1.0, &mut [0.0; G])
@@ -61,7 +62,7 @@ fn auxiliary<const N: usize, T: Transition<1>, L: Likelihood<1>>(
     run: &Run<T, L>,
     rng: &mut impl Rng,
 ) -> f64 {
-    let mut filter = AuxiliaryFilter::<1, N>::new();
+    let mut filter = AuxiliaryFilter::<1, N>::EMPTY;
     filter.initialise(rng, |_| [start]);
     errors(run, |dynamics, measurement| {
         filter
@@ -119,7 +120,7 @@ fn blind(run: &GammaRun, rng: &mut impl Rng) -> f64 {
 
 /// The unscented particle filter.
 fn unscented(run: &GammaRun, rng: &mut impl Rng) -> f64 {
-    let mut filter = UnscentedParticleFilter::<1, 10>::new();
+    let mut filter = UnscentedParticleFilter::<1, 10>::EMPTY;
     filter.initialise(rng, &Covariance::ZERO, |_| [gamma::START]);
     errors(run, |dynamics, measurement| {
         // Now and then all ten proposals lie where the noise cannot reach: the weights stay, and it goes on.
@@ -148,14 +149,14 @@ fn evolved(run: &GammaRun, memory: &mut Memory<1, 10>, rng: &mut impl Rng) -> f6
 /// The same with unscented proposals.
 fn unscented_evolved(run: &GammaRun, memory: &mut Memory<1, 10>, rng: &mut impl Rng) -> f64 {
     let evolution = DifferentialEvolution::new();
-    let mut filter = UnscentedParticleFilter::<1, 10>::new();
+    let mut filter = UnscentedParticleFilter::<1, 10>::EMPTY;
     filter.initialise(rng, &Covariance::ZERO, |_| [gamma::START]);
     let mut before = [gamma::START; 10];
     errors(run, |dynamics, measurement| {
         _ = filter.step(&Unscented::DEFAULT, dynamics, measurement, 1.0, rng);
         let target = posterior(dynamics, measurement, &before);
         filter.refine(&evolution, &target, memory, rng);
-        before.copy_from_slice(filter.columns()[0]);
+        before.copy_from_slice(filter.cloud().particles().columns()[0]);
         filter.mean()[0]
     })
 }

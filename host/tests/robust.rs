@@ -1,10 +1,10 @@
-//! The robust locator beside the exact posterior of wild, mirrored and biased bearings. Seeds are fixed; each limit says
+//! The robust locator beside the exact posterior of outliers, mirrored and biased bearings. Seeds are fixed; each limit says
 //! how often another seed would miss it.
 
-use foxhunt::aoa::locator::{Answer, Fix};
-use foxhunt::aoa::robust::{Errors, RobustLocator, Settings};
+use foxhunt::aoa::robust::{Config, Correlation, Errors};
+use foxhunt::aoa::{Fix, Locate, Robust};
 use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
-use foxhunt_host::faults::{Faults, Parked};
+use foxhunt_host::faults::{Faults, Stationary};
 use foxhunt_host::reference::{Posterior, cramer_rao_of_biased};
 use foxhunt_host::tracks::Track;
 use foxhunt_host::{Sight, simulate};
@@ -12,15 +12,20 @@ use rayon::prelude::*;
 
 const RUNS: u64 = 100;
 
-fn last_fix(settings: Settings, sights: &[Sight], run: u64) -> Option<Fix> {
+fn last_fix(config: &Config, sights: &[Sight], run: u64) -> Option<Fix> {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(run);
-    let mut locator = Box::new(RobustLocator::<256, 64>::new(settings));
+    let mut locator = Box::new(Robust::<256, 64>::EMPTY);
     for sight in sights {
-        locator.push((*sight).try_into().unwrap(), &mut rng);
+        let observation = (*sight).try_into().unwrap();
+        locator.push(&observation, config, &mut rng).unwrap();
     }
-    match locator.answer() {
-        Answer::Fix(fix) => Some(fix),
-        Answer::NotObservable(_) => None,
+    locator.fix()
+}
+
+fn with_errors(errors: Errors) -> Config {
+    Config {
+        errors,
+        ..Config::DEFAULT
     }
 }
 
@@ -30,27 +35,29 @@ struct Outcome {
     ratio: f64,
     /// Runs whose 95 % ellipse holds the source.
     covered: usize,
-    /// Runs that are further off than five times the bound of bearings that are neither wild nor mirrored.
+    /// Runs that are further off than five times the bound of bearings without outliers, none of them mirrored.
     lost: usize,
 }
 
 fn run(track: &Track, faults: &Faults) -> Outcome {
-    let errors = Errors::new().bias_deviation(faults.bias as f32).unwrap();
-    let settings = Settings::new(errors);
+    let config = with_errors(Errors {
+        bias_sigma_rad: faults.bias_sigma as f32,
+        ..Errors::DEFAULT
+    });
     let off = |[x, y]: [f64; 2]| (x - track.source[0]).hypot(y - track.source[1]);
     let runs: Vec<[f64; 4]> = (0..RUNS)
         .into_par_iter()
         .map(|run| {
             let mut sights = simulate::bearings(track, &mut simulate::generator(81, run));
-            let bound = cramer_rao_of_biased(&sights, track.source, faults.bias).unwrap();
+            let bound = cramer_rao_of_biased(&sights, track.source, faults.bias_sigma).unwrap();
             faults.spoil(&mut sights, &mut simulate::generator(82, run));
-            let fix = last_fix(settings, &sights, run).expect("a fix");
+            let fix = last_fix(&config, &sights, run).expect("a fix");
             let exact = off(Posterior::with_faults(&sights, faults).unwrap().mean);
             let ours = off(fix.position.map(f64::from));
             let covered = fix.ellipse(0.95).contains(track.source.map(|v| v as f32));
             let lost = ours > 5.0 * bound.trace().sqrt();
-            let share = |b| f64::from(u8::from(b));
-            [ours * ours, exact * exact, share(covered), share(lost)]
+            let counted = |b| f64::from(u8::from(b));
+            [ours * ours, exact * exact, counted(covered), counted(lost)]
         })
         .collect();
     let sum = |k: usize| runs.iter().map(|run| run[k]).sum::<f64>();
@@ -83,17 +90,17 @@ fn clean_bearings_cost_nothing() {
 }
 
 #[test]
-fn a_tenth_of_wild_bearings() {
+fn a_tenth_of_outliers() {
     check(Faults {
-        wild: 0.1,
+        outlier_rate: 0.1,
         ..Faults::default()
     });
 }
 
 #[test]
-fn three_tenths_of_wild_bearings() {
+fn three_tenths_of_outliers() {
     check(Faults {
-        wild: 0.3,
+        outlier_rate: 0.3,
         ..Faults::default()
     });
 }
@@ -101,7 +108,7 @@ fn three_tenths_of_wild_bearings() {
 #[test]
 fn half_of_the_bearings_mirrored() {
     check(Faults {
-        mirror: 0.5,
+        mirrored_rate: 0.5,
         ..Faults::default()
     });
 }
@@ -109,29 +116,35 @@ fn half_of_the_bearings_mirrored() {
 #[test]
 fn a_bias_of_three_degrees() {
     check(Faults {
-        bias: 3f64.to_radians(),
+        bias_sigma: 3f64.to_radians(),
         ..Faults::default()
     });
 }
 
 #[test]
-fn a_parked_vehicle_is_as_sure_as_it_may_be() {
+fn a_stationary_vehicle_is_as_sure_as_it_may_be() {
     const RUNS: u64 = 60;
     let track = Track::a1();
-    let parked = Parked {
+    let stationary = Stationary {
         stop: 20,
         readings: 300,
         at_rest: 0.9,
         distance: 20.0,
     };
     let covered = |at_rest| {
-        let errors = Errors::new().correlation(at_rest, 20.0, f32::INFINITY);
-        let settings = Settings::new(errors.unwrap());
+        let config = with_errors(Errors {
+            correlation: Correlation {
+                at_rest,
+                distance_m: 20.0,
+                time_s: f32::INFINITY,
+            },
+            ..Errors::DEFAULT
+        });
         (0..RUNS)
             .into_par_iter()
             .filter(|&run| {
-                let sights = parked.bearings(&track, &mut simulate::generator(83, run));
-                let fix = last_fix(settings, &sights, run).expect("a fix");
+                let sights = stationary.bearings(&track, &mut simulate::generator(83, run));
+                let fix = last_fix(&config, &sights, run).expect("a fix");
                 fix.ellipse(0.95).contains(track.source.map(|v| v as f32))
             })
             .count()

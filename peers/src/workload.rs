@@ -13,7 +13,7 @@ pub const BEARING_VARIANCE: f32 = 3.801e-4;
 /// Variance of the random walk per step and axis, in square metres.
 pub const WALK_VARIANCE: f32 = 1.0;
 /// Standard deviation of the initial cloud around the source per axis, in metres.
-pub const CLOUD_DEVIATION_M: f32 = 50.0;
+pub const CLOUD_SIGMA_M: f32 = 50.0;
 /// Seed of every filter's own generator.
 pub const SEED: u64 = 1;
 

@@ -263,7 +263,7 @@ mod tests {
 
     fn towards(position: [f32; 2], target: [f32; 2], error: f32) -> Observation {
         let angle = (target[1] - position[1]).atan2(target[0] - position[0]);
-        Observation::new(position, Bearing::from_radians(angle + error), 0.02).unwrap()
+        Observation::new(0, position, Bearing::from_radians(angle + error), 0.02).unwrap()
     }
 
     #[test]

@@ -30,7 +30,7 @@ impl BearingLikelihood {
     /// Of an observed bearing.
     pub fn new(observation: &Observation) -> Self {
         let (sin, cos) = sin_cos(observation.bearing().radians());
-        let sigma = observation.deviation();
+        let sigma = observation.sigma_rad();
         Self {
             position: observation.position(),
             sin,
@@ -130,7 +130,7 @@ mod tests {
 
     fn likelihood(position: [f32; 2], degrees: f32, sigma: f32) -> BearingLikelihood {
         let bearing = Bearing::from_radians(degrees.to_radians());
-        BearingLikelihood::new(&Observation::new(position, bearing, sigma).unwrap())
+        BearingLikelihood::new(&Observation::new(0, position, bearing, sigma).unwrap())
     }
 
     fn exact(position: [f32; 2], degrees: f32, sigma: f32, [x, y]: [f32; 2]) -> f64 {

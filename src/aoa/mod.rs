@@ -6,22 +6,30 @@
 //! may drive off, a [`pursuit`]; where there may be several sources, [`sources`] has one of either for each. All of them
 //! [`Locate`], and [`advice`] is where to drive. A direction finder that gives the whole circle has a [`spectrum`].
 
-pub mod advice;
-mod bearing;
+pub mod clean;
 pub mod correction;
 pub mod gauss_newton;
 pub mod geodesy;
 mod likelihood;
-mod locate;
-pub mod locator;
-mod observation;
-pub mod pursuit;
+pub mod manoeuvring;
+pub mod multi;
+pub mod presets;
 pub mod robust;
-pub mod sources;
 pub mod spectrum;
+#[cfg(test)]
+pub(crate) mod testing;
+pub mod track;
 pub mod triangulation;
+mod words;
 
-pub use bearing::Bearing;
+pub use clean::Clean;
 pub use likelihood::BearingLikelihood;
-pub use locate::{Cloud, Locate, Motion, Source};
-pub use observation::{Alternative, Observation, ObservationError};
+pub use manoeuvring::Manoeuvring;
+pub use multi::MultiTarget;
+pub use robust::Robust;
+
+pub use words::{
+    Advice, Alternative, Answer, Bearing, Bias, Cloud, DIRECTIONS, FARTHEST_M, Fix, Hypothesis,
+    Locate, Locator, Mixture, Motion, NotObservable, Observation, ObservationError, PushError,
+    Source,
+};

@@ -79,8 +79,7 @@ impl<'a> KernelDensity<'a> {
 
     /// Natural logarithm of the density, per dB, of a reading at a point.
     fn log_density(&self, reading: &Reading, point: usize) -> f32 {
-        let start =
-            (point * usize::from(self.beacons) + usize::from(reading.beacon)) * self.each;
+        let start = (point * usize::from(self.beacons) + usize::from(reading.beacon)) * self.each;
         let samples = self.samples.get(start..);
         let samples = samples.and_then(|rest| rest.get(..self.each));
         let mut sum = 0.0;

@@ -34,7 +34,10 @@ pub const MAX_READINGS: usize = 64;
 const MAX_MISSING: usize = 128;
 
 /// Refuses a scan that cannot be matched, except one without readings.
-pub(super) fn check<const P: usize>(map: &RadioMap<'_>, scan: &[Reading]) -> Result<(), ReadingError> {
+pub(super) fn check<const P: usize>(
+    map: &RadioMap<'_>,
+    scan: &[Reading],
+) -> Result<(), ReadingError> {
     if map.lattice().points() > P {
         return Err(ReadingError::Points);
     }

@@ -109,8 +109,7 @@ impl PacketLikelihood<'_> {
     /// Log-likelihood from the sigma and the mean, in steps.
     #[inline(always)]
     fn of_moments(&self, sigma: u32, mean: u32) -> f32 {
-        let [peak, curvature] =
-            self.model.curves[(((sigma + STEPS / 2) / STEPS) & 63) as usize];
+        let [peak, curvature] = self.model.curves[(((sigma + STEPS / 2) / STEPS) & 63) as usize];
         let distance = (self.strength - mean as i32) as f32;
         let log_likelihood = peak + curvature * (distance * distance);
         if log_likelihood > self.model.floor {

@@ -1,6 +1,7 @@
 //! The probability of every point, and its summary in a few numbers.
 
 use super::{Lattice, RadioMap};
+use crate::estimate::Symmetric2;
 use crate::math::exp_of_weight;
 
 /// The probability of each of up to `P` points, given a scan; see [`super`] for an example.
@@ -80,7 +81,7 @@ impl<const P: usize> Posterior<P> {
 
     /// The covariance of the posterior about its mean, in square metres: of the last scan, so `lattice` must be that of
     /// its map.
-    pub fn covariance(&self, lattice: &Lattice) -> [[f32; 2]; 2] {
+    pub fn covariance(&self, lattice: &Lattice) -> Symmetric2 {
         let weighted = |of: &dyn Fn([f32; 2]) -> f32| {
             let mut sum = 0.0;
             for (point, weight) in self.weights().iter().enumerate() {
@@ -93,8 +94,8 @@ impl<const P: usize> Posterior<P> {
             let product = |cell: [f32; 2]| (cell[a] - mean[a]) * (cell[b] - mean[b]);
             weighted(&product) * (lattice.spacing() * lattice.spacing())
         };
-        let xy = moment(0, 1);
-        [[moment(0, 0), xy], [xy, moment(1, 1)]]
+        let (xx, xy, yy) = (moment(0, 0), moment(0, 1), moment(1, 1));
+        Symmetric2 { xx, xy, yy }
     }
 
     /// Room for the costs of so many points.

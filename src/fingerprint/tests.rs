@@ -203,7 +203,7 @@ fn exercise(bytes: &[u8], scan: &[Reading], x: f32, y: f32) {
         for found in found.into_iter().flatten().flatten() {
             assert!(found.point < points && map.is_surveyed(found.point));
             assert_eq!(found.position, map.lattice().position(found.point));
-            let [a, b] = posterior.covariance(map.lattice());
+            let [a, b] = posterior.covariance(map.lattice()).rows();
             let numbers = [found.mean, a, b];
             assert!(
                 numbers

@@ -1,6 +1,6 @@
 //! Time, as the stream tells it.
 
-use super::Rejected;
+use super::outcome::Rejected;
 use crate::snapshot::{Error, Reader, Value, Writer};
 
 /// Milliseconds in a day.
@@ -8,7 +8,7 @@ const DAY: i32 = 86_400_000;
 
 /// A time of day, in milliseconds after midnight UTC.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct TimeOfDay(i32);
+pub struct TimeOfDay(i32);
 
 impl TimeOfDay {
     /// From the NMEA form `hhmmss.sss`. The leap second counts with the one before it.
@@ -36,6 +36,11 @@ impl TimeOfDay {
     pub fn before(self, milliseconds: u32) -> Self {
         let time = self.0 - milliseconds.min(DAY as u32) as i32;
         Self(if time < 0 { time + DAY } else { time })
+    }
+
+    /// Since midnight.
+    pub const fn milliseconds(self) -> u32 {
+        self.0.unsigned_abs()
     }
 
     /// Hours, minutes, milliseconds.
@@ -74,8 +79,8 @@ impl Value for TimeOfDay {
 
 /// The clock of one talker: its time may stand still, pass midnight, but not run backwards.
 ///
-/// One wild stamp far ahead must not silence the talker for hours: when a few lines in a row run backwards
-/// and agree among themselves, it is their time that holds.
+/// One wrong stamp far ahead must not silence the talker for hours: when a few lines in a row run backwards, but not among
+/// themselves, it is their time that holds.
 ///
 /// Lines that state no time borrow it. When the talker falls silent its time stands still, so how often it may
 /// be lent is bounded.
@@ -89,37 +94,37 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// Lines that run backwards before they are believed.
+    /// Lines in a row that run backwards before their time holds: fewer follow a wrong stamp, more lose bearings after a
+    /// right one.
     const BELIEF: u8 = 5;
 
-    pub const fn new() -> Self {
-        Self {
-            now: None,
-            doubt: None,
-            doubts: 0,
-            lent: 0,
-        }
-    }
+    pub const EMPTY: Self = Self {
+        now: None,
+        doubt: None,
+        doubts: 0,
+        lent: 0,
+    };
 
     pub const fn now(&self) -> Option<TimeOfDay> {
         self.now
     }
 
-    /// The time for a line that states none: at most `limit` of them until the talker moves on, and none while
-    /// its latest line ran backwards.
-    pub fn lend(&mut self, limit: u8) -> Result<TimeOfDay, Rejected> {
+    /// The time for a line that states none, and how many lines had it before: at most `limit` have it until the talker
+    /// moves on, and none while its latest line ran backwards.
+    pub fn lend(&mut self, limit: u8) -> Result<(TimeOfDay, u8), Rejected> {
         let now = self.now.ok_or(Rejected::NoPosition)?;
-        if self.doubts > 0 || self.lent >= limit {
+        let lent = self.lent;
+        if self.doubts > 0 || lent >= limit {
             return Err(Rejected::StalePosition);
         }
-        self.lent = self.lent.saturating_add(1);
-        Ok(now)
+        self.lent = lent.saturating_add(1);
+        Ok((now, lent))
     }
 
     pub fn advance(&mut self, time: TimeOfDay) -> Result<(), Rejected> {
         if self.now.is_some_and(|now| time.since(now) < 0) {
-            let agrees = self.doubt.is_some_and(|doubt| time.since(doubt) >= 0);
-            self.doubts = if agrees {
+            let runs_on = self.doubt.is_some_and(|doubt| time.since(doubt) >= 0);
+            self.doubts = if runs_on {
                 self.doubts.saturating_add(1)
             } else {
                 1
@@ -133,7 +138,7 @@ impl Clock {
         *self = Self {
             now: Some(time),
             lent: if stands { self.lent } else { 0 },
-            ..Self::new()
+            ..Self::EMPTY
         };
         Ok(())
     }
@@ -169,7 +174,7 @@ mod tests {
         assert_eq!(at("000001").since(at("235959")), 2_000);
         assert_eq!(at("235959").since(at("000001")), -2_000);
         assert_eq!(at("120000").since(at("000000")), DAY / 2);
-        let mut clock = Clock::new();
+        let mut clock = Clock::EMPTY;
         assert_eq!(clock.advance(at("235959")), Ok(()));
         assert_eq!(clock.advance(at("000000")), Ok(()));
         assert_eq!(clock.advance(at("235959")), Err(Rejected::TimeBackwards));
@@ -177,27 +182,27 @@ mod tests {
     }
 
     #[test]
-    fn a_time_is_lent_until_it_is_worn() {
-        let mut clock = Clock::new();
+    fn a_time_is_lent_a_limited_number_of_times() {
+        let mut clock = Clock::EMPTY;
         assert_eq!(clock.lend(2), Err(Rejected::NoPosition));
         assert_eq!(clock.advance(at("100000")), Ok(()));
-        assert_eq!(clock.lend(2), Ok(at("100000")));
+        assert_eq!(clock.lend(2), Ok((at("100000"), 0)));
         // Stated again, it is no younger.
         assert_eq!(clock.advance(at("100000")), Ok(()));
-        assert_eq!(clock.lend(2), Ok(at("100000")));
+        assert_eq!(clock.lend(2), Ok((at("100000"), 1)));
         assert_eq!(clock.lend(2), Err(Rejected::StalePosition));
         assert_eq!(clock.advance(at("100001")), Ok(()));
-        assert_eq!(clock.lend(2), Ok(at("100001")));
+        assert_eq!(clock.lend(2), Ok((at("100001"), 0)));
         // In doubt it is not lent.
         assert_eq!(clock.advance(at("100000")), Err(Rejected::TimeBackwards));
         assert_eq!(clock.lend(2), Err(Rejected::StalePosition));
         assert_eq!(clock.advance(at("100001")), Ok(()));
-        assert_eq!(clock.lend(2), Ok(at("100001")));
+        assert_eq!(clock.lend(2), Ok((at("100001"), 1)));
     }
 
     #[test]
-    fn a_wild_stamp_does_not_last() {
-        let mut clock = Clock::new();
+    fn a_wrong_stamp_does_not_last() {
+        let mut clock = Clock::EMPTY;
         assert_eq!(clock.advance(at("100000")), Ok(()));
         assert_eq!(clock.advance(at("150000")), Ok(()));
         for second in 1..Clock::BELIEF {

@@ -3,10 +3,20 @@
 use super::clock::TimeOfDay;
 use crate::aoa::geodesy::Geodetic;
 
+/// A value that the receiver has stated, and how long ago.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Aged<T> {
+    /// The value.
+    pub value: T,
+    /// Milliseconds by the receiver's own time.
+    pub age_ms: u32,
+}
+
 /// What has values between two others.
 pub(super) trait Between: Copy {
-    /// This at a share of 0, the other at 1, and on beyond.
-    fn towards(self, other: Self, share: f32) -> Self;
+    /// This at a fraction of 0, the other at 1, and on beyond.
+    fn towards(self, other: Self, fraction: f32) -> Self;
 }
 
 /// Degrees clockwise from north, the short way round.
@@ -28,8 +38,8 @@ impl Compass {
 }
 
 impl Between for Compass {
-    fn towards(self, other: Self, share: f32) -> Self {
-        let degrees = self.0 + share * self.to(other);
+    fn towards(self, other: Self, fraction: f32) -> Self {
+        let degrees = self.0 + fraction * self.to(other);
         Self(if degrees < 0.0 {
             degrees + 360.0
         } else if degrees >= 360.0 {
@@ -41,7 +51,7 @@ impl Between for Compass {
 }
 
 impl Between for Geodetic {
-    fn towards(self, other: Self, share: f32) -> Self {
+    fn towards(self, other: Self, fraction: f32) -> Self {
         /// A turn does not fit an i32, half of it does.
         const TURN: i64 = 3_600_000_000;
         let wrapped = |x: i64| {
@@ -57,7 +67,7 @@ impl Between for Geodetic {
         let along = |from: i32, to: i32| {
             let way = wrapped(i64::from(to) - i64::from(from));
             // Saturates.
-            wrapped(i64::from(from) + i64::from((way as f32 * share) as i32))
+            wrapped(i64::from(from) + i64::from((way as f32 * fraction) as i32))
         };
         let latitude = along(self.latitude_e7(), other.latitude_e7());
         let longitude = along(self.longitude_e7(), other.longitude_e7());
@@ -77,15 +87,13 @@ pub(super) struct History<T> {
 }
 
 impl<T: Between> History<T> {
-    pub const fn new() -> Self {
-        Self {
-            times: [None; KEPT],
-            values: [None; KEPT],
-        }
-    }
+    pub const EMPTY: Self = Self {
+        times: [None; KEPT],
+        values: [None; KEPT],
+    };
 
     pub fn clear(&mut self) {
-        *self = Self::new();
+        *self = Self::EMPTY;
     }
 
     /// Whether there ever was a sample.
@@ -93,9 +101,13 @@ impl<T: Between> History<T> {
         self.times[0].is_none()
     }
 
-    /// The last sample.
-    pub fn newest(&self) -> Option<T> {
-        self.values[0]
+    /// The last sample, and its age at a time.
+    pub fn newest(&self, now: TimeOfDay) -> Option<Aged<T>> {
+        let age = now.since(self.times[0]?);
+        Some(Aged {
+            value: self.values[0]?,
+            age_ms: age.max(0).unsigned_abs(),
+        })
     }
 
     /// Takes a sample. One of the time of the last replaces it; if time has run backwards, the clock was set, and those
@@ -116,9 +128,9 @@ impl<T: Between> History<T> {
     /// What it was at a time, by samples no further from it than so many milliseconds: between two of them, or as it
     /// went on from the last two, or as the nearest one says.
     pub fn at(&self, time: TimeOfDay, maximum_age_ms: u32) -> Option<T> {
-        let (from, to, share) = around(&self.times, time, maximum_age_ms)?;
+        let (from, to, fraction) = around(&self.times, time, maximum_age_ms)?;
         let [from, to] = [from, to].map(|sample| self.values.get(sample).copied().flatten());
-        Some(from?.towards(to?, share))
+        Some(from?.towards(to?, fraction))
     }
 }
 
@@ -193,7 +205,7 @@ mod tests {
     }
 
     fn headings(samples: &[(&str, f32)]) -> History<Compass> {
-        let mut history = History::new();
+        let mut history = History::EMPTY;
         for (time, degrees) in samples {
             history.push(at(time), Compass(*degrees));
         }
@@ -237,12 +249,12 @@ mod tests {
         assert_eq!(history.at(at("090000"), 2_000), Some(Compass(20.0)));
         let again = headings(&[("100000", 10.0), ("100000", 30.0)]);
         assert_eq!(again.at(at("100001"), 2_000), Some(Compass(30.0)));
-        assert!(History::<Compass>::new().is_empty());
+        assert!(History::<Compass>::EMPTY.is_empty());
     }
 
     #[test]
     fn only_the_last_samples_are_kept() {
-        let mut history = History::new();
+        let mut history = History::EMPTY;
         for second in 0..20u16 {
             let time = TimeOfDay::from_epoch(i64::from(second) * 1_000);
             history.push(time, Compass(f32::from(second)));

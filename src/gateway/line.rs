@@ -2,77 +2,56 @@
 
 use heapless::Vec;
 
-use super::{Rejected, TakeSpectrum};
+use super::formats::{self, Sentence, Set};
+use super::outcome::Rejected;
+use crate::aoa::spectrum::Peak;
 
-/// Longest NMEA sentence: the standard says 82, receivers send up to 102.
-const NMEA_BYTES: usize = 120;
-/// Longest event of a u-blox board, with two texts of 30 characters.
-const UBLOX_BYTES: usize = 160;
-/// Longest `%BBB/Q`.
-const AGRELO_BYTES: usize = 6;
-/// Longest first part of a KrakenSDR line, up to its spectrum.
-const KRAKEN_BYTES: usize = 240;
-/// Fields of a KrakenSDR line before its spectrum.
-const KRAKEN_FIELDS: u8 = 17;
-/// Longest KrakenSDR line, with its spectrum of 360 values.
-const KRAKEN_LINE_BYTES: u16 = 8_192;
+/// The most bytes of a line that are kept: those of a KrakenSDR before its spectrum.
+const KEPT_BYTES: usize = 240;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// `$...`
-    Nmea,
-    /// `%BBB/Q`
-    Agrelo,
-    /// `+UUDF:...`
-    Ublox,
-    /// `1617843840000, 297, ...`
-    Kraken,
-}
-
-/// Collects the bytes of one line, as many as its kind may have.
+/// Collects the bytes of one line, as many as its format keeps.
 #[derive(Debug)]
-pub(super) struct LineReader<S> {
-    kind: Option<Kind>,
-    bytes: Vec<u8, KRAKEN_BYTES>,
+pub(super) struct LineReader<F> {
+    formats: F,
+    /// The format of the line: see [`Set::which`].
+    which: u8,
+    bytes: Vec<u8, KEPT_BYTES>,
     /// All bytes of the line, also those not kept.
     length: u16,
     commas: u8,
     overlong: bool,
-    spectrum: S,
 }
 
-impl<S> LineReader<S> {
-    pub const fn new(spectrum: S) -> Self {
-        Self {
-            kind: None,
-            bytes: Vec::new(),
-            length: 0,
-            commas: 0,
-            overlong: false,
-            spectrum,
-        }
-    }
-
+impl<F> LineReader<F> {
     /// The line that has just ended, until the next byte is pushed.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// Its spectrum.
-    pub const fn spectrum(&self) -> &S {
-        &self.spectrum
+    /// What formats know of their last lines beyond the bytes.
+    pub const fn formats(&self) -> &F {
+        &self.formats
     }
 }
 
-impl<S: TakeSpectrum> LineReader<S> {
-    /// Takes a byte; says what has ended with it, if anything. Empty lines end nothing.
-    pub fn push(&mut self, byte: u8) -> Option<Result<Kind, Rejected>> {
+impl<F: Set> LineReader<F> {
+    pub const EMPTY: Self = Self {
+        formats: F::EMPTY,
+        which: 0,
+        bytes: Vec::new(),
+        length: 0,
+        commas: 0,
+        overlong: false,
+    };
+
+    /// Takes a byte; says whether a line has ended with it, and if so whether it can be parsed. Empty lines end nothing.
+    pub fn push(&mut self, byte: u8) -> Option<Result<(), Rejected>> {
         match byte {
             b'\r' | b'\n' => return self.end(),
             // What an idle or unplugged line sounds like.
             0 if self.length == 0 => {}
             // Where bytes were lost the next line begins in the middle of another.
-            b'$' | b'%' if self.length > 0 && !self.may_hold(byte) => {
+            _ if self.length > 0 && self.is_interrupted_by(byte) => {
                 self.begin(byte);
                 return Some(Err(Rejected::Unparsable));
             }
@@ -82,75 +61,69 @@ impl<S: TakeSpectrum> LineReader<S> {
         None
     }
 
-    /// Whether the first byte of a line may also stand within this one: both in the name of a KrakenSDR's
-    /// station, `%` in the text of a sentence.
-    fn may_hold(&self, byte: u8) -> bool {
-        match self.kind {
-            Some(Kind::Kraken) => true,
-            Some(Kind::Nmea) => byte == b'%',
-            // In its texts.
-            Some(Kind::Ublox) => true,
-            Some(Kind::Agrelo) | None => false,
-        }
+    /// What the line that has just ended says.
+    pub fn parse(&mut self, config: &formats::Config) -> Result<Sentence, Rejected> {
+        self.formats.parse(self.which, &self.bytes, config)
+    }
+
+    /// The peaks of its spectrum, the largest first, where spectra are read.
+    pub fn peaks(&self, config: &formats::Config) -> Option<[Option<Peak>; 3]> {
+        self.formats.peaks(self.which, config)
+    }
+
+    /// Whether a byte within this line begins another.
+    fn is_interrupted_by(&self, byte: u8) -> bool {
+        let holds = F::layout(self.which).map_or(&b""[..], |layout| layout.holds);
+        F::layout(F::which(byte)).is_some_and(|next| next.interrupts) && !holds.contains(&byte)
     }
 
     fn begin(&mut self, byte: u8) {
-        self.kind = match byte {
-            b'$' => Some(Kind::Nmea),
-            b'%' => Some(Kind::Agrelo),
-            b'+' => Some(Kind::Ublox),
-            b'0'..=b'9' => Some(Kind::Kraken),
-            _ => None,
-        };
+        self.which = F::which(byte);
         self.bytes.clear();
         self.length = 0;
         self.commas = 0;
         self.overlong = false;
-        if self.kind == Some(Kind::Kraken) {
-            self.spectrum.begin();
+        if F::SPECTRA {
+            self.formats.begin(self.which);
         }
         self.extend(byte);
     }
 
     fn extend(&mut self, byte: u8) {
         self.length = self.length.saturating_add(1);
-        let (kept, whole) = match self.kind {
-            Some(Kind::Nmea) => (NMEA_BYTES, NMEA_BYTES as u16),
-            Some(Kind::Agrelo) => (AGRELO_BYTES, AGRELO_BYTES as u16),
-            Some(Kind::Ublox) => (UBLOX_BYTES, UBLOX_BYTES as u16),
-            Some(Kind::Kraken) => (KRAKEN_BYTES, KRAKEN_LINE_BYTES),
-            // Nothing of it is of interest, however long.
-            None => return,
+        // Nothing of an unknown line is of interest, however long.
+        let Some(layout) = F::layout(self.which) else {
+            return;
         };
-        if self.length > whole {
+        if self.length > layout.longest {
             self.overlong = true;
         }
-        if self.kind == Some(Kind::Kraken) {
-            if self.commas >= KRAKEN_FIELDS {
-                return self.spectrum.take(byte);
+        if layout.fields < u8::MAX {
+            if self.commas >= layout.fields {
+                if F::SPECTRA {
+                    self.formats.rest(self.which, byte);
+                }
+                return;
             }
             self.commas += u8::from(byte == b',');
-            if self.commas >= KRAKEN_FIELDS {
+            if self.commas >= layout.fields {
                 return;
             }
         }
-        if self.bytes.len() >= kept || self.bytes.push(byte).is_err() {
+        if self.overlong || self.bytes.push(byte).is_err() {
             self.overlong = true;
         }
     }
 
-    fn end(&mut self) -> Option<Result<Kind, Rejected>> {
+    fn end(&mut self) -> Option<Result<(), Rejected>> {
         if self.length == 0 {
             return None;
         }
         self.length = 0;
-        if self.kind == Some(Kind::Kraken) {
-            self.spectrum.end();
-        }
-        Some(match self.kind {
+        Some(match self.which {
             _ if self.overlong => Err(Rejected::Overlong),
-            Some(kind) => Ok(kind),
-            None => Err(Rejected::Unparsable),
+            0 => Err(Rejected::Unparsable),
+            _ => Ok(()),
         })
     }
 }
@@ -159,32 +132,32 @@ impl<S: TakeSpectrum> LineReader<S> {
 mod tests {
     extern crate std;
     use super::*;
-    use crate::gateway::SkipSpectrum;
+    use crate::gateway::formats::All;
     use std::{format, string::String, vec::Vec};
 
-    fn read(input: &str) -> Vec<Result<(Kind, String), Rejected>> {
-        let mut reader = LineReader::new(SkipSpectrum);
+    fn read(input: &str) -> Vec<Result<String, Rejected>> {
+        let mut reader = LineReader::<All>::EMPTY;
         let mut lines = Vec::new();
         for byte in input.bytes() {
             if let Some(end) = reader.push(byte) {
                 let text = || String::from_utf8(reader.bytes().to_vec()).unwrap();
-                lines.push(end.map(|kind| (kind, text())));
+                lines.push(end.map(|()| text()));
             }
         }
         lines
     }
 
     #[test]
-    fn kinds_and_ends() {
+    fn lines_end_by_cr_or_lf() {
         let lines = read("\r\n$GPHDT,1*00\r\n%045/7\r%270/9\n17,2\n\n\r?\r\nunfinished");
-        let line = |kind, text| Ok((kind, String::from(text)));
+        let line = |text| Ok(String::from(text));
         assert_eq!(
             lines,
             [
-                line(Kind::Nmea, "$GPHDT,1*00"),
-                line(Kind::Agrelo, "%045/7"),
-                line(Kind::Agrelo, "%270/9"),
-                line(Kind::Kraken, "17,2"),
+                line("$GPHDT,1*00"),
+                line("%045/7"),
+                line("%270/9"),
+                line("17,2"),
                 Err(Rejected::Unparsable),
             ]
         );
@@ -193,7 +166,7 @@ mod tests {
     #[test]
     fn lost_bytes_cost_one_line() {
         let lines = read("$GPRMC,1235$GPHDT,1*00\r\nxx$GPHDT,2*00\r\n");
-        let line = |text| Ok((Kind::Nmea, String::from(text)));
+        let line = |text| Ok(String::from(text));
         assert_eq!(
             lines,
             [
@@ -207,32 +180,28 @@ mod tests {
 
     #[test]
     fn lost_bytes_cost_no_bearing_that_is_whole() {
-        let bearing = || Ok((Kind::Agrelo, String::from("%045/7")));
+        let bearing = || Ok(String::from("%045/7"));
         for lost in ["%27", "/9", "x%270/"] {
             let lines = read(&format!("{lost}%045/7\r"));
             assert_eq!(lines.last(), Some(&bearing()), "{lost}");
             assert!(lines[..lines.len() - 1].iter().all(Result::is_err));
         }
         for text in ["$GPTXT,01,01,02,5%*00", "17,2,fox % $"] {
-            assert!(matches!(&read(&format!("{text}\r"))[..], [Ok((_, line))] if line == text));
+            assert!(matches!(&read(&format!("{text}\r"))[..], [Ok(line)] if line == text));
         }
     }
 
     #[test]
     fn an_idle_line_is_no_line() {
-        let line = |kind, text| Ok((kind, String::from(text)));
+        let line = |text| Ok(String::from(text));
         assert_eq!(
             read("\0\0%045/7\r\0\n\x0017,2\r\0$GPHDT,1*00\n\0\r"),
-            [
-                line(Kind::Agrelo, "%045/7"),
-                line(Kind::Kraken, "17,2"),
-                line(Kind::Nmea, "$GPHDT,1*00"),
-            ]
+            [line("%045/7"), line("17,2"), line("$GPHDT,1*00"),]
         );
     }
 
     #[test]
-    fn every_kind_has_its_longest_line() {
+    fn every_format_has_its_longest_line() {
         let nmea = |n: usize| format!("${}\r\n", "x".repeat(n - 1));
         assert!(read(&nmea(120))[0].is_ok());
         assert_eq!(read(&nmea(121)), [Err(Rejected::Overlong)]);
@@ -240,7 +209,7 @@ mod tests {
 
         let kraken = |spectrum: usize| format!("{}{}\n", "1,".repeat(17), "2".repeat(spectrum));
         let kept = read(&kraken(8_192 - 34));
-        assert_eq!(kept, [Ok((Kind::Kraken, format!("{}1", "1,".repeat(16))))]);
+        assert_eq!(kept, [Ok(format!("{}1", "1,".repeat(16)))]);
         assert_eq!(read(&kraken(8_193 - 34)), [Err(Rejected::Overlong)]);
         assert_eq!(read(&kraken(100_000)), [Err(Rejected::Overlong)]);
         assert_eq!(

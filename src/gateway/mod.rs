@@ -78,27 +78,25 @@
 //! the order of [`Rejected::ALL`], of every reason for a rejection.
 
 pub mod beacon;
-mod bearing_line;
 mod clock;
-mod counters;
+mod config;
 mod decimal;
-mod deviations;
+pub mod formats;
 mod history;
 mod line;
-mod nmea;
+mod navigation;
+mod outcome;
 mod report;
+mod search;
 mod sentence;
-mod settings;
-mod spectrum;
+mod sigma;
 mod tally;
-mod ublox;
 mod vehicle;
 
-pub use counters::{Counters, Rejected};
-pub use deviations::{DeviationTable, TableError};
-pub use report::{LONG_REPORT, SHORT_REPORT};
-pub use settings::{
-    BearingReference, Finder, KrakenConfidence, Sense, Settings, SettingsError, UbloxQuality,
-};
-pub use spectrum::{SkipSpectrum, SpectrumReader, TakeSpectrum};
-pub use vehicle::{Event, Vehicle};
+pub use config::{BearingReference, Config};
+pub use history::Aged;
+pub use navigation::Receiver;
+pub use outcome::{Counters, Event, Rejected};
+pub use report::{FullReport, ReportForm, ShortReport};
+pub use sigma::SigmaTable;
+pub use vehicle::{Gateway, Vehicle};

@@ -1,38 +1,113 @@
 //! The vehicle's sentences out.
 
 use super::clock::TimeOfDay;
+use super::outcome::{Counters, Rejected};
 use super::sentence::{DEGREES, Text, Unit};
-use super::{Counters, Rejected};
-use crate::aoa::advice::Advice;
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
-use crate::aoa::locator::{Answer, Fix, NotObservable};
-use crate::aoa::robust::{Bias, Hypothesis, Shares};
-use crate::aoa::{Bearing, Locate, Source};
+use crate::aoa::{
+    Advice, Answer, Bearing, Bias, Fix, Hypothesis, Locate, Mixture, NotObservable, Source,
+};
 use crate::estimate::Ellipse;
 use crate::math::{atan2, sqrt};
-
-/// Room for a fix and a status.
-pub const SHORT_REPORT: usize = 320;
-
-/// Bytes of the longest report of a locator that knows of several sources, of their motion, of hypotheses and of errors.
-pub const LONG_REPORT: usize = 1_024;
 
 /// The most sources, and the most hypotheses, of one report.
 const MOST: usize = 4;
 
-pub(super) type Report<const N: usize> = Text<N>;
-
-/// When, how many bearings since the last restart, and about which origin.
+/// The time of the last bearing, how many there were since the last restart, and the plane of the fixes.
 #[derive(Clone, Copy)]
-pub(super) struct Context<'a> {
+pub struct Context<'a> {
     pub time: Option<TimeOfDay>,
     pub bearings: u32,
     pub plane: Option<&'a LocalPlane>,
 }
 
+/// What a gateway reports: a [`ShortReport`] or a [`FullReport`].
+pub trait ReportForm: Form {}
+
+impl<R: Form> ReportForm for R {}
+
+/// A form of reports, with the text of one.
+pub trait Form {
+    /// No text; all bits are zero.
+    const EMPTY: Self;
+
+    /// The text.
+    fn as_str(&self) -> &str;
+
+    /// Forgets the text.
+    fn clear(&mut self);
+
+    /// Adds what a locator knows.
+    fn answer<L: Locate>(&mut self, locator: &L, config: &L::Config, context: Context<'_>);
+
+    /// Adds the status.
+    fn status(&mut self, counters: &Counters);
+}
+
+/// Reports the best known source: one `$PFOXF` or `$PFOXN`.
+#[derive(Debug)]
+pub struct ShortReport(Text<{ ShortReport::BYTES }>);
+
+/// Reports all that a locator knows: several sources, their motion, hypotheses, advice and the errors of bearings.
+#[derive(Debug)]
+pub struct FullReport(Text<{ FullReport::BYTES }>);
+
+impl ShortReport {
+    /// Room for a fix and a status.
+    pub const BYTES: usize = 384;
+}
+
+impl FullReport {
+    /// Room for four sources, what is known of the errors, and a status.
+    pub const BYTES: usize = 1_152;
+}
+
+impl Form for ShortReport {
+    const EMPTY: Self = Self(Text::new());
+
+    fn as_str(&self) -> &str {
+        self.0.as_str()
+    }
+
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    fn answer<L: Locate>(&mut self, locator: &L, _config: &L::Config, context: Context<'_>) {
+        match locator.answer() {
+            Answer::Fix(fix) => self.0.fix(context, &fix),
+            Answer::NotObservable(reason) => self.0.not_observable(context, reason),
+        }
+    }
+
+    fn status(&mut self, counters: &Counters) {
+        self.0.counts(counters);
+    }
+}
+
+impl Form for FullReport {
+    const EMPTY: Self = Self(Text::new());
+
+    fn as_str(&self) -> &str {
+        self.0.as_str()
+    }
+
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    fn answer<L: Locate>(&mut self, locator: &L, config: &L::Config, context: Context<'_>) {
+        self.0.all(locator, config, context);
+    }
+
+    fn status(&mut self, counters: &Counters) {
+        self.0.counts(counters);
+    }
+}
+
 impl<const N: usize> Text<N> {
     /// All that a locator knows.
-    pub fn answer<L: Locate>(&mut self, locator: &L, context: Context<'_>) {
+    fn all<L: Locate>(&mut self, locator: &L, config: &L::Config, context: Context<'_>) {
         match locator.answer() {
             Answer::Fix(_) => {
                 for source in (0..MOST).map_while(|index| locator.source(index)) {
@@ -40,23 +115,23 @@ impl<const N: usize> Text<N> {
                 }
             }
             Answer::NotObservable(reason) => {
-                self.not_observable(context.time, reason, context.bearings);
+                self.not_observable(context, reason);
                 for hypothesis in (0..MOST).map_while(|index| locator.hypothesis(index)) {
                     self.hypothesis(&hypothesis, context.plane);
                 }
-                if let Some(advice) = locator.advice() {
+                if let Some(advice) = locator.advice(config) {
                     self.advice(&advice);
                 }
             }
         }
-        if let Some(shares) = locator.shares() {
-            self.errors(locator.bias(), &shares);
+        if let Some(rates) = locator.rates(config) {
+            self.errors(locator.bias(config), &rates);
         }
     }
 
     /// `$PFOXF`, and `$PFOXM` of a source that may move or of one of several.
     fn source(&mut self, source: &Source, context: Context<'_>) {
-        self.fix(context.time, &source.fix, context.plane);
+        self.fix(context, &source.fix);
         if source.motion.is_none() && source.identity == 0 {
             return;
         }
@@ -64,12 +139,12 @@ impl<const N: usize> Text<N> {
         self.field(u32::from(source.identity));
         match source.motion {
             Some(motion) => {
-                let [east, north] = motion.velocity;
+                let [east, north] = motion.velocity_m_s;
                 let course = Bearing::from_radians(atan2(north, east)).compass_degrees();
                 self.decimal(100.0 * motion.moving, Unit::Tenth);
                 self.decimal(sqrt(east * east + north * north), Unit::Tenth);
                 self.decimal(course, Unit::Tenth);
-                self.decimal(motion.deviation, Unit::Tenth);
+                self.decimal(motion.sigma_m_s, Unit::Tenth);
             }
             None => self.put(",,,,"),
         }
@@ -83,7 +158,7 @@ impl<const N: usize> Text<N> {
             self.begin("PFOXH");
             self.place(place);
             self.ellipse(&hypothesis.ellipse(Ellipse::ONE_SIGMA));
-            self.decimal(100.0 * hypothesis.mass, Unit::Tenth);
+            self.decimal(100.0 * hypothesis.probability, Unit::Tenth);
             self.end();
         }
     }
@@ -98,35 +173,35 @@ impl<const N: usize> Text<N> {
     }
 
     /// `$PFOXE`
-    fn errors(&mut self, bias: Option<Bias>, shares: &Shares) {
+    fn errors(&mut self, bias: Option<Bias>, rates: &Mixture) {
         self.begin("PFOXE");
         match bias {
             Some(bias) => {
                 // Clockwise.
-                self.signed(-bias.mean * DEGREES, Unit::Tenth);
-                self.decimal(bias.deviation * DEGREES, Unit::Tenth);
+                self.signed(-bias.mean_rad * DEGREES, Unit::Tenth);
+                self.decimal(bias.sigma_rad * DEGREES, Unit::Tenth);
             }
             None => self.put(",,"),
         }
-        for share in [shares.direct, shares.mirror, shares.wild] {
-            self.decimal(100.0 * share, Unit::Tenth);
+        for rate in [rates.direct, rates.mirrored, rates.outlier] {
+            self.decimal(100.0 * rate, Unit::Tenth);
         }
         self.end();
     }
 
     /// `$PFOXF`, or `$PFOXN` with the reason `RANGE` where the fix is too far away for coordinates.
-    fn fix(&mut self, time: Option<TimeOfDay>, fix: &Fix, plane: Option<&LocalPlane>) {
-        let place = plane.and_then(|plane| plane.to_geodetic(fix.position).ok());
+    fn fix(&mut self, context: Context<'_>, fix: &Fix) {
+        let place = (context.plane).and_then(|plane| plane.to_geodetic(fix.position).ok());
         let Some(place) = place else {
             self.begin("PFOXN");
-            self.time(time);
+            self.time(context.time);
             self.put(",RANGE");
             self.field(fix.bearings);
             self.put(",,");
             return self.end();
         };
         self.begin("PFOXF");
-        self.time(time);
+        self.time(context.time);
         self.place(place);
         self.ellipse(&fix.ellipse(Ellipse::ONE_SIGMA));
         self.field(fix.bearings);
@@ -135,20 +210,23 @@ impl<const N: usize> Text<N> {
     }
 
     /// `$PFOXN`
-    fn not_observable(&mut self, time: Option<TimeOfDay>, reason: NotObservable, bearings: u32) {
+    fn not_observable(&mut self, context: Context<'_>, reason: NotObservable) {
         let (reason, angles) = match reason {
             NotObservable::TooFewBearings { .. } => (",FEW", None),
-            NotObservable::CrossingAngle { radians, needed } => (",ANGLE", Some((radians, needed))),
+            NotObservable::CrossingAngle {
+                have_rad,
+                needed_rad,
+            } => (",ANGLE", Some([have_rad, needed_rad])),
             NotObservable::NoIntersection => (",APART", None),
         };
         self.begin("PFOXN");
-        self.time(time);
+        self.time(context.time);
         self.put(reason);
-        self.field(bearings);
+        self.field(context.bearings);
         match angles {
-            Some((radians, needed)) => {
-                self.decimal(radians * DEGREES, Unit::Tenth);
-                self.decimal(needed * DEGREES, Unit::Tenth);
+            Some([have_rad, needed_rad]) => {
+                self.decimal(have_rad * DEGREES, Unit::Tenth);
+                self.decimal(needed_rad * DEGREES, Unit::Tenth);
             }
             None => self.put(",,"),
         }
@@ -156,14 +234,9 @@ impl<const N: usize> Text<N> {
     }
 
     /// `$PFOXS`
-    pub fn counts(&mut self, counters: &Counters) {
+    fn counts(&mut self, counters: &Counters) {
         self.begin("PFOXS");
-        for count in [
-            counters.lines,
-            counters.sentences,
-            counters.bearings,
-            counters.ignored,
-        ] {
+        for count in counters.of_lines() {
             self.field(count);
         }
         for reason in Rejected::ALL {
@@ -219,223 +292,4 @@ impl<const N: usize> Text<N> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::aoa::Motion;
-
-    fn time() -> Option<TimeOfDay> {
-        TimeOfDay::from_nmea(b"235959.999")
-    }
-
-    fn plane() -> LocalPlane {
-        LocalPlane::new(Geodetic::new(-481_173_001, -1_799_999_999).unwrap()).unwrap()
-    }
-
-    fn fix(position: [f32; 2], covariance: [[f32; 2]; 2]) -> Fix {
-        Fix {
-            position,
-            covariance,
-            effective_sample_size: 87.66,
-            bearings: 60,
-        }
-    }
-
-    #[test]
-    fn fix_sentence() {
-        let mut report = Report::<SHORT_REPORT>::new();
-        report.fix(
-            time(),
-            &fix([0.0, 0.0], [[1.0, 0.0], [0.0, 4.0]]),
-            Some(&plane()),
-        );
-        assert_eq!(
-            report.as_str(),
-            "$PFOXF,235959.999,4807.038006,S,17959.999994,W,2.000,1.000,0.0,60,87.7*50\r\n"
-        );
-        report.clear();
-        report.fix(
-            None,
-            &fix([0.0, 0.0], [[4.0, 0.0], [0.0, 1.0]]),
-            Some(&plane()),
-        );
-        assert!(report.as_str().contains(",W,2.000,1.000,90.0,60,"));
-        report.clear();
-        report.fix(
-            None,
-            &fix([f32::NAN, 0.0], [[4.0, 0.0], [0.0, 1.0]]),
-            Some(&plane()),
-        );
-        assert_eq!(report.as_str(), "$PFOXN,,RANGE,60,,*3A\r\n");
-    }
-
-    #[test]
-    fn not_observable_sentence() {
-        let mut report = Report::<SHORT_REPORT>::new();
-        report.not_observable(time(), NotObservable::TooFewBearings { have: 1 }, 1);
-        assert_eq!(report.as_str(), "$PFOXN,235959.999,FEW,1,,*10\r\n");
-        report.clear();
-        let reason = NotObservable::CrossingAngle {
-            radians: 0.05,
-            needed: 0.1,
-        };
-        report.not_observable(time(), reason, 12);
-        assert_eq!(report.as_str(), "$PFOXN,235959.999,ANGLE,12,2.9,5.7*3E\r\n");
-    }
-
-    /// Knows everything that there is to report.
-    struct Knowing {
-        answer: Answer,
-        source: Source,
-        hypothesis: Hypothesis,
-        bias: Bias,
-    }
-
-    impl Locate for Knowing {
-        fn push_after<R: crate::random::Rng + ?Sized>(
-            &mut self,
-            _: crate::aoa::Observation,
-            _: f32,
-            _: &mut R,
-        ) -> Answer {
-            self.answer
-        }
-
-        fn answer(&self) -> Answer {
-            self.answer
-        }
-
-        fn reset(&mut self) {}
-
-        fn source(&self, _: usize) -> Option<Source> {
-            Some(self.source)
-        }
-
-        fn hypothesis(&self, _: usize) -> Option<Hypothesis> {
-            Some(self.hypothesis)
-        }
-
-        fn bias(&self) -> Option<Bias> {
-            Some(self.bias)
-        }
-
-        fn shares(&self) -> Option<Shares> {
-            Some(Shares {
-                direct: 0.75,
-                mirror: 0.05,
-                wild: 0.2,
-            })
-        }
-
-        fn advice(&self) -> Option<Advice> {
-            Some(Advice {
-                direction: Bearing::from_compass_degrees(247.5),
-                information: 1.25,
-                distance_m: 1_220.7,
-            })
-        }
-    }
-
-    fn knowing(answer: Answer) -> Knowing {
-        let fix = fix([0.0, 0.0], [[1.0, 0.0], [0.0, 4.0]]);
-        Knowing {
-            answer,
-            source: Source {
-                identity: 3,
-                fix,
-                motion: Some(Motion {
-                    moving: 0.875,
-                    velocity: [-3.0, 4.0],
-                    deviation: 1.5,
-                }),
-            },
-            hypothesis: Hypothesis {
-                position: [0.0, 0.0],
-                covariance: fix.covariance,
-                mass: 0.6,
-            },
-            bias: Bias {
-                mean: -0.05,
-                deviation: 0.01,
-            },
-        }
-    }
-
-    #[test]
-    fn all_that_is_known() {
-        let plane = plane();
-        let context = Context {
-            time: None,
-            bearings: 9,
-            plane: Some(&plane),
-        };
-        let mut report = Report::<LONG_REPORT>::new();
-        report.answer(&knowing(Answer::Fix(fix([0.0; 2], [[1.0; 2]; 2]))), context);
-        let text = report.as_str();
-        assert_eq!(text.matches("$PFOXF,").count(), MOST);
-        assert!(text.contains("$PFOXM,3,87.5,5.0,323.1,1.5*"), "{text}");
-        assert!(
-            text.ends_with("$PFOXE,2.9,0.6,75.0,5.0,20.0*4E\r\n"),
-            "{text}"
-        );
-
-        report.clear();
-        let reason = NotObservable::NoIntersection;
-        report.answer(&knowing(Answer::NotObservable(reason)), context);
-        let text = report.as_str();
-        assert!(text.starts_with("$PFOXN,,APART,9,,*"));
-        let hypothesis = "$PFOXH,4807.038006,S,17959.999994,W,2.000,1.000,0.0,60.0*";
-        assert_eq!(text.matches(hypothesis).count(), MOST);
-        assert!(text.contains("$PFOXA,247.5,1220.7,1.3*"), "{text}");
-    }
-
-    #[test]
-    fn the_longest_reports_of_several_sources_fit() {
-        let mut most = knowing(Answer::Fix(fix([0.0; 2], [[1.0; 2]; 2])));
-        most.source.identity = u16::MAX;
-        most.source.fix = fix([9e4, 4e4], [[3e38, 0.0], [0.0, 3e38]]);
-        most.source.fix.effective_sample_size = 3e38;
-        most.source.fix.bearings = u32::MAX;
-        most.source.motion = Some(Motion {
-            moving: 1.0,
-            velocity: [-3e9, 3e9],
-            deviation: 3e38,
-        });
-        most.bias = Bias {
-            mean: -9.0,
-            deviation: 9.0,
-        };
-        let plane = plane();
-        let context = Context {
-            time: time(),
-            bearings: u32::MAX,
-            plane: Some(&plane),
-        };
-        let mut report = Report::<{ 2 * LONG_REPORT }>::new();
-        report.answer(&most, context);
-        assert!(
-            report.as_str().len() <= LONG_REPORT,
-            "{}",
-            report.as_str().len()
-        );
-        let mut counters = Counters::new();
-        counters.lines = u32::MAX;
-        report.counts(&counters);
-        assert!(report.as_str().len() + (3 + Rejected::ALL.len()) * 9 <= LONG_REPORT);
-    }
-
-    #[test]
-    fn the_longest_reports_fit() {
-        let mut report = Report::<SHORT_REPORT>::new();
-        let mut longest = fix([9e4, 4e4], [[3e38, 0.0], [0.0, 3e38]]);
-        longest.effective_sample_size = 3e38;
-        longest.bearings = u32::MAX;
-        report.fix(time(), &longest, Some(&plane()));
-        let mut counters = Counters::new();
-        counters.lines = u32::MAX;
-        report.counts(&counters);
-        // Every other count, now one digit, may have ten.
-        let counts = 4 + Rejected::ALL.len();
-        assert!(report.as_str().ends_with("\r\n"));
-        assert!(report.as_str().len() + (counts - 1) * 9 <= SHORT_REPORT);
-    }
-}
+mod tests;

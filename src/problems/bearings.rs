@@ -85,12 +85,13 @@ impl Track {
         self,
         rng: &mut R,
     ) -> impl Iterator<Item = Observation> + use<'_, R> {
-        let deviation = sqrt(self.variance());
+        let sigma = sqrt(self.variance());
         let [x, y] = self.source();
         (0..self.bearings()).filter_map(move |index| {
             let [px, py] = self.receiver(index);
-            let angle = atan2(y - py, x - px) + deviation * normal(rng);
-            Observation::new([px, py], Bearing::from_radians(angle), deviation).ok()
+            let angle = atan2(y - py, x - px) + sigma * normal(rng);
+            let time_ms = 1000 * index as u32;
+            Observation::new(time_ms, [px, py], Bearing::from_radians(angle), sigma).ok()
         })
     }
 }

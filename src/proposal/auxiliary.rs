@@ -4,11 +4,11 @@ use super::Transition;
 use super::grid::{Grid, reach};
 use super::moments::Moments;
 use crate::filter::UpdateError;
-use crate::math::{exp, ln};
+use crate::math::exp;
 use crate::model::Likelihood;
 use crate::particles::{Particles, read};
 use crate::random::{Rng, uniform};
-use crate::weights;
+use crate::weights::{self, Weights};
 
 /// A particle filter of `N` particles with a state of one or two dimensions that knows how well each particle will
 /// explain the measurement before it moves, and moves it accordingly.
@@ -30,7 +30,7 @@ use crate::weights;
 ///
 /// let mut nature = Xoshiro128PlusPlus::seed_from_u64(1);
 /// let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
-/// let mut filter = AuxiliaryFilter::<1, 10>::new();
+/// let mut filter = AuxiliaryFilter::<1, 10>::EMPTY;
 /// filter.initialise(&mut rng, |_| [gamma::START]);
 /// for (dynamics, truth, measurement) in gamma::simulate(0.04, 1e-5, &mut nature).take(50) {
 ///     filter.step(&dynamics, &measurement, 1.0, &mut [0.0; 64], &mut rng).unwrap();
@@ -40,26 +40,58 @@ use crate::weights;
 #[derive(Debug, Clone)]
 pub struct AuxiliaryFilter<const D: usize, const N: usize> {
     particles: Particles<D, N>,
-    /// Where the next cloud is made.
-    next: Particles<D, N>,
-    weights: [f32; N],
-    log_sum: f32,
+    weights: Weights<N>,
+    next: Next<D, N>,
     grids: [Grid<D>; N],
     posterior: Moments<D>,
 }
 
-impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
-    /// All particles at the origin, with equal weights.
-    pub const fn new() -> Self {
-        Self {
-            particles: Particles::new(),
-            next: Particles::new(),
-            weights: [1.0 / N as f32; N],
-            log_sum: ln(N as f32),
-            grids: [Grid::NONE; N],
-            posterior: Moments::NONE,
+/// The cloud in the making.
+#[derive(Debug, Clone)]
+struct Next<const D: usize, const N: usize> {
+    particles: Particles<D, N>,
+    log_weights: [f32; N],
+    /// How many particles there are already.
+    count: usize,
+    /// From where a walk along the weights stands to the next tooth: there is one at every whole number from a random
+    /// start, and each becomes a particle.
+    tooth: f32,
+}
+
+/// What particles are drawn from.
+struct Target<'a, T, L> {
+    transition: &'a T,
+    likelihood: &'a L,
+    dt: f32,
+}
+
+impl<T, L> Target<'_, T, L> {
+    /// The logarithm of transition times likelihood, of a particle.
+    fn of<const D: usize>(&self, from: [f32; D]) -> impl Fn(&[f32; D]) -> f32
+    where
+        T: Transition<D>,
+        L: Likelihood<D>,
+    {
+        move |to| {
+            self.likelihood.log_likelihood(to) + self.transition.log_transition(&from, to, self.dt)
         }
     }
+}
+
+impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
+    /// All particles at the origin, with equal weights, in bits that are all zero. [`AuxiliaryFilter::initialise`] it.
+    pub const EMPTY: Self = Self {
+        particles: Particles::EMPTY,
+        weights: Weights::EMPTY,
+        next: Next {
+            particles: Particles::EMPTY,
+            log_weights: [0.0; N],
+            count: 0,
+            tooth: 0.0,
+        },
+        grids: [Grid::NONE; N],
+        posterior: Moments::NONE,
+    };
 
     /// Draws the state of every particle from `draw`, the prior, and makes their weights equal.
     pub fn initialise<R: Rng + ?Sized>(
@@ -68,8 +100,7 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
         draw: impl FnMut(&mut R) -> [f32; D],
     ) {
         self.particles.initialise(rng, draw);
-        self.weights = [1.0 / N as f32; N];
-        self.log_sum = ln(N as f32);
+        self.weights.make_equal();
         self.posterior = Moments::NONE;
         for i in 0..N {
             let state = read(&self.particles.columns(), i);
@@ -90,87 +121,85 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
         memory: &mut [f32; G],
         rng: &mut R,
     ) -> Result<f32, UpdateError> {
-        let target = |from: [f32; D]| {
-            move |to: &[f32; D]| {
-                likelihood.log_likelihood(to) + transition.log_transition(&from, to, dt)
-            }
+        let target = Target {
+            transition,
+            likelihood,
+            dt,
         };
-        let deviations = transition.noise(dt).deviations();
+        let posterior = self.look_ahead(&target, memory);
+        let (_, first_stage) = self.weights.columns_mut();
+        let Some(normalised) = weights::normalise(&mut self.next.log_weights, first_stage) else {
+            return Err(self.refuse());
+        };
+        let log_evidence = normalised.shift + normalised.log_sum - self.weights.log_sum();
+        self.draw(&target, memory, rng);
+        self.exchange_log_weights();
+        if self.weights.normalise().is_err() {
+            self.exchange_log_weights();
+            return Err(self.refuse());
+        }
+        core::mem::swap(&mut self.particles, &mut self.next.particles);
+        self.posterior = posterior;
+        Ok(log_evidence)
+    }
+
+    /// Fits a grid to what each particle may become, and sets the next log-weight to that of all of it together. Returns
+    /// the moments of the posterior.
+    fn look_ahead<const G: usize>(
+        &mut self,
+        target: &Target<'_, impl Transition<D>, impl Likelihood<D>>,
+        memory: &mut [f32; G],
+    ) -> Moments<D> {
+        let sigmas = target.transition.noise(target.dt).deviations();
         let mut posterior = Moments::NONE;
         let columns = self.particles.columns();
-        let first_stage = self.particles.log_weights().iter();
-        for (i, ((log_weight, next), place)) in first_stage
-            .zip(self.next.log_weights_mut())
+        let log_weights = self.weights.log_weights().iter();
+        for (i, ((log_weight, next), place)) in log_weights
+            .zip(&mut self.next.log_weights)
             .zip(&mut self.grids)
             .enumerate()
         {
             let from = read(&columns, i);
-            let (low, high) = reach(transition.mean(&from, dt), deviations);
-            let grid = Grid::fit(low, high, target(from), memory);
+            let (low, high) = reach(target.transition.mean(&from, target.dt), sigmas);
+            let grid = Grid::fit(low, high, target.of(from), memory);
             let local = grid.moments(memory);
             posterior.add(&local, *log_weight);
             *next = log_weight + local.log_mass();
             *place = grid;
         }
-        let Some(first_stage) = weights::normalise(self.next.log_weights_mut(), &mut self.weights)
-        else {
-            return Err(self.refuse());
-        };
+        posterior
+    }
 
-        let mut comb = Comb {
-            tooth: uniform(rng),
-            slot: 0,
-        };
-        for (i, (grid, weight)) in self.grids.iter().zip(&self.weights).enumerate() {
-            let share = weight * N as f32;
-            if comb.tooth < share {
-                let target = target(read(&columns, i));
-                grid.evaluate(target, memory);
-                let log_sum = grid.moments(memory).log_mass() - grid.ln_cell();
-                let cells = || grid.centres::<G>().zip(&*memory);
-                // One from each of as many equal parts of the local density as there are copies.
-                let copies = (share - comb.tooth) as usize + 1;
-                for copy in 0..copies.min(N - comb.slot.min(N)) {
-                    let quantile = (copy as f32 + uniform(rng)) / copies as f32;
-                    let Some((centre, log_density, rest)) = cell_at(quantile, cells(), log_sum)
-                    else {
-                        break;
-                    };
-                    let mut part = [rest; D];
-                    for part in part.iter_mut().skip(1) {
-                        *part = uniform(rng);
-                    }
-                    // The last dimension runs fastest, so the rest of the quantile is its own.
-                    part.reverse();
-                    let to = grid.within(centre, part);
-                    comb.place(&mut self.next, to, target(&to) - log_density);
-                }
+    /// Draws the next particles, from ancestors that the weights of the first stage choose systematically.
+    fn draw<const G: usize, R: Rng + ?Sized>(
+        &mut self,
+        target: &Target<'_, impl Transition<D>, impl Likelihood<D>>,
+        memory: &mut [f32; G],
+        rng: &mut R,
+    ) {
+        (self.next.count, self.next.tooth) = (0, uniform(rng));
+        let weights = self.weights.weights().iter();
+        for (i, (grid, weight)) in self.grids.iter().zip(weights).enumerate() {
+            let expected = weight * N as f32;
+            if self.next.tooth < expected {
+                let copies = (expected - self.next.tooth) as usize + 1;
+                let target = target.of(read(&self.particles.columns(), i));
+                self.next.draw(copies, grid, target, memory, rng);
             }
-            comb.tooth -= share;
+            self.next.tooth -= expected;
         }
-        // Rounding may leave a tooth behind the end: it belongs to the last particle.
-        let last = comb.slot.saturating_sub(1);
-        if let Some(state) = self.next.get(last) {
-            let log_weight = self.next.log_weights().get(last).copied().unwrap_or(0.0);
-            while comb.slot < N {
-                comb.place(&mut self.next, state, log_weight);
-            }
-        }
+        self.next.fill_up();
+    }
 
-        let Some(second_stage) = weights::normalise(self.next.log_weights_mut(), &mut self.weights)
-        else {
-            return Err(self.refuse());
-        };
-        core::mem::swap(&mut self.particles, &mut self.next);
-        let log_evidence = first_stage.shift + first_stage.log_sum - self.log_sum;
-        self.log_sum = second_stage.log_sum;
-        self.posterior = posterior;
-        Ok(log_evidence)
+    fn exchange_log_weights(&mut self) {
+        let (log_weights, _) = self.weights.columns_mut();
+        core::mem::swap(log_weights, &mut self.next.log_weights);
     }
 
     /// Makes the weights again those of the particles.
     fn refuse(&mut self) -> UpdateError {
-        weights::normalise(self.particles.log_weights_mut(), &mut self.weights);
+        let (log_weights, weights) = self.weights.columns_mut();
+        weights::normalise(log_weights, weights);
         UpdateError::AllWeightsZero
     }
 
@@ -184,14 +213,70 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
         self.posterior.covariance()
     }
 
-    /// The states and log-weights.
+    /// The states.
     pub fn particles(&self) -> &Particles<D, N> {
         &self.particles
     }
 
-    /// The weights, which sum to one.
+    /// The weights, which sum to one after [`AuxiliaryFilter::initialise`].
     pub fn weights(&self) -> &[f32] {
-        &self.weights
+        self.weights.weights()
+    }
+
+    /// Natural log-weights with an arbitrary common offset.
+    pub fn log_weights(&self) -> &[f32] {
+        self.weights.log_weights()
+    }
+}
+
+impl<const D: usize, const N: usize> Next<D, N> {
+    /// Draws so many successors of one particle, or as many as there is room for: one from each of as many equal parts of
+    /// the density on its grid.
+    fn draw<const G: usize, R: Rng + ?Sized>(
+        &mut self,
+        copies: usize,
+        grid: &Grid<D>,
+        target: impl Fn(&[f32; D]) -> f32,
+        memory: &mut [f32; G],
+        rng: &mut R,
+    ) {
+        grid.evaluate(&target, memory);
+        let log_sum = grid.moments(memory).log_mass() - grid.ln_cell();
+        for copy in 0..copies.min(N - self.count.min(N)) {
+            let quantile = (copy as f32 + uniform(rng)) / copies as f32;
+            let cells = grid.centres::<G>().zip(&*memory);
+            let Some((centre, log_density, rest)) = cell_at(quantile, cells, log_sum) else {
+                break;
+            };
+            let mut part = [rest; D];
+            for part in part.iter_mut().skip(1) {
+                *part = uniform(rng);
+            }
+            // The last dimension runs fastest, so the rest of the quantile is its own.
+            part.reverse();
+            let to = grid.within(centre, part);
+            self.place(to, target(&to) - log_density);
+        }
+    }
+
+    /// Rounding may leave a tooth behind the end: it belongs to the last particle.
+    fn fill_up(&mut self) {
+        let last = self.count.saturating_sub(1);
+        if let Some(state) = self.particles.get(last) {
+            let log_weight = self.log_weights.get(last).copied().unwrap_or(0.0);
+            while self.count < N {
+                self.place(state, log_weight);
+            }
+        }
+    }
+
+    fn place(&mut self, state: [f32; D], log_weight: f32) {
+        self.particles.set(self.count, state);
+        if let Some(place) = self.log_weights.get_mut(self.count) {
+            *place = log_weight;
+        }
+        self.count += 1;
+        self.tooth += 1.0;
     }
 }
 
@@ -216,34 +301,4 @@ fn cell_at<'a, const D: usize>(
     }
     // Rounding may leave the quantile behind the end.
     last
-}
-
-/// A walk along the weights with a tooth at every whole number from a random start, each of which becomes a particle.
-struct Comb {
-    /// From where the walk stands to the next tooth.
-    tooth: f32,
-    /// The particle that it becomes.
-    slot: usize,
-}
-
-impl Comb {
-    fn place<const D: usize, const N: usize>(
-        &mut self,
-        cloud: &mut Particles<D, N>,
-        state: [f32; D],
-        log_weight: f32,
-    ) {
-        cloud.set(self.slot, state);
-        if let Some(place) = cloud.log_weights_mut().get_mut(self.slot) {
-            *place = log_weight;
-        }
-        self.slot += 1;
-        self.tooth += 1.0;
-    }
-}
-
-impl<const D: usize, const N: usize> Default for AuxiliaryFilter<D, N> {
-    fn default() -> Self {
-        Self::new()
-    }
 }

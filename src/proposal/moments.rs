@@ -8,7 +8,7 @@ use crate::math::{exp_of_weight, ln};
 /// millionth of the mean.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Moments<const D: usize> {
-    /// Logarithm of the unit of `mass` and `scatter`: the largest log-mass seen.
+    /// Logarithm of the unit of `mass` and `scatter`: the largest log-mass seen. Void as long as there is no mass.
     shift: f32,
     mass: f32,
     mean: [f32; D],
@@ -16,8 +16,9 @@ pub(super) struct Moments<const D: usize> {
 }
 
 impl<const D: usize> Moments<D> {
+    /// No mass at all, in bits that are all zero.
     pub(super) const NONE: Self = Self {
-        shift: f32::NEG_INFINITY,
+        shift: 0.0,
         mass: 0.0,
         mean: [0.0; D],
         scatter: [[0.0; D]; D],
@@ -36,10 +37,12 @@ impl<const D: usize> Moments<D> {
     /// Adds `e^log_factor` times another density. Factors that are NaN or infinite add nothing.
     pub(super) fn add(&mut self, other: &Self, log_factor: f32) {
         let shift = other.shift + log_factor;
-        if !(shift > f32::NEG_INFINITY && shift < f32::INFINITY) {
+        if other.mass == 0.0 || !shift.is_finite() {
             return;
         }
-        if shift > self.shift {
+        if self.mass == 0.0 {
+            self.shift = shift;
+        } else if shift > self.shift {
             let scale = exp_of_weight(self.shift - shift);
             self.shift = shift;
             self.mass *= scale;
@@ -53,13 +56,13 @@ impl<const D: usize> Moments<D> {
             return;
         }
         let total = self.mass + mass;
-        let share = mass / total;
+        let fraction = mass / total;
         let mut apart = other.mean;
         for (apart, mean) in apart.iter_mut().zip(&mut self.mean) {
             *apart -= *mean;
-            *mean += share * *apart;
+            *mean += fraction * *apart;
         }
-        let between = share * self.mass;
+        let between = fraction * self.mass;
         for ((row, other), a) in self.scatter.iter_mut().zip(&other.scatter).zip(apart) {
             for ((entry, other), b) in row.iter_mut().zip(other).zip(apart) {
                 *entry += scale * other + between * (a * b);

@@ -31,7 +31,8 @@ use crate::particles::{Particles, read};
 /// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
 ///
 /// let mut nature = Xoshiro128PlusPlus::seed_from_u64(1);
-/// let mut filter = PointMassFilter::<1, 50>::at([growth::START]);
+/// let mut filter = PointMassFilter::<1, 50>::EMPTY;
+/// filter.initialise_at([growth::START]);
 /// for (dynamics, truth, measurement) in growth::simulate(&mut nature).take(50) {
 ///     filter.step(&dynamics, &measurement, 1.0, &mut [0.0; 256]).unwrap();
 ///     let [[variance]] = filter.covariance();
@@ -41,37 +42,42 @@ use crate::particles::{Particles, read};
 #[derive(Debug, Clone)]
 pub struct PointMassFilter<const D: usize, const N: usize> {
     points: Particles<D, N>,
+    /// Of the masses of the points.
+    log_weights: [f32; N],
+    /// How many points are used.
+    count: usize,
     posterior: Moments<D>,
 }
 
 impl<const D: usize, const N: usize> PointMassFilter<D, N> {
-    /// Knows the state exactly.
-    pub fn at(state: [f32; D]) -> Self {
-        let mut points = Particles::new();
-        points.set(0, state);
-        for log_weight in points.log_weights_mut().iter_mut().skip(1) {
-            *log_weight = f32::NEG_INFINITY;
-        }
-        Self {
-            points,
-            posterior: Moments::point(state),
-        }
+    /// No points at all, in bits that are all zero: to be told a state or a prior.
+    pub const EMPTY: Self = Self {
+        points: Particles::EMPTY,
+        log_weights: [0.0; N],
+        count: 0,
+        posterior: Moments::NONE,
+    };
+
+    /// Starts from a state that is known exactly.
+    pub fn initialise_at(&mut self, state: [f32; D]) {
+        self.posterior = Moments::point(state);
+        self.count = 0;
+        self.keep(&Moments::point(state), 0.0);
     }
 
     /// Starts from a prior: its log-density, up to a constant, within the box from `low` to `high`.
     ///
     /// # Errors
-    /// When there is no mass in the box.
-    pub fn from_prior<const G: usize>(
+    /// When there is no mass in the box; the filter is then as before.
+    pub fn initialise<const G: usize>(
+        &mut self,
         low: [f32; D],
         high: [f32; D],
         log_density: impl Fn(&[f32; D]) -> f32,
         memory: &mut [f32; G],
-    ) -> Result<Self, UpdateError> {
-        let mut filter = Self::at(low);
+    ) -> Result<(), UpdateError> {
         let grid = Grid::fit(low, high, log_density, memory);
-        filter.take(&grid, memory)?;
-        Ok(filter)
+        self.take(&grid, memory).map(drop)
     }
 
     /// Goes `dt` seconds ahead to a measurement, and returns its log-evidence, as
@@ -87,14 +93,10 @@ impl<const D: usize, const N: usize> PointMassFilter<D, N> {
         memory: &mut [f32; G],
     ) -> Result<f32, UpdateError> {
         let columns = self.points.columns();
-        let log_weights = self.points.log_weights();
-        let deviations = transition.noise(dt).deviations();
+        let sigmas = transition.noise(dt).deviations();
         let (mut low, mut high) = ([f32::INFINITY; D], [f32::NEG_INFINITY; D]);
-        for (i, log_weight) in log_weights.iter().enumerate() {
-            if *log_weight == f32::NEG_INFINITY {
-                continue;
-            }
-            let reached = reach(transition.mean(&read(&columns, i), dt), deviations);
+        for i in 0..self.count {
+            let reached = reach(transition.mean(&read(&columns, i), dt), sigmas);
             for d in 0..D {
                 low[d] = low[d].min(reached.0[d]);
                 high[d] = high[d].max(reached.1[d]);
@@ -104,7 +106,7 @@ impl<const D: usize, const N: usize> PointMassFilter<D, N> {
             transition,
             dt,
             columns,
-            log_weights,
+            log_weights: self.log_weights(),
             likelihood,
         };
         let grid = Grid::fit(low, high, |x| posterior.log_likelihood(x), memory);
@@ -124,7 +126,7 @@ impl<const D: usize, const N: usize> PointMassFilter<D, N> {
         }
         self.posterior = whole;
 
-        self.points.log_weights_mut().fill(f32::NEG_INFINITY);
+        self.count = 0;
         let largest = memory.iter().fold(f32::NEG_INFINITY, |a, b| a.max(*b));
         let root = |log_density: f32| exp(0.5 * (log_density - largest));
 
@@ -134,7 +136,6 @@ impl<const D: usize, const N: usize> PointMassFilter<D, N> {
         let parts = N / strips;
         let cell = |row: usize, k: usize| memory.get(row * side + k).map_or(0.0, |l| root(*l));
         let of_row = |row: usize| (0..side).map(|k| cell(row, k)).sum::<f32>();
-        let mut slot = 0;
         let mut cut = Cut::new((0..rows).map(of_row).sum(), strips);
         let mut strip = 0..0;
         while strip.end < rows {
@@ -154,7 +155,7 @@ impl<const D: usize, const N: usize> PointMassFilter<D, N> {
                 for row in strip.clone() {
                     let index = cut.part(cell(row, k));
                     if index != part {
-                        self.keep(&mut slot, &moments, grid.ln_cell() - log_mass);
+                        self.keep(&moments, grid.ln_cell() - log_mass);
                         moments = Moments::NONE;
                         part = index;
                     }
@@ -166,20 +167,20 @@ impl<const D: usize, const N: usize> PointMassFilter<D, N> {
                     );
                 }
             }
-            self.keep(&mut slot, &moments, grid.ln_cell() - log_mass);
+            self.keep(&moments, grid.ln_cell() - log_mass);
         }
         Ok(log_mass)
     }
 
     /// Makes a part the next point, unless it is empty.
-    fn keep(&mut self, slot: &mut usize, part: &Moments<D>, log_unit: f32) {
+    fn keep(&mut self, part: &Moments<D>, log_unit: f32) {
         let log_weight = part.log_mass() + log_unit;
-        if let Some(place) = self.points.log_weights_mut().get_mut(*slot)
+        if let Some(place) = self.log_weights.get_mut(self.count)
             && log_weight > f32::NEG_INFINITY
         {
             *place = log_weight;
-            self.points.set(*slot, part.mean());
-            *slot += 1;
+            self.points.set(self.count, part.mean());
+            self.count += 1;
         }
     }
 
@@ -193,9 +194,15 @@ impl<const D: usize, const N: usize> PointMassFilter<D, N> {
         self.posterior.covariance()
     }
 
-    /// The points and their log-weights, which are those of their masses; minus infinity where a point is not used.
-    pub fn points(&self) -> &Particles<D, N> {
-        &self.points
+    /// The points, one column per dimension.
+    pub fn columns(&self) -> [&[f32]; D] {
+        let columns = self.points.columns();
+        columns.map(|column| column.get(..self.count).unwrap_or_default())
+    }
+
+    /// The log-weights of the points, which are those of their masses.
+    pub fn log_weights(&self) -> &[f32] {
+        self.log_weights.get(..self.count).unwrap_or_default()
     }
 }
 

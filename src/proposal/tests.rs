@@ -72,7 +72,8 @@ fn off<const D: usize>(mean: [f32; D], exact: &Gaussian<D>) -> f32 {
 #[test]
 fn the_point_mass_filter_is_the_kalman_filter_on_a_line() {
     for measured in [3.0, 0.5, 1e-2, 1e-3] {
-        let mut filter = PointMassFilter::<1, 50>::at([0.0]);
+        let mut filter = PointMassFilter::<1, 50>::EMPTY;
+        filter.initialise_at([0.0]);
         walk([1.0], [measured], |dynamics, seen, exact, evidence| {
             let found = filter.step(dynamics, seen, 1.0, &mut [0.0; 128]).unwrap();
             assert!(off(filter.mean(), exact) < 0.01, "{measured}");
@@ -82,7 +83,7 @@ fn the_point_mass_filter_is_the_kalman_filter_on_a_line() {
                 (found - evidence).abs() < 0.01 + 1e-4 * evidence.abs(),
                 "{found} {evidence}"
             );
-            let total: f32 = filter.points().log_weights().iter().map(|l| l.exp()).sum();
+            let total: f32 = filter.log_weights().iter().map(|l| l.exp()).sum();
             assert!((total - 1.0).abs() < 1e-3);
         });
     }
@@ -91,7 +92,8 @@ fn the_point_mass_filter_is_the_kalman_filter_on_a_line() {
 #[test]
 fn the_point_mass_filter_is_the_kalman_filter_in_the_plane() {
     for measured in [[0.5, 0.5], [1.0, 0.05]] {
-        let mut filter = PointMassFilter::<2, 100>::at([0.0, 0.0]);
+        let mut filter = PointMassFilter::<2, 100>::EMPTY;
+        filter.initialise_at([0.0, 0.0]);
         walk([1.0, 0.5], measured, |dynamics, seen, exact, evidence| {
             let found = filter.step(dynamics, seen, 1.0, &mut [0.0; 1024]).unwrap();
             assert!(off(filter.mean(), exact) < 0.1);
@@ -108,13 +110,15 @@ fn the_point_mass_filter_is_the_kalman_filter_in_the_plane() {
 #[test]
 fn the_point_mass_filter_starts_from_a_prior() {
     let prior = |[x]: &[f32; 1]| -0.5 * (x - 3.0) * (x - 3.0) - 0.918_939;
-    let filter = PointMassFilter::<1, 50>::from_prior([-20.0], [20.0], prior, &mut [0.0; 128]);
-    let filter = filter.unwrap();
+    let mut filter = PointMassFilter::<1, 50>::EMPTY;
+    let result = filter.initialise([-20.0], [20.0], prior, &mut [0.0; 128]);
+    assert_eq!(result, Ok(()));
     assert!((filter.mean()[0] - 3.0).abs() < 1e-3);
     assert!((filter.covariance()[0][0] - 1.0).abs() < 1e-3);
     let nowhere = |_: &[f32; 1]| f32::NAN;
-    let filter = PointMassFilter::<1, 50>::from_prior([0.0], [1.0], nowhere, &mut [0.0; 128]);
-    assert!(filter.is_err());
+    let result = filter.initialise([0.0], [1.0], nowhere, &mut [0.0; 128]);
+    assert_eq!(result, Err(UpdateError::AllWeightsZero));
+    assert!((filter.mean()[0] - 3.0).abs() < 1e-3);
 }
 
 /// The mean of `N` samples is a deviation over the root of `N` off the posterior's, and so is the mixture that the
@@ -143,7 +147,7 @@ impl Error {
 fn the_auxiliary_filter_is_nearly_the_kalman_filter() {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(52);
     for measured in [2.0, 0.5, 1e-3] {
-        let mut filter = AuxiliaryFilter::<1, 50>::new();
+        let mut filter = AuxiliaryFilter::<1, 50>::EMPTY;
         let mut error = Error::new();
         walk([1.0], [measured], |dynamics, seen, exact, evidence| {
             let found = filter.step(dynamics, seen, 1.0, &mut [0.0; 32], &mut rng);
@@ -153,7 +157,7 @@ fn the_auxiliary_filter_is_nearly_the_kalman_filter() {
         assert!(error.squares.sqrt() < 0.15, "{measured}: {}", error.squares);
         assert!(error.evidence.abs() < 1.5, "{measured}: {}", error.evidence);
     }
-    let mut filter = AuxiliaryFilter::<2, 100>::new();
+    let mut filter = AuxiliaryFilter::<2, 100>::EMPTY;
     let mut error = Error::new();
     walk([1.0, 0.5], [0.5, 0.2], |dynamics, seen, exact, evidence| {
         let found = filter.step(dynamics, seen, 1.0, &mut [0.0; 400], &mut rng);
@@ -166,7 +170,7 @@ fn the_auxiliary_filter_is_nearly_the_kalman_filter() {
 #[test]
 fn the_unscented_particle_filter_is_nearly_the_kalman_filter() {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(53);
-    let mut filter = UnscentedParticleFilter::<2, 1000>::new();
+    let mut filter = UnscentedParticleFilter::<2, 1000>::EMPTY;
     filter.initialise(&mut rng, &Covariance::ZERO, |_| [0.0; 2]);
     let mut error = Error::new();
     walk([1.0, 0.5], [0.5, 1.0], |dynamics, seen, exact, evidence| {
@@ -181,7 +185,7 @@ fn the_unscented_particle_filter_is_nearly_the_kalman_filter() {
 #[test]
 fn resampling_carries_the_covariances_along() {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(54);
-    let mut filter = UnscentedParticleFilter::<1, 4>::new();
+    let mut filter = UnscentedParticleFilter::<1, 4>::EMPTY;
     let mut next = 0.0;
     filter.initialise(&mut rng, &Covariance::ZERO, |_| {
         next += 1.0;
@@ -192,7 +196,10 @@ fn resampling_carries_the_covariances_along() {
     }
     filter.set_weights([0.0, 0.5, 0.0, 0.5]);
     filter.resample(Scheme::Systematic, &mut rng);
-    assert_eq!(filter.columns()[0], [2.0, 2.0, 4.0, 4.0]);
+    assert_eq!(
+        filter.cloud().particles().columns()[0],
+        [2.0, 2.0, 4.0, 4.0]
+    );
     for (i, x) in [2.0, 2.0, 4.0, 4.0].into_iter().enumerate() {
         assert_eq!(filter.covariance_of(i), Covariance::diagonal([x]));
     }
@@ -210,16 +217,17 @@ fn a_measurement_that_nothing_explains_is_refused() {
     for nonsense in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let impossible = |_: &[f32; 1]| nonsense;
 
-        let mut points = PointMassFilter::<1, 20>::at([0.0]);
+        let mut points = PointMassFilter::<1, 20>::EMPTY;
+        points.initialise_at([0.0]);
         points.step(&dynamics, &fine, 1.0, &mut [0.0; 64]).unwrap();
         let before = points.clone();
         let result = points.step(&dynamics, &impossible, 1.0, &mut [0.0; 64]);
         assert_eq!(result, refused);
         assert_eq!(points.mean(), before.mean());
-        assert_eq!(points.points().columns(), before.points().columns());
-        assert_eq!(points.points().log_weights(), before.points().log_weights());
+        assert_eq!(points.columns(), before.columns());
+        assert_eq!(points.log_weights(), before.log_weights());
 
-        let mut cloud = AuxiliaryFilter::<1, 20>::new();
+        let mut cloud = AuxiliaryFilter::<1, 20>::EMPTY;
         cloud.initialise(&mut rng, |rng| [normal(rng)]);
         cloud
             .step(&dynamics, &fine, 1.0, &mut [0.0; 64], &mut rng)
@@ -235,13 +243,18 @@ fn a_measurement_that_nothing_explains_is_refused() {
             value: [nonsense],
             deviation: [0.5],
         };
-        let mut cloud = UnscentedParticleFilter::<1, 20>::new();
-        let weights = cloud.weights().to_vec();
+        let mut cloud = UnscentedParticleFilter::<1, 20>::EMPTY;
+        cloud.initialise(&mut rng, &Covariance::ZERO, |_| [0.0]);
+        let weights = cloud.cloud().weights().to_vec();
         let result = cloud.step(&Unscented::DEFAULT, &dynamics, &wild, 1.0, &mut rng);
         assert_eq!(result, refused);
-        let mut kept = cloud.weights().iter().zip(weights);
+        let mut kept = cloud.cloud().weights().iter().zip(weights);
         assert!(kept.all(|(now, before)| (now - before).abs() < 1e-6));
-        assert!(cloud.columns()[0].iter().all(|x| x.is_finite()));
+        assert!(
+            cloud.cloud().particles().columns()[0]
+                .iter()
+                .all(|x| x.is_finite())
+        );
     }
 }
 

@@ -1,16 +1,13 @@
 //! The unscented particle filter.
 
 use super::{Sensor, Transition};
-use crate::estimate;
-use crate::filter::UpdateError;
+use crate::filter::{ParticleFilter, UpdateError};
 use crate::kalman::{Covariance, Gaussian, Unscented};
-use crate::math::ln;
 use crate::model::Likelihood;
 use crate::particles::{read, write};
 use crate::random::Rng;
 use crate::refine::{Memory, Refinement, Report};
-use crate::resample::{Scheme, resample};
-use crate::weights;
+use crate::resample::Scheme;
 
 /// A particle filter of `N` particles with a state of `D` dimensions, each of which runs an unscented Kalman filter
 /// to see where the measurement draws it.
@@ -30,7 +27,7 @@ use crate::weights;
 ///
 /// let mut nature = Xoshiro128PlusPlus::seed_from_u64(1);
 /// let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
-/// let mut filter = UnscentedParticleFilter::<1, 10>::new();
+/// let mut filter = UnscentedParticleFilter::<1, 10>::EMPTY;
 /// filter.initialise(&mut rng, &Covariance::ZERO, |_| [gamma::START]);
 /// for (dynamics, truth, measurement) in gamma::simulate(0.04, 1e-2, &mut nature).take(50) {
 ///     filter.step(&Unscented::DEFAULT, &dynamics, &measurement, 1.0, &mut rng).unwrap();
@@ -40,28 +37,17 @@ use crate::weights;
 /// ```
 #[derive(Debug, Clone)]
 pub struct UnscentedParticleFilter<const D: usize, const N: usize> {
-    columns: [[f32; N]; D],
+    cloud: ParticleFilter<D, N>,
     /// Factors of the particles' covariances: by column, row and particle.
     factors: [[[f32; N]; D]; D],
-    log_weights: [f32; N],
-    weights: [f32; N],
-    log_sum: f32,
-    effective_sample_size: f32,
 }
 
 impl<const D: usize, const N: usize> UnscentedParticleFilter<D, N> {
-    /// All particles at the origin with no uncertainty of their own, with equal weights.
-    pub const fn new() -> Self {
-        const { assert!(D > 0 && N > 0 && N <= 1 << 16) };
-        Self {
-            columns: [[0.0; N]; D],
-            factors: [[[0.0; N]; D]; D],
-            log_weights: [0.0; N],
-            weights: [1.0 / N as f32; N],
-            log_sum: ln(N as f32),
-            effective_sample_size: N as f32,
-        }
-    }
+    /// All particles at the origin with no uncertainty of their own, with equal weights, in bits that are all zero.
+    pub const EMPTY: Self = Self {
+        cloud: ParticleFilter::EMPTY,
+        factors: [[[0.0; N]; D]; D],
+    };
 
     /// Draws the state of every particle from `draw`, and gives each the same `covariance` of its own to start with:
     /// that of the prior as a rule, none when the state is known.
@@ -69,13 +55,12 @@ impl<const D: usize, const N: usize> UnscentedParticleFilter<D, N> {
         &mut self,
         rng: &mut R,
         covariance: &Covariance<D>,
-        mut draw: impl FnMut(&mut R) -> [f32; D],
+        draw: impl FnMut(&mut R) -> [f32; D],
     ) {
+        self.cloud.initialise(rng, draw);
         for i in 0..N {
-            write(&mut self.columns_mut(), i, draw(rng));
             self.set_covariance(i, covariance);
         }
-        self.equal_weights();
     }
 
     /// Moves every particle by `dt` seconds to where the measurement `sensor` draws it, and weighs it. Returns the
@@ -97,7 +82,7 @@ impl<const D: usize, const N: usize> UnscentedParticleFilter<D, N> {
         let process = transition.noise(dt);
         let noise = sensor.noise();
         for i in 0..N {
-            let from = read(&self.columns(), i);
+            let from = read(&self.cloud.particles.columns(), i);
             let mut proposal = Gaussian {
                 mean: from,
                 covariance: self.covariance_of(i),
@@ -114,33 +99,24 @@ impl<const D: usize, const N: usize> UnscentedParticleFilter<D, N> {
                 }
                 Err(_) => (transition.step(from, dt, rng), 0.0),
             };
-            write(&mut self.columns_mut(), i, to);
-            if let Some(weight) = self.weights.get_mut(i) {
-                *weight = sensor.log_likelihood(&to) + log_ratio;
+            write(&mut self.cloud.columns_mut(), i, to);
+            let (_, log_likelihoods) = self.cloud.weights.columns_mut();
+            if let Some(place) = log_likelihoods.get_mut(i) {
+                *place = sensor.log_likelihood(&to) + log_ratio;
             }
         }
-        let Some(normalised) = weights::reweigh(&mut self.log_weights, &mut self.weights) else {
-            weights::normalise(&mut self.log_weights, &mut self.weights);
-            return Err(UpdateError::AllWeightsZero);
-        };
-        let log_evidence = normalised.shift + normalised.log_sum - self.log_sum;
-        self.log_sum = normalised.log_sum;
-        self.effective_sample_size = normalised.effective_sample_size;
-        Ok(log_evidence)
+        self.cloud.weights.update()
     }
 
     /// Replaces light particles by copies of heavy ones, covariances and all, and makes the weights equal.
     pub fn resample<R: Rng + ?Sized>(&mut self, scheme: Scheme, rng: &mut R) {
-        // Both columns of weights are about to be equal: until then they serve as memory.
-        let ancestors = resample(scheme, &self.weights, &mut self.log_weights, rng);
-        for column in self
-            .columns
-            .iter_mut()
-            .chain(self.factors.as_flattened_mut())
-        {
-            ancestors.gather(column, &mut self.weights);
-        }
-        self.equal_weights();
+        let ParticleFilter { particles, weights } = &mut self.cloud;
+        weights.resample(scheme, rng, |ancestors, scratch| {
+            particles.gather(ancestors, scratch);
+            for column in self.factors.as_flattened_mut() {
+                ancestors.gather(column, scratch);
+            }
+        });
     }
 
     /// Moves the particles by `refinement` towards or within the density `target`, and makes their weights equal: in
@@ -155,17 +131,9 @@ impl<const D: usize, const N: usize> UnscentedParticleFilter<D, N> {
         memory: &mut Memory<D, N>,
         rng: &mut R,
     ) -> Report {
-        let columns = &mut self.columns_mut();
-        let report = refinement.refine(columns, target, &mut memory.workspace(), rng);
-        self.equal_weights();
+        let report = self.cloud.refine(refinement, target, memory, rng);
+        self.cloud.weights.make_equal();
         report
-    }
-
-    fn equal_weights(&mut self) {
-        self.log_weights = [0.0; N];
-        self.weights = [1.0 / N as f32; N];
-        self.log_sum = ln(N as f32);
-        self.effective_sample_size = N as f32;
     }
 
     pub(super) fn covariance_of(&self, i: usize) -> Covariance<D> {
@@ -185,46 +153,21 @@ impl<const D: usize, const N: usize> UnscentedParticleFilter<D, N> {
 
     #[cfg(test)]
     pub(super) fn set_weights(&mut self, weights: [f32; N]) {
-        self.weights = weights;
+        *self.cloud.weights.columns_mut().1 = weights;
     }
 
-    /// How many equally weighted particles the cloud is worth, from 1 to `N`.
-    pub fn effective_sample_size(&self) -> f32 {
-        self.effective_sample_size
+    /// The particles and their weights.
+    pub fn cloud(&self) -> &ParticleFilter<D, N> {
+        &self.cloud
     }
 
     /// Weighted mean of the states.
     pub fn mean(&self) -> [f32; D] {
-        estimate::mean(&self.columns(), &self.weights)
+        self.cloud.mean()
     }
 
     /// Weighted covariance of the states.
     pub fn covariance(&self) -> [[f32; D]; D] {
-        estimate::covariance(&self.columns(), &self.weights)
-    }
-
-    /// The states, one column per dimension.
-    pub fn columns(&self) -> [&[f32]; D] {
-        self.columns.each_ref().map(|column| column.as_slice())
-    }
-
-    fn columns_mut(&mut self) -> [&mut [f32]; D] {
-        self.columns.each_mut().map(|column| column.as_mut_slice())
-    }
-
-    /// Natural log-weights with an arbitrary common offset.
-    pub fn log_weights(&self) -> &[f32] {
-        &self.log_weights
-    }
-
-    /// The weights, which sum to one.
-    pub fn weights(&self) -> &[f32] {
-        &self.weights
-    }
-}
-
-impl<const D: usize, const N: usize> Default for UnscentedParticleFilter<D, N> {
-    fn default() -> Self {
-        Self::new()
+        self.cloud.covariance()
     }
 }

@@ -102,14 +102,19 @@ pub struct Memory<const D: usize, const N: usize> {
 }
 
 impl<const D: usize, const N: usize> Memory<D, N> {
-    /// Memory, for a `static` as well.
-    pub const fn new() -> Self {
-        const { assert!(N <= 1 << 16, "up to 65,536 particles") };
+    /// Memory in bits that are all zero.
+    pub const EMPTY: Self = {
+        assert!(N <= 1 << 16, "up to 65,536 particles");
         Self {
             log_densities: [0.0; N],
             mates: [Mate::NONE; N],
             cells: [0; CELLS + 1],
         }
+    };
+
+    /// [`Memory::EMPTY`].
+    pub const fn new() -> Self {
+        Self::EMPTY
     }
 
     /// The memory without its size, as refinements take it.

@@ -32,9 +32,10 @@ pub(super) struct Mate<const D: usize> {
 }
 
 impl<const D: usize> Mate<D> {
+    /// None yet, in bits that are all zero.
     pub(super) const NONE: Self = Self {
         position: [0.0; D],
-        log_density: f32::NEG_INFINITY,
+        log_density: 0.0,
         index: 0,
         met: 0,
         offsets: [0.0; D],

@@ -113,16 +113,15 @@ mod tests {
     use std::{vec, vec::Vec};
 
     use super::*;
-    use crate::aoa::locator::{Locator, Settings};
-    use crate::aoa::{Bearing, Observation};
+    use crate::aoa::{Bearing, Clean, Locate, Observation, clean};
     use crate::random::{Rng, SeedableRng, Xoshiro128PlusPlus};
     use crate::snapshot::save;
 
-    type State = Locator<5, 3>;
+    type State = Clean<5, 3>;
     type Ram = [Vec<u8>; 2];
 
     fn new() -> State {
-        Locator::new(Settings::new())
+        State::EMPTY
     }
 
     /// What is known after so many bearings.
@@ -132,7 +131,11 @@ mod tests {
         for i in 0..bearings {
             let bearing = Bearing::from_compass_degrees(40.0 + f32::from(i));
             let place = [50.0 * f32::from(i), 0.0];
-            state.push(Observation::new(place, bearing, 0.03).unwrap(), &mut rng);
+            let observation = Observation::new(1000 * u32::from(i), place, bearing, 0.03);
+            let config = clean::Config::DEFAULT;
+            state
+                .push(&observation.unwrap(), &config, &mut rng)
+                .unwrap();
         }
         state
     }
@@ -252,27 +255,6 @@ mod tests {
         let mut state = new();
         Keeper::<State>::restore_from(buffer, &mut state).ok()?;
         Some(bytes(&state) == bytes(&after(9)))
-    }
-
-    #[test]
-    fn those_of_other_settings_are_written_over() {
-        let mut ram = garbage(1);
-        for count in 1..4 {
-            keeper(&mut ram).save(&after(count)).unwrap();
-        }
-        let other = || State::new(Settings::new().moves(3).unwrap());
-        for number in 4..6 {
-            let mut state = other();
-            let mut keeper = keeper(&mut ram);
-            let expected = match number {
-                4 => Err(Error::Settings),
-                _ => Ok(4),
-            };
-            assert_eq!(keeper.restore(&mut state), expected);
-            keeper.save(&state).unwrap();
-            assert_eq!(keeper.restore(&mut state), Ok(number));
-        }
-        assert_eq!(restored(&mut ram), Err(Error::Settings));
     }
 
     #[test]

@@ -2,19 +2,18 @@
 //!
 //! A board that was without power for a moment need not drive past the source again: it goes on from the last snapshot
 //! that it kept, to the last bit as if nothing had happened. What a snapshot holds is what its owner could not compute
-//! anew; settings are not restored, but compared.
+//! anew; configurations are not in it.
 //!
 //! ```
-//! use foxhunt::aoa::{Bearing, Observation};
-//! use foxhunt::aoa::locator::{Locator, Settings};
+//! use foxhunt::aoa::{Bearing, Clean, Locate, Observation, clean::Config};
 //! use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
 //! use foxhunt::snapshot;
 //!
-//! type State = (Locator<100>, Xoshiro128PlusPlus);
-//! let new = || (Locator::new(Settings::new()), Xoshiro128PlusPlus::seed_from_u64(1));
+//! type State = (Clean<100>, Xoshiro128PlusPlus);
+//! let new = || (Clean::new(), Xoshiro128PlusPlus::seed_from_u64(1));
 //! let mut state: State = new();
-//! let observation = Observation::new([0.0, 0.0], Bearing::from_compass_degrees(36.6), 0.02)?;
-//! state.0.push(observation, &mut state.1);
+//! let observation = Observation::new(0, [0.0, 0.0], Bearing::from_compass_degrees(36.6), 0.02)?;
+//! state.0.push(&observation, &Config::DEFAULT, &mut state.1)?;
 //!
 //! let mut buffer = [0; snapshot::largest::<State>()];
 //! let bytes = snapshot::save(&state, &mut buffer)?;
@@ -134,7 +133,7 @@ pub fn save<'b, T: Persist>(state: &T, buffer: &'b mut [u8]) -> Result<&'b [u8],
 /// Makes `state` what it was when the snapshot at the front of `bytes` was taken.
 ///
 /// # Errors
-/// When the bytes do not begin with a snapshot of such a type with such settings, whole and unharmed; `state` is then as
+/// When the bytes do not begin with a snapshot of such a type, whole and unharmed; `state` is then as
 /// it was before.
 pub fn restore<T: Persist>(state: &mut T, bytes: &[u8]) -> Result<(), Error> {
     take(state, Reader::new(open(bytes, T::SHAPE)?))

@@ -4,15 +4,14 @@ use core::fmt::Debug;
 use std::{format, string::String, vec, vec::Vec};
 
 use super::*;
+use crate::aoa::clean::{self, Moves};
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
-use crate::aoa::locator::{self, Answer, Locator, Moves};
-use crate::aoa::pursuit::{self, Pursuit};
-use crate::aoa::robust::{self, RobustLocator, Tails};
-use crate::aoa::sources::{self, Sources};
-use crate::aoa::{Bearing, Locate, Observation};
+use crate::aoa::robust::{self, Correlation, Errors, Tails};
+use crate::aoa::testing::at;
+use crate::aoa::{Answer, Bearing, Clean, Locate, Observation, Robust};
 use crate::checksum::crc32;
 use crate::filter::ParticleFilter;
-use crate::math::{atan2, sin_cos};
+use crate::math::atan2;
 use crate::model::RandomWalk;
 use crate::random::{Rng, SeedableRng, Xoshiro128PlusPlus, normal};
 use crate::refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths};
@@ -23,7 +22,7 @@ fn generator() -> Xoshiro128PlusPlus {
     Xoshiro128PlusPlus::seed_from_u64(7)
 }
 
-/// A drive past the source; every fifth bearing is mirrored or wild if `spoilt`.
+/// A drive past the source; every fifth bearing is mirrored or an outlier if `spoilt`.
 fn drive(spoilt: bool) -> Vec<Observation> {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
     let bearing = |i: usize| {
@@ -34,7 +33,13 @@ fn drive(spoilt: bool) -> Vec<Observation> {
             _ => 0.0,
         };
         let radians = atan2(SOURCE[1], SOURCE[0] - east) + 0.035 * normal(&mut rng) + turn;
-        Observation::new([east, 0.0], Bearing::from_radians(radians), 0.035).unwrap()
+        Observation::new(
+            1000 * i as u32,
+            [east, 0.0],
+            Bearing::from_radians(radians),
+            0.035,
+        )
+        .unwrap()
     };
     (0..40).map(bearing).collect()
 }
@@ -61,20 +66,24 @@ fn text(state: &impl Debug) -> String {
 }
 
 /// At every bearing of a drive: saved, restored into a new one, saved again, and driven on.
-fn goes_on<L: Locate + Persist>(
-    new: impl Fn() -> L,
+fn goes_on<L: Locate + Persist + Clone>(
+    config: &L::Config,
     spoilt: bool,
     same: impl Fn(&L, &L),
 ) -> Vec<u8> {
-    let mut going = (new(), generator());
+    type State<L> = (L, Xoshiro128PlusPlus);
+    let push = |state: &mut State<L>, observation: &Observation| {
+        state.0.push(observation, config, &mut state.1).unwrap();
+    };
+    let mut going = (L::EMPTY, generator());
     let drive = drive(spoilt);
     for (i, observation) in drive.iter().enumerate() {
-        going.0.push_after(*observation, 1.0, &mut going.1);
+        push(&mut going, observation);
         let snapshot = saved(&going);
-        let mut restored = (new(), Xoshiro128PlusPlus::seed_from_u64(99));
+        let mut restored = (L::EMPTY, Xoshiro128PlusPlus::seed_from_u64(99));
         // Something else before, none of which may stay.
-        for other in drive.iter().rev().step_by(7) {
-            restored.0.push_after(*other, 1.0, &mut restored.1);
+        for (other, time_ms) in drive.iter().rev().step_by(7).zip(0..) {
+            push(&mut restored, &at(time_ms, other));
         }
         for _ in 0..2 {
             restore(&mut restored, &snapshot).unwrap();
@@ -82,11 +91,11 @@ fn goes_on<L: Locate + Persist>(
         }
         same(&restored.0, &going.0);
         for observation in drive.iter().skip(i + 1) {
-            restored.0.push_after(*observation, 1.0, &mut restored.1);
+            push(&mut restored, observation);
         }
-        let mut whole = (new(), generator());
+        let mut whole = (L::EMPTY, generator());
         for observation in &drive {
-            whole.0.push_after(*observation, 1.0, &mut whole.1);
+            push(&mut whole, observation);
         }
         same(&restored.0, &whole.0);
         assert_eq!(restored.1, whole.1);
@@ -98,98 +107,52 @@ fn goes_on<L: Locate + Persist>(
 #[test]
 fn a_locator_goes_on_as_if_nothing_had_happened() {
     // A buffer that the drive fills, and more than once.
-    let new = || Locator::<60, 12>::new(locator::Settings::new());
-    let snapshot = goes_on(new, false, |a, b| assert_eq!(text(a), text(b)));
-    assert_eq!(
-        snapshot.len(),
-        largest::<(Locator<60, 12>, Xoshiro128PlusPlus)>()
-    );
+    type State = Clean<60, 12>;
+    let config = clean::Config::DEFAULT;
+    let snapshot = goes_on::<State>(&config, false, |a, b| assert_eq!(text(a), text(b)));
+    assert_eq!(snapshot.len(), largest::<(State, Xoshiro128PlusPlus)>());
 }
 
 #[test]
 fn so_does_one_with_any_moves() {
-    fn refined<M: Moves<60>>(new: impl Fn() -> Locator<60, 12, M>) {
+    fn refined<M: Moves<60> + Copy + PartialEq + Debug>(refinement: M) {
         // What the moves work in holds nothing of use.
-        let state = |locator: &Locator<60, 12, M>| {
+        let state = |locator: &Clean<60, 12, M>| {
             let columns = locator.columns().map(<[f32]>::to_vec);
             text(&(columns, locator.weights(), locator.answer()))
         };
-        goes_on(new, false, |a, b| assert_eq!(state(a), state(b)));
+        let config = clean::Config::with_refinement(refinement);
+        goes_on(&config, false, |a, b| assert_eq!(state(a), state(b)));
     }
-    let settings = locator::Settings::new();
     let fish = FishSchool::new(Lengths::Relative, 1.0, 3.0).unwrap();
-    let fish = fish.acceptance(Acceptance::Metropolis);
-    refined(|| Locator::with_refinement(settings, fish));
+    refined(fish.acceptance(Acceptance::Metropolis));
     let fireflies = Firefly::improved(Lengths::Relative, 0.1, 4.0).unwrap();
-    let fireflies = fireflies.acceptance(Acceptance::Metropolis);
-    refined(|| Locator::with_refinement(settings, fireflies));
-    let evolution = DifferentialEvolution::new().acceptance(Acceptance::Metropolis);
-    refined(|| Locator::with_refinement(settings, evolution));
+    refined(fireflies.acceptance(Acceptance::Metropolis));
+    refined(DifferentialEvolution::new().acceptance(Acceptance::Metropolis));
 }
 
 #[test]
 fn so_does_a_robust_one() {
+    type State = Robust<64, 12>;
     for tails in [Tails::Normal, Tails::Student { freedom: 4 }] {
-        let errors = robust::Errors::new().tails(tails).unwrap();
-        let errors = errors.bias_deviation(0.05).unwrap();
-        let errors = errors.correlation(0.9, 60.0, 100.0).unwrap();
-        let errors = errors.position_deviation(20.0).unwrap();
-        let new = || RobustLocator::<64, 12>::new(robust::Settings::new(errors));
-        let snapshot = goes_on(new, true, |a, b| assert_eq!(text(a), text(b)));
-        assert!(snapshot.len() <= largest::<(RobustLocator<64, 12>, Xoshiro128PlusPlus)>());
+        let errors = Errors {
+            tails,
+            bias_sigma_rad: 0.05,
+            position_sigma_m: 20.0,
+            correlation: Correlation {
+                at_rest: 0.9,
+                distance_m: 60.0,
+                time_s: 100.0,
+            },
+            ..Errors::DEFAULT
+        };
+        let config = robust::Config {
+            errors,
+            ..robust::Config::DEFAULT
+        };
+        let snapshot = goes_on::<State>(&config, true, |a, b| assert_eq!(text(a), text(b)));
+        assert!(snapshot.len() <= largest::<(State, Xoshiro128PlusPlus)>());
     }
-}
-
-/// Of a source that is parked and then drives off.
-#[test]
-fn so_does_a_pursuit() {
-    let errors = robust::Errors::new().bias_deviation(0.05).unwrap();
-    let habits = pursuit::Settings::new(robust::Settings::new(errors));
-    let new = || Pursuit::<64, 12>::new(habits);
-    let mut rng = generator();
-    let round = |i: usize| {
-        let (sin, cos) = sin_cos(0.08 * i as f32);
-        let [x, y] = [300.0 * cos, 300.0 * sin];
-        let north = 10.0 * i.saturating_sub(40) as f32;
-        let radians = atan2(north - y, -x) + 0.02 * normal(&mut rng);
-        Observation::new([x, y], Bearing::from_radians(radians), 0.02).unwrap()
-    };
-    let drive: Vec<Observation> = (0..80).map(round).collect();
-    let mut going = (new(), generator());
-    let mut phases = std::collections::BTreeSet::new();
-    for (i, observation) in drive.iter().enumerate() {
-        going.0.push_after(*observation, 1.0, &mut going.1);
-        let moving = going.0.motion().map_or(0.0, |motion| motion.moving);
-        phases.insert((10.0 * moving) as u32);
-        let mut restored = (new(), Xoshiro128PlusPlus::seed_from_u64(99));
-        for other in drive.iter().rev().step_by(7) {
-            restored.0.push_after(*other, 1.0, &mut restored.1);
-        }
-        let snapshot = saved(&going);
-        restore(&mut restored, &snapshot).unwrap();
-        assert_eq!(saved(&restored), snapshot);
-        assert_eq!(text(&restored), text(&going));
-        // A few on, which is where what was forgotten would show.
-        let mut on = going.clone();
-        for observation in drive.iter().skip(i + 1).take(5) {
-            on.0.push_after(*observation, 1.0, &mut on.1);
-            restored.0.push_after(*observation, 1.0, &mut restored.1);
-        }
-        assert_eq!(text(&restored), text(&on));
-    }
-    assert!(phases.contains(&0) && phases.contains(&9), "{phases:?}");
-    for other in [habits.speed(2.0), habits.straight_s(10.0)] {
-        let mut other = (Pursuit::<64, 12>::new(other.unwrap()), generator());
-        assert_eq!(assert_refused(&mut other, &saved(&going)), Error::Settings);
-    }
-}
-
-#[test]
-fn so_do_several_sources() {
-    let errors = robust::Errors::new().position_deviation(5.0).unwrap();
-    let track = || RobustLocator::<64, 12>::new(robust::Settings::new(errors));
-    let new = || Sources::<2, _, 12>::new(sources::Settings::new(), [track(), track()]);
-    goes_on(new, true, |a, b| assert_eq!(text(a), text(b)));
 }
 
 #[test]
@@ -217,9 +180,10 @@ fn so_does_a_filter() {
 
 #[test]
 fn parts_that_are_kept_apart() {
-    let (mut locator, mut rng) = (Locator::<8, 4>::new(locator::Settings::new()), generator());
+    let (mut locator, mut rng) = (Clean::<8, 4>::new(), generator());
     for observation in drive(false) {
-        locator.push(observation, &mut rng);
+        let config = clean::Config::DEFAULT;
+        locator.push(&observation, &config, &mut rng).unwrap();
     }
     let place = |north| Geodetic::new(north, 115_166_667).unwrap();
     let mut plane = LocalPlane::new(place(481_173_000)).unwrap();
@@ -233,12 +197,18 @@ fn parts_that_are_kept_apart() {
 }
 
 /// A small one with a fix.
-fn small() -> (Locator<5, 3>, Xoshiro128PlusPlus) {
-    let mut state = (Locator::new(locator::Settings::new()), generator());
-    for observation in drive(false) {
-        state.0.push(observation, &mut state.1);
-    }
+fn small() -> (Clean<5, 3>, Xoshiro128PlusPlus) {
+    let mut state = (Clean::new(), generator());
+    drive_on(&mut state);
     state
+}
+
+fn drive_on(state: &mut (Clean<5, 3>, Xoshiro128PlusPlus)) {
+    for observation in drive(false) {
+        // A forged time may be later.
+        let config = clean::Config::DEFAULT;
+        let _ = state.0.push(&observation, &config, &mut state.1);
+    }
 }
 
 fn assert_refused<T: Persist + Debug>(state: &mut T, bytes: &[u8]) -> Error {
@@ -265,7 +235,7 @@ fn a_small_buffer_is_told_its_size() {
 #[test]
 fn every_flipped_bit_and_every_truncation_is_refused() {
     let snapshot = saved(&small());
-    let mut state = (Locator::<5, 3>::new(locator::Settings::new()), generator());
+    let mut state = (Clean::<5, 3>::new(), generator());
     for bit in 0..8 * snapshot.len() {
         let mut spoilt = snapshot.clone();
         spoilt[bit / 8] ^= 1 << (bit % 8);
@@ -287,44 +257,13 @@ fn every_flipped_bit_and_every_truncation_is_refused() {
 }
 
 #[test]
-fn other_shapes_and_settings_are_refused() {
-    let settings = locator::Settings::new();
+fn other_shapes_are_refused() {
     let snapshot = saved(&small().0);
     let shape = Error::Shape;
-    let more = &mut Locator::<6, 3>::new(settings);
-    assert_eq!(assert_refused(more, &snapshot), shape);
-    let longer = &mut Locator::<5, 4>::new(settings);
-    assert_eq!(assert_refused(longer, &snapshot), shape);
-    let robust = &mut RobustLocator::<5, 3>::new(robust::Settings::default());
-    assert_eq!(assert_refused(robust, &snapshot), shape);
+    assert_eq!(assert_refused(&mut Clean::<6, 3>::new(), &snapshot), shape);
+    assert_eq!(assert_refused(&mut Clean::<5, 4>::new(), &snapshot), shape);
+    assert_eq!(assert_refused(&mut Robust::<5, 3>::new(), &snapshot), shape);
     assert_eq!(assert_refused(&mut small(), &snapshot), shape);
-
-    for other in [
-        settings.moves(3),
-        settings.resample_share(0.6),
-        settings.relative_range_error(0.2),
-    ] {
-        let other = &mut Locator::<5, 3>::new(other.unwrap());
-        assert_eq!(assert_refused(other, &snapshot), Error::Settings);
-    }
-
-    let defaults = robust::Errors::new();
-    let snapshot = saved(&RobustLocator::<5, 3>::new(robust::Settings::new(defaults)));
-    for other in [
-        defaults.tails(Tails::Student { freedom: 3 }),
-        defaults.shares(0.1, 0.1),
-        defaults.prior_bearings(20.0),
-        defaults.bias_deviation(0.1),
-        defaults.position_deviation(1.0),
-        defaults.correlation(0.9, 5.0, 1.0),
-    ] {
-        let other = robust::Settings::new(other.unwrap());
-        let other = &mut RobustLocator::<5, 3>::new(other);
-        assert_eq!(assert_refused(other, &snapshot), Error::Settings);
-    }
-    let other = robust::Settings::new(defaults).range_m(100.0).unwrap();
-    let other = &mut RobustLocator::<5, 3>::new(other);
-    assert_eq!(assert_refused(other, &snapshot), Error::Settings);
 }
 
 /// Where the parts of a snapshot of [`small`] begin.
@@ -390,9 +329,7 @@ fn forged_values_do_no_harm() {
                 continue;
             }
             restored += 1;
-            for observation in drive(false) {
-                state.0.push(observation, &mut state.1);
-            }
+            drive_on(&mut state);
         }
     }
     assert!(restored > 100);

@@ -32,7 +32,10 @@ pub const CASES: &[Case] = &[
         robust_locator_of_inexact_places,
     ),
     ("aoa::two_sources_are_found", two_sources_are_found),
-    ("aoa::pursuit_follows_a_source", pursuit_follows_a_source),
+    (
+        "aoa::a_manoeuvring_source_is_followed",
+        a_manoeuvring_source_is_followed,
+    ),
     (
         "aoa::robust_locator_with_spectra",
         robust_locator_with_spectra,
@@ -81,7 +84,7 @@ fn locator_finds_the_source() -> Digest {
     digest
 }
 
-/// A third of the bearings wild or mirrored, all of them biased; through a small buffer, with either kind of tails.
+/// A third of the bearings outliers or mirrored, all of them biased; through a small buffer, with either kind of tails.
 fn robust_locator_finds_the_source() -> Digest {
     let mut digest = Digest::new();
     for tails in [Tails::Normal, Tails::Student { freedom: 5 }] {
@@ -179,7 +182,7 @@ fn robust_locator_of_inexact_places() -> Digest {
     digest
 }
 
-/// Every fourth bearing is of a second source, every ninth wild.
+/// Every fourth bearing is of a second source, every ninth is an outlier.
 fn two_sources_are_found() -> Digest {
     const OTHER: [f32; 2] = [700.0, -900.0];
     let mut digest = Digest::new();
@@ -208,8 +211,8 @@ fn two_sources_are_found() -> Digest {
     digest
 }
 
-/// A source parks, drives with a turn, and parks again, circled by a vehicle; every eighth bearing is wild.
-fn pursuit_follows_a_source() -> Digest {
+/// A source is stationary, drives with a turn, and stops again, circled by a vehicle; every eighth bearing is an outlier.
+fn a_manoeuvring_source_is_followed() -> Digest {
     let mut digest = Digest::new();
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(3);
     let mut pursuit = Pursuit::<128, 32>::new(pursuit::Settings::default());
@@ -246,7 +249,7 @@ fn pursuit_follows_a_source() -> Digest {
 
 /// Both forms of a refinement; the greedy one after every bearing.
 fn refined<F: Refinement<2>>(metropolis: F, greedy: F) -> Digest {
-    let always = Settings::new().resample_share(1.0).expect("a share");
+    let always = Settings::new().resample_share(1.0).expect("a fraction");
     let mut digest = Digest::new();
     for (settings, refinement) in [(Settings::new(), metropolis), (always, greedy)] {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);

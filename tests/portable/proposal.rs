@@ -14,11 +14,12 @@ pub const CASES: &[Case] = &[("proposal::gamma_noise", gamma_noise)];
 fn gamma_noise() -> Digest {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
     let mut digest = Digest::new();
-    let mut unscented = UnscentedParticleFilter::<1, 10>::new();
+    let mut unscented = UnscentedParticleFilter::<1, 10>::EMPTY;
     unscented.initialise(&mut rng, &Covariance::diagonal([1e-3]), |_| [1.0]);
-    let mut auxiliary = AuxiliaryFilter::<1, 10>::new();
+    let mut auxiliary = AuxiliaryFilter::<1, 10>::EMPTY;
     auxiliary.initialise(&mut rng, |_| [1.0]);
-    let mut points = PointMassFilter::<1, 10>::at([1.0]);
+    let mut points = PointMassFilter::<1, 10>::EMPTY;
+    points.initialise_at([1.0]);
     let mut memory = [0.0; 64];
     let mut simulator = rng.clone();
     for (dynamics, _, measurement) in gamma::simulate(0.04, 0.1, &mut simulator).take(50) {

@@ -50,7 +50,7 @@ impl Expected {
     /// Fails, naming the figures, if `measured` differs from these: it got dearer, or cheaper and nobody
     /// wrote it down, or a figure came or went.
     pub fn compare(&self, measured: &Self) -> Result<()> {
-        let share = if self.compiler == measured.compiler {
+        let tolerance = if self.compiler == measured.compiler {
             0.0
         } else {
             OTHER_COMPILER
@@ -58,7 +58,7 @@ impl Expected {
         let mut differences = Vec::new();
         for (name, &expected) in &self.figures {
             match measured.figures.get(name) {
-                Some(&value) if (value - expected).abs() <= ROUNDING + share * expected => {}
+                Some(&value) if (value - expected).abs() <= ROUNDING + tolerance * expected => {}
                 Some(value) => {
                     differences.push(format!("{name}: expected {expected}, measured {value}"))
                 }

@@ -6,12 +6,15 @@ use anyhow::Result;
 use clap::Parser;
 
 mod board;
+mod book;
+mod constants;
 mod cost;
 mod demo;
 mod drive;
 mod expected;
 mod figures;
 mod fuzz;
+mod house;
 mod llvm;
 mod map;
 mod measure;
@@ -35,6 +38,10 @@ enum Task {
     Setup,
     /// Check everything: style, tests here and on the emulated board, panics, features, cost.
     Test(test::Options),
+    /// Check how the code is laid out: files need each other one way, are short, and keep to the glossary.
+    House,
+    /// Count the library's lines of code and its public types.
+    Count,
     /// Measure what the library and its firmware take, beside other filters.
     Cost(cost::Options),
     /// Locate a transmitter with the vehicle firmware in the emulator, and draw it.
@@ -67,6 +74,8 @@ fn run(task: Task) -> Result<()> {
     match task {
         Task::Setup => setup::run(),
         Task::Test(options) => test::run_all(&options),
+        Task::House => house::check(),
+        Task::Count => house::print_count(),
         Task::Cost(options) => cost::run(&options),
         Task::Demo(options) => demo::run(&options),
         Task::Drive(options) => drive::run(&options),

@@ -33,7 +33,7 @@ pub struct Options {
 
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Encoding {
-    /// Mean and deviation, in two bytes: what the tracker needs.
+    /// Mean and sigma, in two bytes: what the tracker needs.
     Moments,
     /// The logarithm of a kernel density by level: what the table matcher needs.
     Levels,

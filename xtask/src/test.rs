@@ -7,7 +7,7 @@ use console::style;
 use indicatif::ProgressBar;
 
 use crate::{
-    cost,
+    book, constants, cost,
     expected::Expected,
     fuzz,
     project::{self, BARE_METAL, BOARD, cargo, run},
@@ -61,6 +61,8 @@ const STEPS: &[Step] = &[
             .context("a panic is possible: its handler was linked")
     }),
     ("every combination of features, on every target", features),
+    ("chapters and links of the guide", book::check),
+    ("tuned constants of the guide", constants::check),
     ("documentation", || {
         run(cargo()
             .args(["doc", "--workspace", "--no-deps", "--all-features"])

@@ -24,14 +24,14 @@ impl Archive {
             caption: self.caption(),
             sights: of_kind(&[None, Some(Kind::Direct)]),
             mirrored: of_kind(&[Some(Kind::Mirrored)]),
-            rejected: of_kind(&[Some(Kind::Wild)]),
+            rejected: of_kind(&[Some(Kind::Outlier)]),
             past: of_kind(&[Some(Kind::Past)]),
             track: self.way_on(&last.plane),
             moves: self.moves().into_values().collect(),
             densities: self.densities.clone(),
             particles: self.particles.clone(),
             hypotheses: (self.hypotheses.iter())
-                .map(|hypothesis| (hypothesis.ellipse(0.95), hypothesis.mass.into()))
+                .map(|hypothesis| (hypothesis.ellipse(0.95), hypothesis.probability.into()))
                 .collect(),
             ellipses: (last.sources.iter())
                 .map(|source| source.fix.ellipse(0.95))
@@ -55,7 +55,7 @@ impl Archive {
             clock(last.time_ms)
         );
         for (kind, name) in [
-            (Kind::Wild, "rejected"),
+            (Kind::Outlier, "rejected"),
             (Kind::Mirrored, "mirrored"),
             (Kind::Past, "of the past"),
         ] {

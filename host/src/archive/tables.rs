@@ -1,11 +1,7 @@
 //! The tables.
 
 use anyhow::Result;
-use foxhunt::aoa::{
-    Source,
-    locator::{Answer, NotObservable},
-    robust::Shares,
-};
+use foxhunt::aoa::{Answer, Mixture, NotObservable, Source};
 use serde::{Deserialize, Serialize};
 
 use super::coordinates::{axis, clock, compass, coordinates, rounded};
@@ -44,16 +40,16 @@ pub struct FixRow {
     pub crossing_degrees: Option<f64>,
     /// At which they should.
     pub needed_degrees: Option<f64>,
-    /// What all bearings are off by alike.
+    /// The common bias of all bearings.
     pub bias_degrees: Option<f64>,
     /// Its standard deviation.
-    pub bias_deviation_degrees: Option<f64>,
-    /// Share of the bearings that point at the source.
-    pub direct_share: Option<f64>,
-    /// Share of those that point away from it.
-    pub mirrored_share: Option<f64>,
-    /// Share of those that say nothing of it.
-    pub wild_share: Option<f64>,
+    pub bias_sigma_degrees: Option<f64>,
+    /// Rate of the bearings that point at the source.
+    pub direct_rate: Option<f64>,
+    /// Rate of those that point away from it.
+    pub mirrored_rate: Option<f64>,
+    /// Rate of outliers, which say nothing of it.
+    pub outlier_rate: Option<f64>,
     /// Probability that the source moves.
     pub moving_probability: Option<f64>,
     /// How fast, if it does.
@@ -61,7 +57,7 @@ pub struct FixRow {
     /// Where to, if it does.
     pub course_degrees: Option<f64>,
     /// Standard deviation of either coordinate of its velocity.
-    pub velocity_deviation_m_s: Option<f64>,
+    pub velocity_sigma_m_s: Option<f64>,
 }
 
 /// A row of `bearings.csv`: a bearing that was used. What it is and fits is said by all that is known at the end.
@@ -78,7 +74,7 @@ pub struct BearingRow {
     /// Clockwise from true north.
     pub bearing_degrees: f64,
     /// Its standard deviation.
-    pub deviation_degrees: f64,
+    pub sigma_degrees: f64,
     /// What it most probably is; nothing where that is not known.
     pub kind: Option<Kind>,
     /// Probability that it points at a source.
@@ -86,7 +82,7 @@ pub struct BearingRow {
     /// Probability that it points away from one.
     pub mirrored_probability: Option<f64>,
     /// Probability that it says nothing of any.
-    pub wild_probability: Option<f64>,
+    pub outlier_probability: Option<f64>,
     /// The number of the source that it fits best.
     pub source: Option<u16>,
     /// What it is off the direction of that, clockwise: less the bias, and turned round if it is mirrored.
@@ -135,16 +131,16 @@ impl FixRow {
     }
 
     fn common(known: &Answered) -> Self {
-        let share = |of: fn(&Shares) -> f32| known.shares.as_ref().map(|s| probability(of(s)));
+        let rate = |of: fn(&Mixture) -> f32| known.rates.as_ref().map(|s| probability(of(s)));
         Self {
             time: clock(known.time_ms),
             search: known.search,
             bearings: known.bearings,
-            bias_degrees: known.bias.map(|bias| angle(-bias.mean)),
-            bias_deviation_degrees: known.bias.map(|bias| angle(bias.deviation)),
-            direct_share: share(|shares| shares.direct),
-            mirrored_share: share(|shares| shares.mirror),
-            wild_share: share(|shares| shares.wild),
+            bias_degrees: known.bias.map(|bias| angle(-bias.mean_rad)),
+            bias_sigma_degrees: known.bias.map(|bias| angle(bias.sigma_rad)),
+            direct_rate: rate(|rates| rates.direct),
+            mirrored_rate: rate(|rates| rates.mirrored),
+            outlier_rate: rate(|rates| rates.outlier),
             ..Self::default()
         }
     }
@@ -152,7 +148,10 @@ impl FixRow {
     fn without_fix(self, reason: NotObservable) -> Self {
         let (reason, angles) = match reason {
             NotObservable::TooFewBearings { .. } => ("few", None),
-            NotObservable::CrossingAngle { radians, needed } => ("angle", Some((radians, needed))),
+            NotObservable::CrossingAngle {
+                have_rad,
+                needed_rad,
+            } => ("angle", Some((have_rad, needed_rad))),
             NotObservable::NoIntersection => ("apart", None),
             _ => ("other", None),
         };
@@ -169,7 +168,7 @@ impl FixRow {
         let ellipse = source.fix.ellipse(0.95);
         let place = coordinates(&known.plane, source.fix.position);
         let motion = source.motion;
-        let velocity = motion.map(|motion| motion.velocity.map(f64::from));
+        let velocity = motion.map(|motion| motion.velocity_m_s.map(f64::from));
         Self {
             kind: "fix".into(),
             reason: place.is_none().then(|| "range".into()),
@@ -184,7 +183,7 @@ impl FixRow {
             moving_probability: motion.map(|motion| probability(motion.moving)),
             speed_m_s: velocity.map(|[east, north]| rounded(east.hypot(north), 2)),
             course_degrees: velocity.map(|[east, north]| compass(north.atan2(east))),
-            velocity_deviation_m_s: motion.map(|motion| rounded(motion.deviation, 2)),
+            velocity_sigma_m_s: motion.map(|motion| rounded(motion.sigma_m_s, 2)),
             ..self
         }
     }
@@ -193,7 +192,7 @@ impl FixRow {
 impl BearingRow {
     pub(super) fn of(taken: &Taken) -> Self {
         let place = coordinates(&taken.plane, taken.observation.position());
-        let chance = |of: fn(&Shares) -> f32| taken.chances.as_ref().map(|c| probability(of(c)));
+        let chance = |of: fn(&Mixture) -> f32| taken.chances.as_ref().map(|c| probability(of(c)));
         let bearing = f64::from(taken.observation.bearing().radians());
         Self {
             time: clock(taken.time_ms),
@@ -201,11 +200,11 @@ impl BearingRow {
             latitude: place.map(|[_, latitude]| latitude),
             longitude: place.map(|[longitude, _]| longitude),
             bearing_degrees: compass(bearing),
-            deviation_degrees: angle(taken.observation.deviation()),
+            sigma_degrees: angle(taken.observation.sigma_rad()),
             kind: taken.kind(),
             direct_probability: chance(|chances| chances.direct),
-            mirrored_probability: chance(|chances| chances.mirror),
-            wild_probability: chance(|chances| chances.wild),
+            mirrored_probability: chance(|chances| chances.mirrored),
+            outlier_probability: chance(|chances| chances.outlier),
             source: taken.fits.map(|(source, _)| source.identity),
             residual_degrees: taken.fits.map(|(_, off)| rounded(-off.to_degrees(), 2)),
         }

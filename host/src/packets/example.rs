@@ -19,7 +19,7 @@ pub const EXAMPLE_SEED: u64 = 2017;
 const RADIOS: [u32; 4] = [1, 2, 3, 4];
 /// Standard deviation of a packet, in dB.
 const NOISE: f64 = 4.0;
-/// Share of the packets that are lost.
+/// Rate of packets that are lost.
 const LOSS: f64 = 0.05;
 /// Packets of a tag that each radio hears in a second.
 const RATE: f64 = 2.0;

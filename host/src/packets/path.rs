@@ -36,8 +36,8 @@ impl Path {
         let Some((start, from)) = next.checked_sub(1).map(|last| self.corners[last]) else {
             return (end == seconds).then_some(to);
         };
-        let share = (seconds - start) / (end - start);
-        Some([0, 1].map(|d| from[d] + share * (to[d] - from[d])))
+        let fraction = (seconds - start) / (end - start);
+        Some([0, 1].map(|d| from[d] + fraction * (to[d] - from[d])))
     }
 }
 

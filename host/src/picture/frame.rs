@@ -139,8 +139,8 @@ impl Frame {
                 let before = &ring[(k + ring.len() - 1) % ring.len()];
                 let (from, to) = (depth(before), depth(place));
                 if (from < 0.0) != (to < 0.0) {
-                    let share = from / (from - to);
-                    clipped.push([0, 1].map(|e| before[e] + share * (place[e] - before[e])));
+                    let fraction = from / (from - to);
+                    clipped.push([0, 1].map(|e| before[e] + fraction * (place[e] - before[e])));
                 }
                 if to >= 0.0 {
                     clipped.push(*place);

@@ -62,7 +62,7 @@ pub struct Map {
     pub densities: Vec<Vec<Region>>,
     /// The cloud.
     pub particles: Vec<[f64; 2]>,
-    /// Where the source may be, each a region and its share of the probability.
+    /// Where the source may be, each a region and its probability.
     pub hypotheses: Vec<(Ellipse, f64)>,
     /// For each source the region that holds it with 95 % probability, about the estimate.
     pub ellipses: Vec<Ellipse>,
@@ -121,12 +121,12 @@ impl Map {
 
     /// The box of everything.
     fn whole(&self) -> Frame {
-        /// A hypothesis of less than this share may lie outside.
+        /// A hypothesis of less than this probability may lie outside.
         const LIKELY: f64 = 0.05;
         let places = self.all_sights().map(|sight| sight.position);
         let ellipses = self.ellipses.iter().flat_map(outline);
         let hypotheses = (self.hypotheses.iter())
-            .filter(|(_, share)| *share >= LIKELY)
+            .filter(|(_, probability)| *probability >= LIKELY)
             .map(|(ellipse, _)| ellipse.centre.map(f64::from));
         let all = (places.chain(self.track.iter().copied()))
             .chain(ellipses)
@@ -268,8 +268,8 @@ impl Map {
     }
 
     fn draw_answer(&self, chart: &mut Chart, frame: &Frame, whole: bool) -> Result<()> {
-        for (ellipse, share) in &self.hypotheses {
-            let style = HYPOTHESIS.mix(0.4 + 0.6 * share).stroke_width(2);
+        for (ellipse, probability) in &self.hypotheses {
+            let style = HYPOTHESIS.mix(0.4 + 0.6 * probability).stroke_width(2);
             let parts = frame.line(outline(ellipse)).into_iter();
             chart.draw_series(parts.map(|part| PathElement::new(part, style)))?;
         }
@@ -299,8 +299,8 @@ impl Map {
 
 /// The colour of a region of so many.
 fn shade(index: usize, regions: usize) -> RGBColor {
-    let share = 0.1 + 0.45 * (index as f64 + 1.0) / regions as f64;
+    let strength = 0.1 + 0.45 * (index as f64 + 1.0) / regions as f64;
     let RGBColor(red, green, blue) = PARTICLE;
-    let mixed = |part: u8| (255.0 - share * (255.0 - f64::from(part))) as u8;
+    let mixed = |part: u8| (255.0 - strength * (255.0 - f64::from(part))) as u8;
     RGBColor(mixed(red), mixed(green), mixed(blue))
 }

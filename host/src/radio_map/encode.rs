@@ -22,7 +22,7 @@ pub struct Options {
     /// Width of the kernel of [`Encoding::Levels`], in dB: besides the noise it has to cover how a scan differs from
     /// a survey.
     pub bandwidth: f64,
-    /// Share of the readings that may have any strength, in [`Encoding::Levels`].
+    /// Rate of the readings that may have any strength, in [`Encoding::Levels`].
     pub outliers: f64,
     /// Levels of [`Encoding::Levels`], up to 255: half a byte for each of them, each point and each beacon.
     pub levels: u8,
@@ -79,7 +79,7 @@ impl Heard<'_> {
     fn moments(&self) -> Option<[f64; 2]> {
         match self {
             Self::Samples(samples) => moments(samples),
-            Self::Expected(mean, deviation) => Some([*mean, *deviation]),
+            Self::Expected(mean, sigma) => Some([*mean, *sigma]),
             Self::Nothing => None,
         }
     }
@@ -94,7 +94,7 @@ impl Heard<'_> {
                     .sum();
                 Some(sum / samples.len() as f64)
             }
-            Self::Expected(mean, deviation) => Some(kernel(*mean, deviation.hypot(bandwidth))),
+            Self::Expected(mean, sigma) => Some(kernel(*mean, sigma.hypot(bandwidth))),
             Self::Nothing => None,
         }
     }
@@ -111,9 +111,9 @@ impl SiteSurvey {
     /// The bytes of a map, see [`RadioMap`].
     ///
     /// Points of the lattice that are places of the survey, to a thousandth of the spacing, take exactly what was
-    /// measured there. Between the places a Gaussian process fills in; its doubt about the mean adds to the deviation.
+    /// measured there. Between the places a Gaussian process fills in; its doubt about the mean adds to the sigma.
     ///
-    /// The detection probability of a beacon is the share of packets that were received of it, compared with the
+    /// The detection probability of a beacon is the rate of packets that were received of it, compared with the
     /// beacon that was received best at the same place; its sensitivity is the weakest of all readings.
     ///
     /// # Errors
@@ -211,14 +211,14 @@ impl SiteSurvey {
     /// The means of the beacons anywhere, and the logarithms of their variances.
     fn fields(&self, options: &Options) -> [Vec<Option<Field>>; 2] {
         // Of the variances, the logarithm: it is never negative.
-        let logarithm = |deviation: f64| deviation.powi(2).max(0.0625).ln();
+        let logarithm = |sigma: f64| sigma.powi(2).max(0.0625).ln();
         [
             Field::fit(&self.series(|[mean, _]| mean, &options.sources)),
-            Field::fit(&self.series(|[_, deviation]| logarithm(deviation), &BTreeMap::new())),
+            Field::fit(&self.series(|[_, sigma]| logarithm(sigma), &BTreeMap::new())),
         ]
     }
 
-    /// A function of mean and deviation, by beacon, where it was heard.
+    /// A function of mean and sigma, by beacon, where it was heard.
     fn series(
         &self,
         of: impl Fn([f64; 2]) -> f64,
@@ -257,14 +257,14 @@ impl SiteSurvey {
         self.readings().fold(f64::INFINITY, f64::min)
     }
 
-    /// Share of the packets of a beacon that were received where it was heard at all.
+    /// Rate of the packets of a beacon that were received where it was heard at all.
     fn detection(&self, beacon: usize) -> f64 {
-        let shares = self.survey().samples.iter().filter_map(|place| {
+        let rates = self.survey().samples.iter().filter_map(|place| {
             let most = place.iter().map(Vec::len).max()?;
             let received = place[beacon].len();
             (received > 0).then(|| received as f64 / most as f64)
         });
-        let (count, sum) = shares.fold((0.0, 0.0), |(n, sum), share| (n + 1.0, sum + share));
+        let (count, sum) = rates.fold((0.0, 0.0), |(n, sum), rate| (n + 1.0, sum + rate));
         if count > 0.0 { sum / count } else { 0.0 }
     }
 
@@ -313,17 +313,17 @@ fn header(lattice: &Lattice, beacons: u8, levels: Option<&Levels>) -> Vec<u8> {
     bytes
 }
 
-fn normal_density(distance: f64, deviation: f64) -> f64 {
-    let z = distance / deviation;
-    (-0.5 * z * z).exp() / (deviation * std::f64::consts::TAU.sqrt())
+fn normal_density(distance: f64, sigma: f64) -> f64 {
+    let z = distance / sigma;
+    (-0.5 * z * z).exp() / (sigma * std::f64::consts::TAU.sqrt())
 }
 
-/// Logarithm of a density of which a share is uniform.
+/// Logarithm of a density of which a part is uniform.
 fn log_mixture(density: f64, outliers: f64) -> f64 {
     ((1.0 - outliers) * density + outliers / RANGE_DB).ln()
 }
 
-/// Deviation and mean of every point. Where there is none, the deviation is 0 and the mean that of the nearest point,
+/// Sigma and mean of every point. Where there is none, the sigma is 0 and the mean that of the nearest point,
 /// so that one can interpolate up to there.
 fn moments_rows(heard: &[Heard<'_>], positions: &[[f64; 2]]) -> Vec<u8> {
     let known = heard.iter().zip(positions);
@@ -331,15 +331,15 @@ fn moments_rows(heard: &[Heard<'_>], positions: &[[f64; 2]]) -> Vec<u8> {
         .filter_map(|(heard, position)| Some((heard.moments()?, *position)))
         .unzip();
     let two_bytes = |(heard, position): (&Heard<'_>, &[f64; 2])| {
-        let (mean, deviation) = match heard.moments() {
-            Some([mean, deviation]) => (mean, (4.0 * deviation).round().clamp(1.0, 63.0)),
+        let (mean, sigma) = match heard.moments() {
+            Some([mean, sigma]) => (mean, (4.0 * sigma).round().clamp(1.0, 63.0)),
             None => (
                 nearest(&places, *position).map_or(-128.0, |(n, _)| known[n][0]),
                 0.0,
             ),
         };
         [
-            deviation as u8,
+            sigma as u8,
             (2.0 * (mean + 128.0)).round().clamp(0.0, 255.0) as u8,
         ]
     };

@@ -35,7 +35,7 @@ pub struct Series {
 struct Shape {
     /// Distance over which the covariance falls to 1 / e, in metres.
     length: f64,
-    /// Share of the variance that is noise.
+    /// Fraction of the variance that is noise.
     noise: f64,
 }
 
@@ -68,7 +68,7 @@ impl Field {
     pub fn fit(series: &[Series]) -> Vec<Option<Self>> {
         /// Lengths, in distances between neighbours.
         const LENGTHS: [f64; 9] = [1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 11.0, 16.0];
-        /// Shares of noise in the variance of the values.
+        /// Fractions of noise in the variance of the values.
         const NOISE: [f64; 6] = [0.02, 0.1, 0.2, 0.33, 0.5, 0.7];
         let places: Vec<[f64; 2]> = series.iter().flat_map(|s| s.places.clone()).collect();
         let neighbour = nearest_neighbour(&places).unwrap_or(1.0);

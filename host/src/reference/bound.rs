@@ -12,7 +12,7 @@ pub fn cramer_rao(sights: &[Sight], source: [f64; 2]) -> Option<Matrix2<f64>> {
         .iter()
         .map(|sight| {
             let ray = Vector2::from(source) - Vector2::from(sight.position);
-            let across = Vector2::new(-ray.y, ray.x) / (sight.deviation * ray.norm_squared());
+            let across = Vector2::new(-ray.y, ray.x) / (sight.sigma * ray.norm_squared());
             across * across.transpose()
         })
         .sum();
@@ -26,12 +26,12 @@ mod tests {
 
     #[test]
     fn bound_of_the_published_tracks() {
-        let deviation = |track: Track| {
+        let sigma = |track: Track| {
             let sights = simulate::bearings(&track, &mut simulate::generator(0, 0));
             cramer_rao(&sights, track.source).unwrap().trace().sqrt()
         };
-        assert!((deviation(Track::a1()) - 6.86).abs() < 0.005);
-        assert!((deviation(Track::a2()) - 2.86).abs() < 0.005);
-        assert!((deviation(Track::b2()) - 12.8).abs() < 0.05);
+        assert!((sigma(Track::a1()) - 6.86).abs() < 0.005);
+        assert!((sigma(Track::a2()) - 2.86).abs() < 0.005);
+        assert!((sigma(Track::b2()) - 12.8).abs() < 0.05);
     }
 }

@@ -64,8 +64,8 @@ impl CorridorFilter {
         // Nobody crosses the whole corridor in one step.
         let fastest = (4.0 * widest).min(motion.length / motion.interval);
         let reach = (fastest / step).ceil() as isize;
-        let bell = |deviation: f64, to: isize| -> Vec<f64> {
-            let weight = |n: isize| (-0.5 * (n as f64 * step / deviation).powi(2)).exp();
+        let bell = |sigma: f64, to: isize| -> Vec<f64> {
+            let weight = |n: isize| (-0.5 * (n as f64 * step / sigma).powi(2)).exp();
             let total: f64 = (-to..=to).map(weight).sum();
             (-to..=to).map(|n| weight(n) / total).collect()
         };

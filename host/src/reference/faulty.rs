@@ -1,4 +1,4 @@
-//! The exact posterior where bearings are wild, mirrored or biased.
+//! The exact posterior where bearings are outliers, mirrored or biased.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -9,24 +9,24 @@ use crate::{Sight, faults::Faults};
 
 /// A cell that is this far below the best, in log-likelihood, everywhere in it.
 const HOPELESS: f64 = 14.0;
-/// Errors beyond so many deviations count as wild ones alone.
+/// Errors beyond so many sigmas count as outliers alone.
 const BEYOND: f64 = 9.0;
 
 impl Posterior {
-    /// The posterior where the shares of wild and mirrored bearings are those of `faults`, or where all bearings have a
-    /// bias of its deviation: these are known, what each bearing is and what the bias is are not. `None` if the `sights`
+    /// The posterior where the rates of outliers and mirrored bearings are those of `faults`, or where all bearings have a
+    /// bias of its sigma: these are known, what each bearing is and what the bias is are not. `None` if the `sights`
     /// do not determine a place within eight times the extent of the receivers.
     ///
     /// Summed over a grid, as [`Posterior::new`]; a cell is dropped by the largest likelihood that a place within it
     /// can have.
     ///
     /// # Panics
-    /// If there are both a bias and wild or mirrored bearings: that would take a sum over the bias, too.
+    /// If there are both a bias and outliers or mirrored bearings: that would take a sum over the bias, too.
     pub fn with_faults(sights: &[Sight], faults: &Faults) -> Option<Self> {
-        let mixed = faults.wild + faults.mirror > 0.0;
+        let mixed = faults.outlier_rate + faults.mirrored_rate > 0.0;
         assert!(
-            !(mixed && faults.bias > 0.0),
-            "either a bias or wild bearings"
+            !(mixed && faults.bias_sigma > 0.0),
+            "either a bias or outliers"
         );
         let lines: Vec<Line> = sights
             .iter()
@@ -36,7 +36,7 @@ impl Posterior {
             if mixed {
                 mixture(&lines, place, half)
             } else {
-                biased(&lines, faults.bias, place, half)
+                biased(&lines, faults.bias_sigma, place, half)
             }
         };
 
@@ -66,17 +66,17 @@ impl Posterior {
 }
 
 /// The bound of [`cramer_rao`](super::cramer_rao) where all bearings have one more unknown in common: a bias of that
-/// deviation, in radians.
+/// sigma, in radians.
 pub fn cramer_rao_of_biased(sights: &[Sight], source: [f64; 2], bias: f64) -> Option<Matrix2<f64>> {
     let mut information = Matrix2::zeros();
     let mut shared = Vector2::zeros();
     let mut known = 0.0;
     for sight in sights {
         let ray = Vector2::from(source) - Vector2::from(sight.position);
-        let across = Vector2::new(-ray.y, ray.x) / (sight.deviation * ray.norm_squared());
+        let across = Vector2::new(-ray.y, ray.x) / (sight.sigma * ray.norm_squared());
         information += across * across.transpose();
-        shared += across / sight.deviation;
-        known += 1.0 / (sight.deviation * sight.deviation);
+        shared += across / sight.sigma;
+        known += 1.0 / (sight.sigma * sight.sigma);
     }
     if bias > 0.0 {
         information -= shared * shared.transpose() / (1.0 / (bias * bias) + known);
@@ -88,21 +88,25 @@ pub fn cramer_rao_of_biased(sights: &[Sight], source: [f64; 2], bias: f64) -> Op
 struct Line {
     position: Vector2<f64>,
     along: Vector2<f64>,
-    deviation: f64,
-    /// Odds of being direct, and mirrored, rather than wild, where there is no error.
+    sigma: f64,
+    /// Odds of being direct, and mirrored, rather than an outlier, where there is no error.
     odds: [f64; 2],
 }
 
 impl Line {
     fn new(sight: &Sight, faults: &Faults) -> Self {
-        let peak = TAU.sqrt() / (sight.deviation * faults.wild);
-        // Without any wild ones the density of a uniform one is a unit that is of no account.
-        let peak = if faults.wild > 0.0 { peak } else { 1.0 };
+        let peak = TAU.sqrt() / (sight.sigma * faults.outlier_rate);
+        // Without any outliers the density of a uniform one is a unit that is of no account.
+        let peak = if faults.outlier_rate > 0.0 { peak } else { 1.0 };
         Self {
             position: sight.position.into(),
             along: Vector2::new(sight.bearing.cos(), sight.bearing.sin()),
-            deviation: sight.deviation,
-            odds: [1.0 - faults.wild - faults.mirror, faults.mirror].map(|share| share * peak),
+            sigma: sight.sigma,
+            odds: [
+                1.0 - faults.outlier_rate - faults.mirrored_rate,
+                faults.mirrored_rate,
+            ]
+            .map(|rate| rate * peak),
         }
     }
 
@@ -121,19 +125,19 @@ fn mixture(lines: &[Line], place: Vector2<f64>, half: f64) -> f64 {
     for lines in lines.chunks(16) {
         let mut product = 1.0;
         for line in lines {
-            let wild = if line.odds[0] + line.odds[1] > 1.0 + 1e-9 {
+            let outlier = if line.odds[0] + line.odds[1] > 1.0 + 1e-9 {
                 1.0
             } else {
                 0.0
             };
             let ([along, across], slack) = line.offset(place, half);
-            let reach = BEYOND * line.deviation + slack;
+            let reach = BEYOND * line.sigma + slack;
             // Most places are beyond the reach of most bearings: no arc tangent for them.
-            let mut likelihood = wild;
-            if reach > FRAC_PI_2 || across.abs() < reach.tan() * along.abs() || wild == 0.0 {
+            let mut likelihood = outlier;
+            if reach > FRAC_PI_2 || across.abs() < reach.tan() * along.abs() || outlier == 0.0 {
                 let error = across.atan2(along).abs();
                 for (odds, error) in line.odds.iter().zip([error, PI - error]) {
-                    let z = (error - slack).max(0.0) / line.deviation;
+                    let z = (error - slack).max(0.0) / line.sigma;
                     likelihood += odds * (-0.5 * z * z).exp();
                 }
             }
@@ -149,9 +153,9 @@ fn biased(lines: &[Line], bias: f64, place: Vector2<f64>, half: f64) -> f64 {
     let (mut s0, mut s1, mut s2, mut slacks) = (0.0, 0.0, 0.0, 0.0);
     for line in lines {
         let ([along, across], slack) = line.offset(place, half);
-        let (z, spread) = (across.atan2(along) / line.deviation, slack / line.deviation);
-        s0 += 1.0 / (line.deviation * line.deviation);
-        s1 += z / line.deviation;
+        let (z, spread) = (across.atan2(along) / line.sigma, slack / line.sigma);
+        s0 += 1.0 / (line.sigma * line.sigma);
+        s1 += z / line.sigma;
         s2 += z * z;
         slacks += spread * spread;
     }
@@ -171,9 +175,9 @@ mod tests {
     use crate::{simulate, tracks::Track};
 
     fn near(a: &Posterior, b: &Posterior) {
-        let deviation = b.covariance.trace().sqrt();
+        let sigma = b.covariance.trace().sqrt();
         for d in 0..2 {
-            assert!((a.mean[d] - b.mean[d]).abs() < 0.01 * deviation);
+            assert!((a.mean[d] - b.mean[d]).abs() < 0.01 * sigma);
         }
         assert!((a.covariance - b.covariance).norm() < 0.02 * b.covariance.norm());
     }
@@ -187,18 +191,18 @@ mod tests {
                 &Posterior::with_faults(&sights, &Faults::default()).unwrap(),
                 &plain,
             );
-            // A share so small makes no difference, and neither does such a bias.
+            // A rate so small makes no difference, and neither does such a bias.
             let next_to_none = Faults {
-                wild: 1e-5,
-                mirror: 1e-5,
-                bias: 0.0,
+                outlier_rate: 1e-5,
+                mirrored_rate: 1e-5,
+                bias_sigma: 0.0,
             };
             near(
                 &Posterior::with_faults(&sights, &next_to_none).unwrap(),
                 &plain,
             );
             let straight = Faults {
-                bias: 1e-5,
+                bias_sigma: 1e-5,
                 ..Faults::default()
             };
             near(&Posterior::with_faults(&sights, &straight).unwrap(), &plain);
@@ -223,7 +227,7 @@ mod tests {
         let posterior = Posterior::with_faults(
             &sights,
             &Faults {
-                bias: 0.05,
+                bias_sigma: 0.05,
                 ..Faults::default()
             },
         );
@@ -236,7 +240,7 @@ mod tests {
         let sights = simulate::bearings(&Track::a2(), &mut simulate::generator(8, 0));
         let mut turned = sights.clone();
         let half = Faults {
-            mirror: 0.5,
+            mirrored_rate: 0.5,
             ..Faults::default()
         };
         half.spoil(&mut turned, &mut simulate::generator(9, 0));
@@ -258,7 +262,7 @@ mod tests {
             (posterior.mean[0] - track.source[0]).hypot(posterior.mean[1] - track.source[1])
         };
         let biased = Faults {
-            bias: 0.1,
+            bias_sigma: 0.1,
             ..Faults::default()
         };
         assert!(off(Posterior::new(&sights).unwrap()) > 20.0);

@@ -25,7 +25,7 @@ pub struct GammaNoise {
     pub variance: f64,
 }
 
-/// Masses below this share of the largest are left out.
+/// Masses below this fraction of the largest are left out.
 const NEGLIGIBLE: f64 = 1e-14;
 /// What the noise never exceeds: the density there is 1e-14 of its largest.
 const LONGEST: f64 = 20.0;

@@ -19,7 +19,7 @@ pub fn gauss_newton(sights: &[Sight], start: [f64; 2]) -> Option<Maximum> {
     let cost = |place: Vector2<f64>| -> f64 {
         sights
             .iter()
-            .map(|s| (s.residual(place.into()) / s.deviation).powi(2))
+            .map(|s| (s.residual(place.into()) / s.sigma).powi(2))
             .sum()
     };
     let normal_equations = |place: Vector2<f64>| {
@@ -27,9 +27,9 @@ pub fn gauss_newton(sights: &[Sight], start: [f64; 2]) -> Option<Maximum> {
         let mut gradient = Vector2::zeros();
         for sight in sights {
             let ray = place - Vector2::from(sight.position);
-            let across = Vector2::new(-ray.y, ray.x) / (sight.deviation * ray.norm_squared());
+            let across = Vector2::new(-ray.y, ray.x) / (sight.sigma * ray.norm_squared());
             hessian += across * across.transpose();
-            gradient += across * (sight.residual(place.into()) / sight.deviation);
+            gradient += across * (sight.residual(place.into()) / sight.sigma);
         }
         (hessian, gradient)
     };

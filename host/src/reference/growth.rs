@@ -40,7 +40,7 @@ pub struct GridFilter {
 }
 
 const LIMIT: f64 = 32.0;
-/// An eighth of the noise. The transition stretches a step near zero 25 times, to three deviations of the noise;
+/// An eighth of the noise. The transition stretches a step near zero 25 times, to three sigmas of the noise;
 /// at twice the spacing the root mean square error comes out half a percent too high.
 const SPACING: f64 = 0.125;
 /// Points beyond six standard deviations of the noise are left out.

@@ -8,7 +8,7 @@ use crate::Sight;
 /// Gaussian bearing errors.
 ///
 /// Summed over a grid that is refined where the posterior is. So that a coarse grid does not step
-/// over a peak narrower than its cells, a bearing's deviation is widened by the angle under which a
+/// over a peak narrower than its cells, a bearing's sigma is widened by the angle under which a
 /// cell appears; cells that are hopeless even then are dropped and the others split in four, until
 /// they are small against the posterior itself.
 #[derive(Debug, Clone, Copy)]
@@ -144,7 +144,7 @@ fn maximum(log: &[f64]) -> f64 {
 fn log_likelihood(sights: &[Sight], place: Vector2<f64>, half: f64) -> f64 {
     let term = |sight: &Sight| {
         let range = (place - Vector2::from(sight.position)).norm();
-        let variance = sight.deviation.powi(2) + (half / range).powi(2).min(10.0);
+        let variance = sight.sigma.powi(2) + (half / range).powi(2).min(10.0);
         sight.residual(place.into()).powi(2) / variance
     };
     -0.5 * sights.iter().map(term).sum::<f64>()
@@ -163,14 +163,14 @@ mod tests {
     #[test]
     fn narrow_posterior_is_the_maximum_likelihood() {
         let mut track = Track::a2();
-        track.deviation = 1e-4;
+        track.sigma = 1e-4;
         let sights = simulate::bearings(&track, &mut simulate::generator(1, 0));
         let posterior = Posterior::new(&sights).unwrap();
         let maximum = gauss_newton(&sights, [1000.0, 1000.0]).unwrap();
         let bound = cramer_rao(&sights, track.source).unwrap();
-        let deviation = bound.trace().sqrt();
+        let sigma = bound.trace().sqrt();
         for d in 0..2 {
-            assert!((posterior.mean[d] - maximum.place[d]).abs() < 0.01 * deviation);
+            assert!((posterior.mean[d] - maximum.place[d]).abs() < 0.01 * sigma);
         }
         assert!((posterior.covariance - bound).norm() < 0.02 * bound.norm());
     }
@@ -178,9 +178,10 @@ mod tests {
     #[test]
     fn parallel_bearings_have_no_posterior() {
         let sight = |x| Sight {
+            time_ms: 1000 * x as u32,
             position: [x, 0.0],
             bearing: 0.0,
-            deviation: 0.02,
+            sigma: 0.02,
         };
         assert!(Posterior::new(&[sight(0.0), sight(1.0)]).is_none());
     }

@@ -124,7 +124,7 @@ mod tests {
     /// Runs behind the table's figures.
     const TABLE_RUNS: f64 = 1000.0;
 
-    /// Squared errors and share of steps within 2 m, run by run.
+    /// Squared errors and fraction of steps within 2 m, run by run.
     #[derive(Default)]
     struct Errors {
         squared: Vec<f64>,
@@ -141,7 +141,7 @@ mod tests {
             self.near.push(near as f64 / count);
         }
 
-        /// Whether both agree with a root mean square error and a percentage that come from
+        /// Whether both are compatible with a root mean square error and a percentage that come from
         /// [`TABLE_RUNS`] other runs and were rounded to the `digit`.
         ///
         /// Four standard deviations of the difference are allowed, estimated from our runs: one check in

@@ -49,7 +49,7 @@ pub struct Radio {
     pub noise: f64,
     /// What this radio reads too high, in dB.
     pub offset: f64,
-    /// Share of the packets that are lost.
+    /// Rate of packets that are lost.
     pub loss: f64,
 }
 

@@ -7,7 +7,7 @@ use crate::simulate::normal;
 /// Metres between the points of the grid on which a field is drawn.
 const SPACING: f64 = 0.5;
 
-/// A Gaussian random field with covariance `deviation^2 exp(-(|dx| + |dy|) / correlation)`: an
+/// A Gaussian random field with covariance `sigma^2 exp(-(|dx| + |dy|) / correlation)`: an
 /// Ornstein-Uhlenbeck process along either axis.
 #[derive(Debug, Clone)]
 pub struct Shadow {
@@ -19,13 +19,11 @@ pub struct Shadow {
 
 impl Shadow {
     /// Draws a field over the rectangle from the origin to `extent`.
-    pub fn draw(extent: [f64; 2], deviation: f64, correlation: f64, rng: &mut impl Rng) -> Self {
+    pub fn draw(extent: [f64; 2], sigma: f64, correlation: f64, rng: &mut impl Rng) -> Self {
         let [columns, rows] = extent.map(|metres| (metres / SPACING).ceil() as usize + 1);
         let kept = (-SPACING / correlation).exp();
         let fresh = (1.0 - kept * kept).sqrt();
-        let mut values: Vec<f64> = (0..columns * rows)
-            .map(|_| deviation * normal(rng))
-            .collect();
+        let mut values: Vec<f64> = (0..columns * rows).map(|_| sigma * normal(rng)).collect();
         // White noise becomes a stationary process along x, and the rows of that one along y.
         for n in 0..values.len() {
             if n % columns > 0 {
@@ -66,7 +64,7 @@ mod tests {
 
     #[test]
     fn the_covariance_is_separable_and_exponential() {
-        // Products of pairs of places over many fields, against deviation^2 exp(-distance / 5).
+        // Products of pairs of places over many fields, against sigma^2 exp(-distance / 5).
         let places = [[20.0, 1.0], [20.0, 3.5], [22.5, 1.0], [25.0, 3.0]];
         const RUNS: u64 = 4000;
         let mut products = [[0.0; 4]; 4];
@@ -83,7 +81,7 @@ mod tests {
             for (product, b) in row.iter().zip(places) {
                 let distance = (a[0] - b[0]).abs() + (a[1] - b[1]).abs();
                 let expected = 16.0 * (-distance / 5.0).exp();
-                // The deviation of such a product is below 16 sqrt(2); four of the mean's are allowed, so one
+                // The sigma of such a product is below 16 sqrt(2); four of the mean's are allowed, so one
                 // seed in some thousand fails.
                 let allowed = 4.0 * 16.0 * (2.0 / RUNS as f64).sqrt();
                 assert!((product - expected).abs() < allowed, "{product} {expected}");

@@ -1,4 +1,4 @@
-//! Walks through the library's tracker of tags: what the study of tunnels and its tests share.
+//! Walks through the library's tracker of tags: what the study of tunnels and its tests have in common.
 
 mod office;
 

@@ -13,7 +13,7 @@ use rand::{Rng, RngCore, SeedableRng};
 use rand_distr::Normal;
 
 use super::Filter;
-use crate::workload::{BEARING_VARIANCE, CLOUD_DEVIATION_M, SOURCE, Sighting, WALK_VARIANCE};
+use crate::workload::{BEARING_VARIANCE, CLOUD_SIGMA_M, SOURCE, Sighting, WALK_VARIANCE};
 
 /// `bayes_estimate`'s sampling-importance-resampling state with its systematic resampler, which it
 /// runs after every observation. Its roughening is left out: the random walk of the workload
@@ -27,7 +27,7 @@ impl<const N: usize> Filter<N> for BayesEstimate {
     fn new(seed: u64) -> Self {
         let mut generator = SmallRng::seed_from_u64(seed);
         let [east, north] = SOURCE.map(|centre| {
-            Normal::new(centre, CLOUD_DEVIATION_M).expect("the workload's deviation is finite")
+            Normal::new(centre, CLOUD_SIGMA_M).expect("the workload's sigma is finite")
         });
         let samples: Samples<f32, U2> = (0..N)
             .map(|_| Vector2::new(generator.sample(east), generator.sample(north)))
@@ -39,8 +39,8 @@ impl<const N: usize> Filter<N> for BayesEstimate {
     }
 
     fn step(&mut self, sighting: &Sighting) -> Option<[f32; 2]> {
-        let deviation = libm::sqrtf(WALK_VARIANCE);
-        let noise = normal_noise_sampler(Vector2::new(deviation, deviation));
+        let sigma = libm::sqrtf(WALK_VARIANCE);
+        let noise = normal_noise_sampler(Vector2::new(sigma, sigma));
         self.state.predict_sampled(
             |state: &Vector2<f32>, generator: &mut dyn RngCore| state + noise(generator),
             &mut self.generator,

@@ -7,7 +7,7 @@ use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 use foxhunt::resample::Scheme;
 
 use super::Filter;
-use crate::workload::{BEARING_VARIANCE, CLOUD_DEVIATION_M, SOURCE, Sighting, WALK_VARIANCE};
+use crate::workload::{BEARING_VARIANCE, CLOUD_SIGMA_M, SOURCE, Sighting, WALK_VARIANCE};
 
 /// foxhunt's bootstrap filter, resampling after every bearing. The mean is that of the weighted
 /// cloud, before resampling.
@@ -21,7 +21,7 @@ impl<const N: usize> Filter<N> for Foxhunt<N> {
         let mut generator = Xoshiro128PlusPlus::seed_from_u64(seed);
         let mut filter = ParticleFilter::new();
         filter.initialise(&mut generator, |generator| {
-            SOURCE.map(|centre| centre + CLOUD_DEVIATION_M * normal(generator))
+            SOURCE.map(|centre| centre + CLOUD_SIGMA_M * normal(generator))
         });
         Self { filter, generator }
     }
@@ -31,8 +31,8 @@ impl<const N: usize> Filter<N> for Foxhunt<N> {
             deviation: [libm::sqrtf(WALK_VARIANCE); 2],
         };
         let bearing = Bearing::from_radians(sighting.bearing);
-        let deviation = libm::sqrtf(BEARING_VARIANCE);
-        let observation = Observation::new(sighting.position, bearing, deviation).ok()?;
+        let sigma = libm::sqrtf(BEARING_VARIANCE);
+        let observation = Observation::new(sighting.position, bearing, sigma).ok()?;
 
         self.filter.predict(&walk, 1.0, &mut self.generator);
         self.filter

@@ -6,7 +6,7 @@ use multicalc::random::RandomScalar;
 use multicalc::scalar::{Numeric, VectorFn};
 
 use super::Filter;
-use crate::workload::{BEARING_VARIANCE, CLOUD_DEVIATION_M, SOURCE, Sighting, WALK_VARIANCE};
+use crate::workload::{BEARING_VARIANCE, CLOUD_SIGMA_M, SOURCE, Sighting, WALK_VARIANCE};
 
 /// `multicalc`'s filter with its own generator and its default, systematic resampling, made to
 /// resample after every bearing instead of below half the effective sample size.
@@ -62,7 +62,7 @@ impl<const N: usize, T: RandomScalar + Into<f64>> Filter<N> for Multicalc<T> {
         let filter = ParticleFilter::new(
             N,
             Vector::new(SOURCE.map(scalar)),
-            isotropic(CLOUD_DEVIATION_M * CLOUD_DEVIATION_M),
+            isotropic(CLOUD_SIGMA_M * CLOUD_SIGMA_M),
             isotropic(WALK_VARIANCE),
             seed,
         )

@@ -1,13 +1,13 @@
 //! What all bearings and the priors say of a state.
 
-use super::errors::Shares;
+use super::errors;
 use super::term::{State, Term};
+use crate::aoa::Mixture;
 use crate::math::ln;
-use crate::snapshot::value;
 
 /// Where a source may be before any bearing: a density of 1 / (1 + r^2 / R^2)^2 about the first receiver.
 ///
-/// Flat within R, half of it there, and proper: a posterior under which every bearing may be wild has an infinite mass
+/// Flat within R, half of it there, and proper: a posterior under which every bearing may be outlier has an infinite mass
 /// at infinity without.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Region {
@@ -34,18 +34,13 @@ impl Region {
     }
 }
 
-value!(Region {
-    centre,
-    inverse_square,
-});
-
 /// The posterior of some bearings.
 #[derive(Clone, Copy)]
 pub(super) struct Density<'a> {
     pub(super) terms: &'a [Term],
-    pub(super) region: &'a Region,
+    pub(super) region: Region,
     /// In radians.
-    pub(super) bias_deviation: f32,
+    pub(super) bias_sigma_rad: f32,
 }
 
 /// Particles that are evaluated together.
@@ -58,7 +53,7 @@ impl Density<'_> {
     /// Log-density up to a constant.
     #[inline(never)]
     pub(super) fn log_density(&self, state: &State) -> f32 {
-        let bias = self.bias_deviation * state[2];
+        let bias = self.bias_sigma_rad * state[2];
         let one = |term: &Term| term.log_likelihood(state, bias);
         self.terms.iter().map(one).sum::<f32>() + self.region.log_density(state)
     }
@@ -66,7 +61,7 @@ impl Density<'_> {
     /// Log-densities of several states up to the same constant.
     #[inline(never)]
     pub(super) fn log_densities(&self, states: &[State; BLOCK]) -> [f32; BLOCK] {
-        let biases = states.map(|state| self.bias_deviation * state[2]);
+        let biases = states.map(|state| self.bias_sigma_rad * state[2]);
         let mut sums = states.map(|state| self.region.log_density(&state));
         for terms in self.terms.chunks(PRODUCTS) {
             let mut products = [1.0; BLOCK];
@@ -80,7 +75,7 @@ impl Density<'_> {
         sums
     }
 
-    /// Adds, `weight` times, how many bearings are direct, mirrored and wild if the source is at `state`.
+    /// Adds, `weight` times, how many bearings are direct, mirrored and outliers if the source is at `state`.
     ///
     /// Of bearings that exclude each other, whose `portions` are a whole, the sum is one, whichever fits.
     pub(super) fn count(
@@ -88,12 +83,12 @@ impl Density<'_> {
         state: &State,
         weight: f32,
         portions: impl Iterator<Item = f32>,
-        counts: &mut Shares,
+        counts: &mut Mixture,
     ) {
         for (term, portion) in self.terms.iter().zip(portions) {
-            let reading = term.read(state, self.bias_deviation * state[2]);
-            counts.add(&reading, weight);
-            counts.wild -= weight * (1.0 - portion);
+            let reading = term.read(state, self.bias_sigma_rad * state[2]);
+            errors::count(counts, &reading, weight);
+            counts.outlier -= weight * (1.0 - portion);
         }
     }
 }

@@ -2,22 +2,27 @@
 
 use heapless::Vec;
 
+use super::Config;
+use super::candidates::Candidate;
 use super::density::{Density, Region};
 use super::errors::Errors;
-use super::merge::{Sight, agree};
+use super::merge::{Entry, similar};
 use super::mode::{Mode, Modes};
-use super::split::{Seed, explains};
 use super::term::{State, Term};
-use crate::aoa::{Alternative, Observation};
+use crate::aoa::{Alternative, Observation, PushError};
 use crate::math::{ln, sqrt, wrap};
-use crate::snapshot::{Error, Persist, Reader, Value, Writer, list, shape};
+use crate::persist;
 
+/// All bits of an empty one are zero.
 #[derive(Debug, Clone)]
 pub(super) struct Evidence<const B: usize> {
-    sights: Vec<Sight, B>,
-    /// Of the sights, in the same order.
+    entries: Vec<Entry, B>,
+    /// Of the entries, in the same order.
     terms: Vec<Term, B>,
-    region: Region,
+    /// Centre of the prior.
+    centre: [f32; 2],
+    /// Its range; zero for that of the configuration.
+    range_m: f32,
     /// Where the source was thought to be when the terms were made.
     source: Option<State>,
     latest: Option<Observation>,
@@ -36,34 +41,31 @@ pub(super) struct Change {
 }
 
 impl<const B: usize> Evidence<B> {
-    pub(super) const fn new(range_m: f32) -> Self {
-        Self {
-            sights: Vec::new(),
-            terms: Vec::new(),
-            region: Region {
-                centre: [0.0; 2],
-                inverse_square: 1.0 / (range_m * range_m),
-            },
-            source: None,
-            latest: None,
-            count: 0.0,
-        }
-    }
+    pub(super) const EMPTY: Self = Self {
+        entries: Vec::new(),
+        terms: Vec::new(),
+        centre: [0.0; 2],
+        range_m: 0.0,
+        source: None,
+        latest: None,
+        count: 0.0,
+    };
 
     pub(super) fn clear(&mut self) {
-        self.sights.clear();
+        self.entries.clear();
         self.terms.clear();
+        (self.centre, self.range_m) = ([0.0; 2], 0.0);
         self.source = None;
         self.latest = None;
         self.count = 0.0;
     }
 
     pub(super) fn observations(&self) -> impl ExactSizeIterator<Item = &Observation> {
-        self.sights.iter().map(|sight| &sight.observation)
+        self.entries.iter().map(|entry| &entry.observation)
     }
 
-    pub(super) fn sights(&self) -> &[Sight] {
-        &self.sights
+    pub(super) fn entries(&self) -> &[Entry] {
+        &self.entries
     }
 
     /// How many bearings went in.
@@ -77,23 +79,48 @@ impl<const B: usize> Evidence<B> {
     }
 
     /// The prior is about here.
-    pub(super) fn centre_on(&mut self, [x, y]: [f32; 2], range_m: f32) {
-        self.region = Region {
-            centre: [x, y],
+    pub(super) fn centre_on(&mut self, centre: [f32; 2], range_m: f32) {
+        (self.centre, self.range_m) = (centre, range_m);
+    }
+
+    /// The prior of the place.
+    pub(super) fn region(&self, config: &Config) -> Region {
+        let own = self.range_m;
+        let range_m = if own > 0.0 { own } else { config.range_m };
+        Region {
+            centre: self.centre,
             inverse_square: 1.0 / (range_m * range_m),
+        }
+    }
+
+    /// Whether a reading can be taken.
+    pub(super) fn admit(&self, observation: &Observation) -> Result<(), PushError> {
+        let Some(latest) = &self.latest else {
+            return Ok(());
         };
+        let is_latest =
+            (latest.time_ms(), latest.station()) == (observation.time_ms(), observation.station());
+        if is_latest || self.entries.iter().any(|entry| entry.holds(observation)) {
+            return Err(PushError::Duplicate);
+        }
+        let late = latest.since_ms(observation.time_ms());
+        let age = |entry: &Entry| latest.since_ms(entry.first_ms) as u32;
+        if late > 0 && !self.entries.iter().any(|entry| age(entry) >= late as u32) {
+            return Err(PushError::TooOld);
+        }
+        Ok(())
     }
 
     /// Forgets its own bearings, and takes those of another memory.
-    pub(super) fn adopt(&mut self, seed: &Seed<'_>, errors: &Errors) {
+    pub(super) fn adopt(&mut self, candidate: &Candidate<'_>, errors: &Errors) {
         self.clear();
-        self.latest = seed.latest.copied();
-        self.region.centre = (seed.latest).map_or([0.0; 2], Observation::position);
-        self.source = Some(seed.mode.mean);
-        for sight in seed.own() {
-            self.count += sight.readings() * sight.share;
-            let term = self.term(sight, errors);
-            self.add(*sight, term, Some(&seed.mode.mean), errors);
+        self.latest = candidate.latest.copied();
+        self.centre = (candidate.latest).map_or([0.0; 2], Observation::position);
+        self.source = Some(candidate.mode.mean);
+        for entry in candidate.own() {
+            self.count += entry.readings * entry.probability;
+            let term = self.term(entry, errors);
+            self.add(*entry, term, Some(&candidate.mode.mean), errors);
         }
     }
 
@@ -101,10 +128,10 @@ impl<const B: usize> Evidence<B> {
     pub(super) fn release(&mut self, mode: &Mode, errors: &Errors) {
         let mut left = self.terms.iter().map(|term| !explains(mode, term, errors));
         let mut gone = 0.0;
-        self.sights.retain(|sight| {
+        self.entries.retain(|entry| {
             let stays = left.next().unwrap_or(true);
             if !stays {
-                gone += sight.readings() * sight.share;
+                gone += entry.readings * entry.probability;
             }
             stays
         });
@@ -113,14 +140,14 @@ impl<const B: usize> Evidence<B> {
     }
 
     /// The bearings in which a mode of all may be looked for.
-    pub(super) fn seed<'a>(
+    pub(super) fn candidate<'a>(
         &'a self,
         mode: &'a Mode,
         modes: &'a Modes,
         errors: &'a Errors,
-    ) -> Seed<'a> {
-        Seed {
-            sights: &self.sights,
+    ) -> Candidate<'a> {
+        Candidate {
+            entries: &self.entries,
             terms: &self.terms,
             mode,
             modes,
@@ -135,62 +162,61 @@ impl<const B: usize> Evidence<B> {
         square_of_distance([x, y], latest)
     }
 
-    pub(super) fn density(&self, errors: &Errors) -> Density<'_> {
+    pub(super) fn density(&self, config: &Config) -> Density<'_> {
         Density {
             terms: &self.terms,
-            region: &self.region,
-            bias_deviation: errors.bias_deviation,
+            region: self.region(config),
+            bias_sigma_rad: config.errors.bias_sigma_rad,
         }
     }
 
     /// Of the error of a bearing, with that of its place.
-    pub(super) fn variance(&self, sight: &Sight, errors: &Errors) -> f32 {
-        errors.variance(&sight.observation, sight.worth, self.source.as_ref())
+    pub(super) fn variance(&self, entry: &Entry, errors: &Errors) -> f32 {
+        errors.variance(&entry.observation, entry.worth, self.source.as_ref())
     }
 
     /// What a bearing says that is not in the buffer.
     pub(super) fn single(&self, observation: &Observation, errors: &Errors) -> Term {
-        self.term(&Sight::new(*observation, 1.0), errors)
+        self.term(&Entry::new(*observation, 1.0), errors)
     }
 
-    fn term(&self, sight: &Sight, errors: &Errors) -> Term {
-        Term::new(&sight.observation, errors, self.variance(sight, errors)).with_share(sight.share)
+    fn term(&self, entry: &Entry, errors: &Errors) -> Term {
+        Term::new(&entry.observation, errors, self.variance(entry, errors))
+            .with_probability(entry.probability)
     }
 
-    /// Takes a bearing, `seconds` after the one before. `source` is where the source is thought to be, if anywhere.
+    /// Takes a bearing. `source` is where the source is thought to be, if anywhere.
     pub(super) fn push(
         &mut self,
-        bearing: impl Into<Alternative>,
-        seconds: f32,
+        bearing: &Alternative,
         source: Option<&State>,
         errors: &Errors,
     ) -> Change {
-        let bearing = bearing.into();
-        let (observation, share) = (*bearing.observation(), bearing.share());
+        let (observation, probability) = (*bearing.observation(), bearing.probability());
         if self.count == 0.0 {
-            self.region.centre = observation.position();
+            self.centre = observation.position();
         }
         // Before a fix, the range is that of the best hypothesis.
         if source.is_some() {
             self.source = source.copied();
         }
-        self.latest = Some(observation);
-        self.count += share;
-        let likely = share > 0.5;
-        for sight in &mut self.sights {
-            sight.age_s += seconds;
+        if (self.latest).is_none_or(|latest| observation.since_ms(latest.time_ms()) >= 0) {
+            self.latest = Some(observation);
         }
-        let mut new = Sight::new(observation, share);
+        self.count += probability;
+        let likely = probability > 0.5;
+        let mut new = Entry::new(observation, probability);
         let correlation = errors.correlation;
         if correlation.at_rest > 0.0
             && let Some((place, distance)) = self.nearest_alike(&new, source, errors)
-            && let Some(sight) = self.sights.get_mut(place)
+            && let Some(entry) = self.entries.get_mut(place)
         {
-            let worth = correlation.worth(correlation.lengths(distance, sight.age_s));
+            let seconds = entry.seconds_from(observation.time_ms());
+            let worth = correlation.worth(correlation.lengths(distance, seconds));
             if distance < 0.25 * correlation.distance_m {
-                sight.join(&new, worth, source);
-                let sight = *sight;
-                let new = self.term(&sight, errors);
+                entry.join(&new, worth, source);
+                let entry = *entry;
+                let new = self.term(&entry, errors);
                 let old = self.terms.get_mut(place);
                 let old = old.map(|term| core::mem::replace(term, new));
                 return Change { new, old, likely };
@@ -206,20 +232,24 @@ impl<const B: usize> Evidence<B> {
         }
     }
 
-    fn add(&mut self, new: Sight, term: Term, source: Option<&State>, errors: &Errors) {
-        if self.sights.push(new).is_ok() {
+    fn add(&mut self, new: Entry, term: Term, source: Option<&State>, errors: &Errors) {
+        if self.entries.push(new).is_ok() {
             let _ = self.terms.push(term);
             return;
         }
-        let Some(Pair { i, j, agree }) = self.most_alike(source, errors) else {
+        let Some(Pair { i, j, similar }) = self.most_alike(source, errors) else {
+            // Each of another station: the one that was taken first is forgotten.
+            if let Some(oldest) = self.oldest() {
+                self.replace(oldest, new, term);
+            }
             return;
         };
-        let Some((a, b)) = self.sights.get(i).zip(self.sights.get(j)) else {
+        let Some((a, b)) = self.entries.get(i).zip(self.entries.get(j)) else {
             return;
         };
         // What does not say the same makes no sense as an average.
         let mut one = *a;
-        if agree {
+        if similar {
             one.average(b, source);
         } else if !self.likelier(i, j, source, errors) {
             one = *b;
@@ -228,25 +258,33 @@ impl<const B: usize> Evidence<B> {
         self.replace(j, new, term);
     }
 
-    fn replace(&mut self, place: usize, sight: Sight, term: Term) {
-        if let Some((s, t)) = self.sights.get_mut(place).zip(self.terms.get_mut(place)) {
-            (*s, *t) = (sight, term);
+    /// The bearing that was taken first.
+    fn oldest(&self) -> Option<usize> {
+        let latest = self.latest()?;
+        let age = |(_, entry): &(usize, &Entry)| latest.since_ms(entry.observation.time_ms());
+        let oldest = self.entries.iter().enumerate().max_by_key(age);
+        oldest.map(|(place, _)| place)
+    }
+
+    fn replace(&mut self, place: usize, entry: Entry, term: Term) {
+        if let Some((s, t)) = self.entries.get_mut(place).zip(self.terms.get_mut(place)) {
+            (*s, *t) = (entry, term);
         }
     }
 
     /// The nearest bearing that says the same, and how far away it was taken, in metres.
     fn nearest_alike(
         &self,
-        new: &Sight,
+        new: &Entry,
         source: Option<&State>,
         errors: &Errors,
     ) -> Option<(usize, f32)> {
         let mut best = None;
         let mut least = f32::INFINITY;
         let place = new.observation.position();
-        for (i, old) in self.sights.iter().enumerate() {
+        for (i, old) in self.entries.iter().enumerate() {
             let square = square_of_distance(old.observation.position(), place);
-            if square < least && agree(old, new, source, errors) {
+            if square < least && old.is_of_station_of(new) && similar(old, new, source, errors) {
                 least = square;
                 best = Some(i);
             }
@@ -257,10 +295,10 @@ impl<const B: usize> Evidence<B> {
     /// Whether bearing `i` is to be kept rather than `j`.
     fn likelier(&self, i: usize, j: usize, source: Option<&State>, errors: &Errors) -> bool {
         let doubt = |i: usize| {
-            let (sight, term) = self.sights.get(i).zip(self.terms.get(i))?;
+            let (entry, term) = self.entries.get(i).zip(self.terms.get(i))?;
             Some(match source {
-                Some(state) => -term.log_likelihood(state, errors.bias_deviation * state[2]),
-                None => sight.observation.deviation(),
+                Some(state) => -term.log_likelihood(state, errors.bias_sigma_rad * state[2]),
+                None => entry.observation.sigma_rad(),
             })
         };
         doubt(i) <= doubt(j)
@@ -280,14 +318,14 @@ impl<const B: usize> Evidence<B> {
         let exclusive = source.map_or(EXCLUSIVE_M, |_| EXCLUSIVE);
         let mut best = None;
         let mut least = f32::INFINITY;
-        for (i, a) in self.sights.iter().enumerate() {
+        for (i, a) in self.entries.iter().enumerate() {
             let place = a.observation.position();
             let range = source.map_or(1.0, |s| square_of_distance([s[0], s[1]], place));
-            for (j, b) in self.sights.iter().enumerate().skip(i + 1) {
+            for (j, b) in self.entries.iter().enumerate().skip(i + 1) {
                 let difference = square_of_distance(place, b.observation.position()) / range;
-                if difference < least {
-                    let agree = agree(a, b, source, errors);
-                    let difference = if agree {
+                if difference < least && a.is_of_station_of(b) {
+                    let similar = similar(a, b, source, errors);
+                    let difference = if similar {
                         difference
                     } else {
                         let both = a.is_one_of_several() && b.is_one_of_several();
@@ -295,7 +333,7 @@ impl<const B: usize> Evidence<B> {
                     };
                     if difference < least {
                         least = difference;
-                        best = Some(Pair { i, j, agree });
+                        best = Some(Pair { i, j, similar });
                     }
                 }
             }
@@ -306,9 +344,10 @@ impl<const B: usize> Evidence<B> {
     /// After the errors have been learned, or where the source is.
     pub(super) fn refresh(&mut self, errors: &Errors, source: &State) {
         self.source = Some(*source);
-        for (sight, term) in self.sights.iter().zip(&mut self.terms) {
-            let variance = errors.variance(&sight.observation, sight.worth, Some(source));
-            *term = Term::new(&sight.observation, errors, variance).with_share(sight.share);
+        for (entry, term) in self.entries.iter().zip(&mut self.terms) {
+            let variance = errors.variance(&entry.observation, entry.worth, Some(source));
+            *term =
+                Term::new(&entry.observation, errors, variance).with_probability(entry.probability);
         }
     }
 
@@ -330,7 +369,7 @@ impl<const B: usize> Evidence<B> {
             (sum, wrap(direction - pull / total))
         };
         let (mut best, mut next) = (f32::NEG_INFINITY, 0.0);
-        let step = self.sights.len().div_ceil(STARTS).max(1);
+        let step = self.entries.len().div_ceil(STARTS).max(1);
         for o in self.observations().step_by(step) {
             let (sum, mean) = density(o.bearing().radians());
             if sum > best {
@@ -346,64 +385,37 @@ impl<const B: usize> Evidence<B> {
         }
         (
             best,
-            self.sights
+            self.entries
                 .iter()
-                .map(|sight| sight.share * sight.observation.information())
+                .map(|entry| entry.probability * entry.observation.information())
                 .sum(),
         )
     }
 }
 
-/// Terms do not follow from the sights: each was made by what was known of the source then.
-impl<const B: usize> Persist for Evidence<B> {
-    const SHAPE: u32 = shape("robust::Evidence", &[B as u32]);
-    const BYTES: usize = list::bytes::<Sight>(B) + list::bytes::<Term>(B) + Rest::SIZE;
+// Terms do not follow from the entries: each was made by what was known of the source then.
+persist!(impl[const B: usize] Evidence<B> as "robust::Evidence"(B) {
+    entries, terms, centre, range_m, source, latest, count
+});
 
-    fn save(&self, to: &mut Writer<'_>) {
-        let Self {
-            sights,
-            terms,
-            region,
-            source,
-            latest,
-            count,
-        } = self;
-        list::save(sights, to);
-        list::save(terms, to);
-        Rest::write(&((*region, *count), (*source, *latest)), to);
-    }
-
-    fn check(&self, from: &mut Reader<'_>) -> Result<(), Error> {
-        list::check::<Sight>(B, from)?;
-        list::check::<Term>(B, from)?;
-        Rest::read(from).map(drop)
-    }
-
-    fn load(&mut self, from: &mut Reader<'_>) -> Result<(), Error> {
-        list::load(&mut self.sights, from)?;
-        list::load(&mut self.terms, from)?;
-        ((self.region, self.count), (self.source, self.latest)) = Rest::read(from)?;
-        Ok(())
-    }
+/// Whether a bearing is likelier direct or mirrored than an outlier if the source is at a mode.
+pub(super) fn explains(mode: &Mode, term: &Term, errors: &Errors) -> bool {
+    let bias = errors.bias_sigma_rad * mode.mean[2];
+    term.read(&mode.mean, bias).odds > 1.0
 }
-
-/// In a snapshot, what is behind the lists.
-type Rest = ((Region, f32), (Option<State>, Option<Observation>));
 
 /// Two places in the buffer.
 struct Pair {
     i: usize,
     j: usize,
-    agree: bool,
+    similar: bool,
 }
 
 /// A bearing that counts for `worth` of its information.
 pub(super) fn tempered(observation: Observation, worth: f32) -> Observation {
-    let deviation = observation.deviation() / sqrt(worth);
-    let most = Observation::MAX_DEVIATION_RAD;
-    let deviation = if deviation < most { deviation } else { most };
-    Observation::new(observation.position(), observation.bearing(), deviation)
-        .unwrap_or(observation)
+    let sigma = observation.sigma_rad() / sqrt(worth);
+    let most = Observation::MAX_SIGMA_RAD;
+    observation.with_sigma(if sigma < most { sigma } else { most })
 }
 
 fn square_of_distance(a: [f32; 2], b: [f32; 2]) -> f32 {

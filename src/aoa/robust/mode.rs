@@ -5,7 +5,8 @@ use heapless::Vec;
 use super::density::Density;
 use super::term::State;
 use crate::kalman::Covariance;
-use crate::math::ln;
+use crate::math::{exp, ln};
+use crate::snapshot::value;
 
 /// The most hypotheses that are kept.
 pub(super) const MODES: usize = 4;
@@ -19,9 +20,16 @@ pub(super) struct Mode {
     pub(super) covariance: Covariance<3>,
     /// Logarithm of the mass about it by Laplace's approximation, up to a constant.
     pub(super) log_mass: f32,
-    /// Share of the proposals.
-    pub(super) share: f32,
+    /// Weight among the proposals.
+    pub(super) weight: f32,
 }
+
+value!(Mode {
+    mean,
+    covariance,
+    log_mass,
+    weight,
+});
 
 impl Mode {
     /// Squared deviations of a state from the mean.
@@ -49,7 +57,7 @@ impl Mode {
     pub(super) fn climb(density: &Density<'_>, start: State, steps: u32) -> Option<Self> {
         let mut mean = start;
         let mut here = Normal::at(density, &mean);
-        // Levenberg's, as a share of the diagonal.
+        // Levenberg's, as a fraction of the diagonal.
         let mut damping = 0.0;
         for _ in 0..steps {
             let inverse = InverseFactor::of(here.matrix, damping)?;
@@ -74,13 +82,13 @@ impl Mode {
             mean,
             covariance,
             log_mass,
-            share: 0.0,
+            weight: 0.0,
         })
     }
 }
 
-/// Sets the shares by the masses, and drops the modes that have next to none.
-pub(super) fn share(modes: &mut Modes) {
+/// Sets the weights by the masses, and drops the modes that have next to none.
+pub(super) fn weigh(modes: &mut Modes) {
     /// Laplace's approximation is rough, and a mode that is never proposed is never tried.
     const LEAST: f32 = 0.02;
     /// Logarithm of the mass, less that of the largest, that is not worth a try.
@@ -89,17 +97,17 @@ pub(super) fn share(modes: &mut Modes) {
     modes.retain(|mode| mode.log_mass - best > NEGLIGIBLE);
     let mut total = 0.0;
     for mode in modes.iter_mut() {
-        mode.share = crate::math::exp(mode.log_mass - best) + LEAST;
-        total += mode.share;
+        mode.weight = exp(mode.log_mass - best) + LEAST;
+        total += mode.weight;
     }
     for mode in modes {
-        mode.share /= total;
+        mode.weight /= total;
     }
 }
 
-/// The one with the largest share.
+/// The one with the largest weight.
 pub(super) fn best(modes: &[Mode]) -> Option<&Mode> {
-    modes.iter().max_by(|a, b| a.share.total_cmp(&b.share))
+    modes.iter().max_by(|a, b| a.weight.total_cmp(&b.weight))
 }
 
 /// The largest logarithm of a mass.
@@ -121,21 +129,21 @@ struct Normal {
 
 impl Normal {
     fn at(density: &Density<'_>, state: &State) -> Self {
-        let &Density {
+        let Density {
             terms,
             region,
-            bias_deviation,
+            bias_sigma_rad,
         } = density;
         let pull = region.information(state);
         let mut matrix = [[pull, 0.0, 0.0], [0.0, pull, 0.0], [0.0, 0.0, 1.0]];
         let [cx, cy] = region.centre;
         let mut gradient = [pull * (cx - state[0]), pull * (cy - state[1]), -state[2]];
         let mut log_density = region.log_density(state);
-        for term in terms {
-            let reading = term.read(state, bias_deviation * state[2]);
+        for term in *terms {
+            let reading = term.read(state, *bias_sigma_rad * state[2]);
             log_density += ln(1.0 + reading.odds);
             let [gx, gy] = term.gradient(state);
-            let derivative = [gx, gy, bias_deviation];
+            let derivative = [gx, gy, *bias_sigma_rad];
             for ((row, total), a) in matrix.iter_mut().zip(&mut gradient).zip(derivative) {
                 let pull = reading.information * a;
                 for (entry, b) in row.iter_mut().zip(derivative) {

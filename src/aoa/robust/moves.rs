@@ -22,16 +22,16 @@ const WALK: f32 = 1.37;
 /// What particles are drawn from: all modes, and the prior.
 pub(super) struct Proposal<'a> {
     modes: &'a Modes,
-    region: &'a Region,
+    region: Region,
     /// Logarithms of the densities of one deviation's volume at the means.
     heights: [f32; MODES],
 }
 
 impl<'a> Proposal<'a> {
-    pub(super) fn new(modes: &'a Modes, region: &'a Region) -> Self {
+    pub(super) fn new(modes: &'a Modes, region: Region) -> Self {
         let mut heights = [0.0; MODES];
         for (height, mode) in heights.iter_mut().zip(modes) {
-            *height = ln((1.0 - ANYWHERE) * mode.share) - mode.covariance.half_ln_determinant();
+            *height = ln((1.0 - ANYWHERE) * mode.weight) - mode.covariance.half_ln_determinant();
         }
         Self {
             modes,
@@ -43,7 +43,7 @@ impl<'a> Proposal<'a> {
     fn pick<R: Rng + ?Sized>(&self, rng: &mut R) -> Option<&'a Mode> {
         let mut left = uniform(rng);
         let chosen = self.modes.iter().find(|mode| {
-            left -= mode.share;
+            left -= mode.weight;
             left < 0.0
         });
         chosen.or(self.modes.first())
@@ -58,8 +58,8 @@ impl<'a> Proposal<'a> {
             return mode.step(&mode.mean, if wide { WIDE } else { NARROW }, z);
         }
         // By the quantile of 1 - 1 / (1 + r^2), in a random direction.
-        let share = uniform_open(rng);
-        let r = sqrt(share / ((1.0 - share) * self.region.inverse_square));
+        let quantile = uniform_open(rng);
+        let r = sqrt(quantile / ((1.0 - quantile) * self.region.inverse_square));
         let (sin, cos) = sin_cos(TAU * uniform(rng));
         let [x, y] = self.region.centre;
         [x + r * cos, y + r * sin, z[2]]
@@ -68,8 +68,8 @@ impl<'a> Proposal<'a> {
     /// Log-density of a draw, but for (2 pi)^(-3/2).
     #[inline(never)]
     fn log_density(&self, state: &State) -> f32 {
-        const fn height(share: f32, scale: f32) -> f32 {
-            ln(share / (scale * scale * scale))
+        const fn height(weight: f32, scale: f32) -> f32 {
+            ln(weight / (scale * scale * scale))
         }
         const NARROW_HEIGHT: f32 = height(1.0 - WIDE_SHARE, NARROW);
         const WIDE_HEIGHT: f32 = height(WIDE_SHARE, WIDE);

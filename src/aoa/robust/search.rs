@@ -2,10 +2,10 @@
 
 use heapless::Vec;
 
+use super::Config;
 use super::density::{BLOCK, Density};
-use super::errors::Errors;
 use super::evidence::Evidence;
-use super::mode::{MODES, Mode, Modes, share};
+use super::mode::{MODES, Mode, Modes, weigh};
 use super::term::{State, Term};
 use crate::aoa::triangulation::crossing;
 use crate::math::sqrt;
@@ -42,23 +42,24 @@ struct Candidate {
 #[inline(never)]
 pub(super) fn search<R: Rng + ?Sized, const B: usize>(
     evidence: &Evidence<B>,
-    errors: &Errors,
+    config: &Config,
     known: &Modes,
     rng: &mut R,
 ) -> Modes {
-    let density = evidence.density(errors);
+    let errors = &config.errors;
+    let density = evidence.density(config);
     let mut modes = climb_again(&density, known);
     let mut wide: Vec<Term, B> = Vec::new();
-    let bias = errors.bias_deviation;
-    for sight in evidence.sights() {
-        let deviation = WIDENING * sqrt(evidence.variance(sight, errors));
+    let bias = errors.bias_sigma_rad;
+    for entry in evidence.entries() {
+        let deviation = WIDENING * sqrt(evidence.variance(entry, errors));
         let variance = deviation * deviation + bias * bias;
-        let term = Term::new(&sight.observation, errors, variance);
-        let _ = wide.push(term.with_share(sight.share));
+        let term = Term::new(&entry.observation, errors, variance);
+        let _ = wide.push(term.with_probability(entry.probability));
     }
     let wide = Density {
         terms: &wide,
-        bias_deviation: 0.0,
+        bias_sigma_rad: 0.0,
         ..density
     };
     let mut candidates = candidates(evidence, &wide, rng);
@@ -72,7 +73,7 @@ pub(super) fn search<R: Rng + ?Sized, const B: usize>(
             add(&mut modes, mode);
         }
     }
-    share(&mut modes);
+    weigh(&mut modes);
     modes
 }
 
@@ -93,16 +94,16 @@ fn candidates<R: Rng + ?Sized, const B: usize>(
     wide: &Density<'_>,
     rng: &mut R,
 ) -> Vec<Candidate, CANDIDATES> {
-    let sights = evidence.sights();
-    let n = sights.len() as f32;
+    let entries = evidence.entries();
+    let n = entries.len() as f32;
     let mut candidates = Vec::new();
     for _ in 0..BLOCKS {
         let mut block = [[0.0; 3]; BLOCK];
         let mut valid = [false; BLOCK];
         for (state, valid) in block.iter_mut().zip(&mut valid) {
             for _ in 0..TRIES {
-                let a = sights.get((uniform(rng) * n) as usize);
-                let b = sights.get((uniform(rng) * n) as usize);
+                let a = entries.get((uniform(rng) * n) as usize);
+                let b = entries.get((uniform(rng) * n) as usize);
                 if let Some((a, b)) = a.zip(b)
                     && !a.excludes(b)
                     && let Some(meeting) = crossing(&a.observation, &b.observation, LEAST_SINE)

@@ -1,4 +1,4 @@
-//! The likelihood of one bearing that may be direct, mirrored or wild, with a bias that all share.
+//! The likelihood of one bearing that may be direct, mirrored or an outlier, with the common bias.
 
 use core::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -11,11 +11,11 @@ use crate::snapshot::value;
 /// Metres east and north, and the bias of all bearings in its deviations.
 pub(super) type State = [f32; 3];
 
-/// Odds of a bearing not being wild, which are its likelihood but for a factor and a summand that no place changes:
-/// that is `wild / (2 pi) (1 + odds)`.
+/// Odds of a bearing not being an outlier, which are its likelihood but for a factor and a summand that no place changes:
+/// that is `outlier / (2 pi) (1 + odds)`.
 ///
 /// The direct and the mirrored peak are half a circle apart, so only the nearer counts: the bearing is a line, on either
-/// side of which another share applies, and the odds are one exponential.
+/// side of which another rate applies, and the odds are one exponential.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Term {
     position: [f32; 2],
@@ -27,7 +27,7 @@ pub(super) struct Term {
     power: f32,
     /// Logarithm of the odds of no error, in front of the receiver and behind it.
     direct: f32,
-    mirror: f32,
+    mirrored: f32,
 }
 
 value!(Term {
@@ -37,7 +37,7 @@ value!(Term {
     curvature,
     power,
     direct,
-    mirror,
+    mirrored,
 });
 
 /// Keeps the ratio finite for a particle that sits on the receiver.
@@ -49,7 +49,7 @@ pub(super) struct Reading {
     pub(super) error: f32,
     pub(super) mirrored: bool,
     pub(super) odds: f32,
-    /// What it counts for, beside others, in 1 / rad^2: 1 / sigma^2 if it is sure not to be wild.
+    /// What it counts for, beside others, in 1 / rad^2: 1 / sigma^2 if it is sure not to be an outlier.
     pub(super) information: f32,
 }
 
@@ -57,8 +57,8 @@ impl Term {
     /// Of an error with this variance, in square radians.
     pub(super) fn new(observation: &Observation, errors: &Errors, variance: f32) -> Self {
         let (sin, cos) = sin_cos(observation.bearing().radians());
-        let shares = errors.shares;
-        let peak = errors.tails.height() / (sqrt(variance) * shares.wild);
+        let rates = errors.rates;
+        let peak = errors.tails.height() / (sqrt(variance) * rates.outlier);
         let (curvature, power) = match errors.tails {
             Tails::Normal => (-0.5 / variance, 0.0),
             Tails::Student { freedom } => {
@@ -72,17 +72,17 @@ impl Term {
             cos,
             curvature,
             power,
-            direct: ln(peak * shares.direct),
-            mirror: ln(peak * shares.mirror),
+            direct: ln(peak * rates.direct),
+            mirrored: ln(peak * rates.mirrored),
         }
     }
 
     /// The same of a bearing that has alternatives: of those that lie apart, 1 + a + b is nearly (1 + a) (1 + b).
-    pub(super) fn with_share(mut self, share: f32) -> Self {
-        if share < 1.0 {
-            let share = ln(share);
-            self.direct += share;
-            self.mirror += share;
+    pub(super) fn with_probability(mut self, probability: f32) -> Self {
+        if probability < 1.0 {
+            let log = ln(probability);
+            self.direct += log;
+            self.mirrored += log;
         }
         self
     }
@@ -103,9 +103,9 @@ impl Term {
 
     #[inline(always)]
     fn odds_of<const STUDENT: bool>(&self, error: f32, mirrored: bool) -> f32 {
-        let level = if mirrored { self.mirror } else { self.direct };
+        let level = if mirrored { self.mirrored } else { self.direct };
         let square = self.curvature * (error * error);
-        // At most some 1e7, for deviations and shares of a thousandth; next to none are none.
+        // At most some 1e7, for sigmas and rates of a thousandth; next to none are none.
         exp_of_weight(if STUDENT {
             level - self.power * ln(1.0 + square)
         } else {

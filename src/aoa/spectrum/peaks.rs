@@ -43,7 +43,7 @@ impl Spectrum {
     /// the mean and the variance of both.
     ///
     /// There are none if the spectrum is flat, or as good as flat: if, tempered, a peak would be as wide as
-    /// [`Observation::MAX_DEVIATION_RAD`], more than half the circle. A bearing of it would tell more than the spectrum
+    /// [`Observation::MAX_SIGMA_RAD`], more than half the circle. A bearing of it would tell more than the spectrum
     /// does. So every peak makes an [`Observation`].
     ///
     /// As bearings they exclude each other: [`Alternative`](crate::aoa::Alternative).
@@ -163,13 +163,13 @@ impl Spectrum {
 impl Peak {
     /// Whether it is as wide as the circle.
     fn is_flat(&self) -> bool {
-        self.deviation >= Observation::MAX_DEVIATION_RAD
+        self.deviation >= Observation::MAX_SIGMA_RAD
     }
 }
 
 /// A deviation within what can be known and what is worth knowing.
 fn bounded(deviation: f32) -> f32 {
-    deviation.clamp(FINEST, Observation::MAX_DEVIATION_RAD)
+    deviation.clamp(FINEST, Observation::MAX_SIGMA_RAD)
 }
 
 impl Hill {

@@ -121,7 +121,7 @@ fn anything_has_peaks_that_are_directions() {
         for peak in peaks.iter().flatten() {
             assert!(peak.angle.abs() <= PI + 1e-5 && peak.deviation > 0.005 && peak.share > 0.0);
             let bearing = Bearing::from_radians(peak.angle);
-            assert!(Observation::new([0.0, 0.0], bearing, peak.deviation).is_ok());
+            assert!(Observation::new(0, [0.0, 0.0], bearing, peak.deviation).is_ok());
         }
     }
 }
@@ -132,7 +132,7 @@ fn a_hump_as_wide_as_the_circle_is_no_bearing() {
     for decibels in [0.1, 1.0, 3.0, 6.0, 8.0] {
         assert_eq!(hump(decibels).peaks(temper(0.2)), [None; 3], "{decibels}");
     }
-    let mut before = Observation::MAX_DEVIATION_RAD;
+    let mut before = Observation::MAX_SIGMA_RAD;
     for decibels in [12.0, 30.0, 100.0, 600.0] {
         let [Some(peak), None, None] = hump(decibels).peaks(temper(0.2)) else {
             panic!("there is one of {decibels}");

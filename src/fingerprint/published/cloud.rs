@@ -16,7 +16,7 @@ pub struct Cloud<const N: usize> {
 impl<const N: usize> Cloud<N> {
     /// All particles at the origin, in bits that are all zero: start it before use.
     pub const EMPTY: Self = Self {
-        filter: ParticleFilter::new(),
+        filter: ParticleFilter::EMPTY,
     };
 
     /// Starts around the first match: places scatter about it by the covariance of a match, velocities about zero.

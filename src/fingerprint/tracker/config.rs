@@ -102,7 +102,10 @@ impl Config {
             redraw_fraction 0.0..=1.0,
             uncertain_sigma_m 0.001..=1e6,
         );
-        require!(self.velocity_memory_s >= 0.1, "velocity_memory_s is less than 0.1");
+        require!(
+            self.velocity_memory_s >= 0.1,
+            "velocity_memory_s is less than 0.1"
+        );
         require!(self.survey_samples > 0, "survey_samples is 0");
         require!(self.window_ms <= 60_000, "window_ms is more than 60000");
         require!(self.gate_sigmas >= 0.5, "gate_sigmas is less than 0.5");

@@ -1,6 +1,6 @@
 //! What a tracker knows of a tag.
 
-use crate::estimate::{Ellipse, largest_variance};
+use crate::estimate::{Ellipse, Symmetric2};
 use crate::math::sqrt;
 use crate::snapshot::{Error, Reader, Value, Writer, value};
 
@@ -30,7 +30,7 @@ pub struct Fix {
     /// Posterior mean in metres. On a map of one row or column, the other coordinate is that of its points.
     pub position: [f32; 2],
     /// Posterior covariance in square metres.
-    pub covariance: [[f32; 2]; 2],
+    pub covariance: Symmetric2,
     /// Posterior mean in metres a second.
     pub velocity: [f32; 2],
     /// By how many dB the tag reads stronger than the one of the survey: the posterior mean.
@@ -44,13 +44,14 @@ impl Fix {
         time_ms: 0,
         state: State::Tracking,
         position: [0.0; 2],
-        covariance: [[0.0; 2]; 2],
+        covariance: Symmetric2::ZERO,
         velocity: [0.0; 2],
         offset_db: 0.0,
         effective_sample_size: 0.0,
     };
 
-    /// The ellipse that holds the tag with the given probability (0 to 1), if the posterior is normal.
+    /// The region that holds the tag with the given probability (0 to 1), if the posterior is normal: an ellipse, or on a map
+    /// of one row or column a segment.
     pub fn ellipse(&self, probability: f32) -> Ellipse {
         Ellipse::of_normal(self.position, self.covariance, probability)
     }
@@ -66,11 +67,19 @@ impl Fix {
 
     /// Standard deviation along the longest axis, in metres.
     pub fn sigma_m(&self) -> f32 {
-        sqrt(largest_variance(&self.covariance))
+        sqrt(self.covariance.largest_eigenvalue())
     }
 }
 
-value!(Fix { time_ms, state, position, covariance, velocity, offset_db, effective_sample_size });
+value!(Fix {
+    time_ms,
+    state,
+    position,
+    covariance,
+    velocity,
+    offset_db,
+    effective_sample_size
+});
 
 impl Value for State {
     const SIZE: usize = u8::SIZE;

@@ -32,6 +32,7 @@ mod walls;
 use crate::particles::Particles;
 use crate::persist;
 use crate::random::Rng;
+use crate::weights::Weights;
 use field::Field;
 use offset::OffsetBelief;
 use pending::Pending;
@@ -44,19 +45,19 @@ pub use site::Site;
 pub use tags::{Tag, Trackers};
 pub use walls::{Piece, Walls};
 
-/// The scratch memory of an update of `N` particles on a map of up to `P` points: 12 P + 4 N + 8 bytes, which hold nothing
+/// The scratch memory of an update of `N` particles on a map of up to `P` points: 12 P + 8 N + 16 bytes, which hold nothing
 /// of use between updates. One serves all trackers.
 #[derive(Debug, Clone)]
 pub struct Workspace<const N: usize, const P: usize> {
     field: Field<P>,
-    weights: [f32; N],
+    weights: Weights<N>,
 }
 
 impl<const N: usize, const P: usize> Workspace<N, P> {
     /// Zero in all bits, for a `static`.
     pub const EMPTY: Self = Self {
         field: Field::EMPTY,
-        weights: [0.0; N],
+        weights: Weights::EMPTY,
     };
 }
 
@@ -72,7 +73,7 @@ pub struct Packet {
     pub rssi_dbm: f32,
 }
 
-/// Tracks one tag with `N` particles, by up to `B` beacons: 20 N + 8 B + 100 bytes at most, none of which move.
+/// Tracks one tag with `N` particles, by up to `B` beacons: 16 N + 8 B + 112 bytes, none of which move.
 ///
 /// ```
 /// use foxhunt::fingerprint::tracker::{Config, Packet, Site, Tracker, Workspace};
@@ -129,7 +130,7 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
 
     /// Without a fix, in bits that are all zero.
     pub const EMPTY: Self = Self {
-        particles: Particles::new(),
+        particles: Particles::EMPTY,
         velocity_variance: [0.0; 2],
         offset: OffsetBelief::EMPTY,
         pending: Pending::EMPTY,
@@ -142,7 +143,6 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
 
     /// Forgets all.
     pub fn reset(&mut self) {
-        self.particles.log_weights_mut().fill(0.0);
         self.offset = OffsetBelief::EMPTY;
         self.pending.clear();
         self.has_fix = false;

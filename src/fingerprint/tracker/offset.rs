@@ -21,7 +21,13 @@ pub(super) struct OffsetBelief {
     pub log_some: f32,
 }
 
-value!(OffsetBelief { mean_db, variance, log_odds, log_none, log_some });
+value!(OffsetBelief {
+    mean_db,
+    variance,
+    log_odds,
+    log_none,
+    log_some
+});
 
 impl OffsetBelief {
     /// The largest log-odds, a thousand to one: larger ones would take longer to revise when a tag is exchanged.

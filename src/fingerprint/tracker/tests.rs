@@ -3,6 +3,7 @@
 extern crate std;
 use super::*;
 use crate::checksum::crc32;
+use crate::estimate::Symmetric2;
 use crate::fingerprint::RadioMap;
 use crate::math::ln;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
@@ -285,8 +286,11 @@ fn a_walk_is_followed_along_a_map_of_one_column() {
     let [x, y] = fix.position_at(walk.time_ms);
     assert_eq!((x, fix.velocity[0]), (0.0, 0.0));
     assert!((y - 30.0).abs() < 2.0, "{y}");
-    let [[xx, xy], [yx, yy]] = fix.covariance;
-    assert_eq!([xx, xy, yx], [0.0; 3]);
+    let Symmetric2 { xx, xy, yy } = fix.covariance;
+    assert_eq!([xx, xy], [0.0; 2]);
+    let region = fix.ellipse(0.95);
+    assert!((region.semi_major - 1.96 * fix.sigma_m()).abs() < 1e-3);
+    assert!(region.contains([0.0, fix.position[1] + fix.sigma_m()]));
     assert!(yy > 0.0 && fix.state == State::Tracking);
 }
 

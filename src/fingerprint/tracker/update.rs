@@ -5,11 +5,11 @@ use super::fix::seconds;
 use super::offset::OffsetBelief;
 use super::pending::Level;
 use super::{Fix, Site, State, Tracker, Workspace};
-use crate::estimate;
+use crate::estimate::{self, Symmetric2};
 use crate::math::{ln, sqrt};
 use crate::random::{Rng, normal, uniform};
 use crate::resample::Scheme;
-use crate::weights::{self, Normalised};
+use crate::weights::{UpdateError, Weights};
 
 /// Seconds over which the evidence is smoothed: fewer take a few bad scans for a lost tag, more leave a lost tag lost for
 /// longer.
@@ -29,156 +29,135 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         rng: &mut R,
     ) {
         let Site { map, config, .. } = site;
-        let Some(last) = self.fix() else {
+        let Workspace { field, weights } = workspace;
+        let weighed = if let Some(last) = self.fix() {
+            let dt = seconds(time_ms.wrapping_sub(last.time_ms) as i32);
+            // Two updates at one time are two looks at one place.
+            let dt = if dt > 1e-3 { dt } else { 1e-3 };
+            self.offset.drift(config, dt);
+            field.look_up(map, config, &self.offset, scan);
+            let (_, log_likelihoods) = weights.columns_mut();
+            self.predict(dt, site, log_likelihoods, rng);
+            if let Some(redrawn_s) = &mut self.redrawn_s {
+                *redrawn_s += dt;
+            }
+            self.add_likelihoods(site, field, log_likelihoods);
+            self.judge(weights.update(), dt, site, workspace, rng)
+        } else {
             self.offset = OffsetBelief::prior(config);
-            workspace.field.look_up(map, config, &self.offset, scan);
-            self.draw(1.0, site, &workspace.field, rng);
-            let log_weights = self.particles.log_weights_mut();
-            let drawn = weights::normalise(log_weights, &mut workspace.weights);
-            self.conclude(time_ms, drawn, site, workspace, rng);
-            return;
+            field.look_up(map, config, &self.offset, scan);
+            self.draw(1.0, site, workspace, rng)
         };
-        let dt = seconds(time_ms.wrapping_sub(last.time_ms) as i32);
-        // Two updates at one time are two looks at one place.
-        let dt = if dt > 1e-3 { dt } else { 1e-3 };
-        self.offset.drift(config, dt);
-        workspace.field.look_up(map, config, &self.offset, scan);
-        self.predict(dt, site, &mut workspace.weights, rng);
-        if let Some(redrawn_s) = &mut self.redrawn_s {
-            *redrawn_s += dt;
+        match weighed {
+            Ok(()) => self.conclude(time_ms, site, workspace, rng),
+            Err(UpdateError::AllWeightsZero) => workspace.weights.make_equal(),
         }
-        let mut weighed = self.weigh(site, workspace);
-        let fraction = match weighed {
-            None => 1.0,
-            Some(normalised) => {
-                self.judge(normalised, workspace.field.mean, dt);
-                if self.evidence < LOST_BELOW {
-                    config.redraw_fraction
-                } else {
-                    0.0
-                }
-            }
-        };
-        if fraction > 0.0 {
-            if weighed.is_some() {
-                self.resample(site, workspace, rng);
-            }
-            self.redraw(fraction, site, workspace, rng);
-            let log_weights = self.particles.log_weights_mut();
-            weighed = weights::normalise(log_weights, &mut workspace.weights);
-        }
-        self.conclude(time_ms, weighed, site, workspace, rng);
     }
 
-    /// Multiplies the weights by the likelihoods of the places. The weights of the workspace hold log-weights at first.
-    fn weigh<const P: usize>(
-        &mut self,
+    /// Adds the log-likelihoods of the places.
+    fn add_likelihoods<const P: usize>(
+        &self,
         site: &Site<'_>,
-        workspace: &mut Workspace<N, P>,
-    ) -> Option<Normalised> {
-        let Workspace { field, weights } = workspace;
+        field: &Field<P>,
+        log_likelihoods: &mut [f32; N],
+    ) {
         let lattice = site.map.lattice();
         let [x0, y0] = lattice.origin();
         let [x, y, ..] = self.particles.columns();
-        let weights_of = |weights: &mut [f32], column: &[f32], origin: f32| {
-            for (weight, place) in weights.iter_mut().zip(column) {
-                *weight += field.on_line(lattice, *place, origin);
+        let mut add_along = |places: &[f32], origin: f32| {
+            for (log_likelihood, place) in log_likelihoods.iter_mut().zip(places) {
+                *log_likelihood += field.on_line(lattice, *place, origin);
             }
         };
         match lattice.extends() {
-            [_, false] => weights_of(weights, x, x0),
-            [false, true] => weights_of(weights, y, y0),
+            [_, false] => add_along(x, x0),
+            [false, true] => add_along(y, y0),
             [true, true] => {
-                for ((weight, x), y) in weights.iter_mut().zip(x).zip(y) {
-                    *weight += field.in_plane(lattice, [*x, *y]);
+                for ((log_likelihood, x), y) in log_likelihoods.iter_mut().zip(x).zip(y) {
+                    *log_likelihood += field.in_plane(lattice, [*x, *y]);
                 }
             }
         }
-        weights::reweigh(self.particles.log_weights_mut(), weights)
     }
 
-    /// Smooths the evidence: how well the scan fits the particles, against as many spread over the whole map.
-    fn judge(&mut self, Normalised { shift, log_sum, .. }: Normalised, mean: f32, dt: f32) {
-        let smoothing = dt * (1.0 / EVIDENCE_S);
-        let smoothing = if smoothing < 1.0 { smoothing } else { 1.0 };
-        let evidence = shift + log_sum - ln(N as f32 * mean);
-        self.evidence += smoothing * (evidence.clamp(-20.0, 20.0) - self.evidence);
-    }
-
-    /// Draws a fraction of the particles from the match, because the evidence is against the particles.
-    #[inline(never)]
-    fn redraw<const P: usize, R: Rng + ?Sized>(
+    /// Smooths the evidence, which is how well the scan fits the particles, against as many spread over the whole map; and
+    /// draws particles anew from the match if it is against them.
+    fn judge<const P: usize, R: Rng + ?Sized>(
         &mut self,
-        fraction: f32,
+        log_evidence: Result<f32, UpdateError>,
+        dt: f32,
         site: &Site<'_>,
         workspace: &mut Workspace<N, P>,
         rng: &mut R,
-    ) {
-        self.draw(fraction, site, &workspace.field, rng);
+    ) -> Result<(), UpdateError> {
+        let mut fraction = 1.0;
+        if let Ok(log_evidence) = log_evidence {
+            let smoothing = dt * (1.0 / EVIDENCE_S);
+            let smoothing = if smoothing < 1.0 { smoothing } else { 1.0 };
+            let evidence = log_evidence - ln(workspace.field.mean);
+            self.evidence += smoothing * (evidence.clamp(-20.0, 20.0) - self.evidence);
+            fraction = site.config.redraw_fraction;
+            if !(self.evidence < LOST_BELOW && fraction > 0.0) {
+                return Ok(());
+            }
+            self.resample(site, workspace, rng);
+        }
         self.evidence = 0.0;
         self.redrawn_s = Some(0.0);
+        self.draw(fraction, site, workspace, rng)
     }
 
-    /// Summarises the cloud, whose weights are in the workspace if it has any; then resamples.
+    /// Summarises the cloud; then resamples.
     fn conclude<const P: usize, R: Rng + ?Sized>(
         &mut self,
         time_ms: u32,
-        weighed: Option<Normalised>,
         site: &Site<'_>,
         workspace: &mut Workspace<N, P>,
         rng: &mut R,
     ) {
-        let Some(normalised) = weighed else {
-            return;
-        };
         let [x, y, ..] = self.particles.columns();
         let Workspace { field, weights } = &*workspace;
         // Particles that were just drawn have not been tried yet.
         if self.redrawn_s != Some(0.0) {
             let lattice = site.map.lattice();
-            let places = weights.iter().zip(x.iter().zip(y));
+            let places = weights.weights().iter().zip(x.iter().zip(y));
             let opinions =
                 places.map(|(weight, (x, y))| (*weight, field.offset_at(lattice, [*x, *y])));
             self.offset.learn(field.precision, opinions);
         }
-        self.fix = self.summarise(time_ms, normalised.effective_sample_size, site, weights);
+        self.fix = self.summarise(time_ms, site, weights);
         self.has_fix = true;
         self.resample(site, workspace, rng);
     }
 
     /// The fix by the weighted cloud.
-    fn summarise(
-        &self,
-        time_ms: u32,
-        effective_sample_size: f32,
-        site: &Site<'_>,
-        weights: &[f32; N],
-    ) -> Fix {
+    fn summarise(&self, time_ms: u32, site: &Site<'_>, weights: &Weights<N>) -> Fix {
         let lattice = site.map.lattice();
         let [x, y, vx, vy] = self.particles.columns();
         let mut fix = Fix {
             time_ms,
             position: lattice.origin(),
             offset_db: self.offset.probability() * self.offset.mean_db,
-            effective_sample_size,
+            effective_sample_size: weights.effective_sample_size(),
             ..Fix::EMPTY
         };
-        let along = |place: &[f32], velocity: &[f32]| {
-            let [[variance]] = estimate::covariance(&[place], weights);
-            (estimate::mean(&[place, velocity], weights), variance)
+        let weights = weights.weights();
+        let along = |places: &[f32], velocities: &[f32]| {
+            let [[variance]] = estimate::covariance(&[places], weights);
+            (estimate::mean(&[places, velocities], weights), variance)
         };
         match lattice.extends() {
             [true, true] => {
                 let [px, py, pvx, pvy] = estimate::mean(&[x, y, vx, vy], weights);
                 fix.position = [px, py];
                 fix.velocity = [pvx, pvy];
-                fix.covariance = estimate::covariance(&[x, y], weights);
+                fix.covariance = Symmetric2::from(estimate::covariance(&[x, y], weights));
             }
             [_, false] => {
-                ([fix.position[0], fix.velocity[0]], fix.covariance[0][0]) = along(x, vx);
+                ([fix.position[0], fix.velocity[0]], fix.covariance.xx) = along(x, vx);
             }
             [false, true] => {
-                ([fix.position[1], fix.velocity[1]], fix.covariance[1][1]) = along(y, vy);
+                ([fix.position[1], fix.velocity[1]], fix.covariance.yy) = along(y, vy);
             }
         }
         fix.state = match self.redrawn_s {
@@ -191,13 +170,15 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
     }
 
     /// Draws a fraction of the particles from the match: systematically over the points, uniformly within the cell of each.
+    #[inline(never)]
     fn draw<const P: usize, R: Rng + ?Sized>(
         &mut self,
         fraction: f32,
         site: &Site<'_>,
-        field: &Field<P>,
+        workspace: &mut Workspace<N, P>,
         rng: &mut R,
-    ) {
+    ) -> Result<(), UpdateError> {
+        let Workspace { field, weights } = workspace;
         let sigma = site.config.velocity_sigma_m_s;
         let prior = sigma * sigma;
         let count = ((fraction * N as f32) as usize).clamp(1, N);
@@ -239,10 +220,11 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
             } else {
                 f32::NEG_INFINITY
             };
-            if let Some(slot) = self.particles.log_weights_mut().get_mut(i) {
+            if let Some(slot) = weights.columns_mut().0.get_mut(i) {
                 *slot = log_weight;
             }
         }
+        weights.normalise().map(drop)
     }
 
     #[inline(never)]
@@ -255,9 +237,12 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         // Across a line the places are the same for all.
         let [along_x, along_y] = site.map.lattice().extends();
         let wanted = [along_x, along_y, along_x, along_y];
-        let weights = &mut workspace.weights;
-        self.particles
-            .resample_columns(wanted, Scheme::Systematic, weights, rng);
+        let columns = self.particles.columns_mut().into_iter().zip(wanted);
+        (workspace.weights).resample(Scheme::Systematic, rng, |ancestors, scratch| {
+            for (column, _) in columns.filter(|(_, wanted)| *wanted) {
+                ancestors.gather(column, scratch);
+            }
+        });
     }
 }
 

@@ -241,14 +241,9 @@ fn any<'a>(observations: &'a [Observation], rng: &mut Xoshiro128PlusPlus) -> &'a
 }
 
 fn disturbed(observation: &Observation, rng: &mut Xoshiro128PlusPlus) -> Option<Observation> {
-    let deviation = observation.deviation();
-    let angle = observation.bearing().radians() + deviation * normal(rng);
-    Observation::new(
-        observation.position(),
-        Bearing::from_radians(angle),
-        deviation,
-    )
-    .ok()
+    let sigma = observation.deviation();
+    let angle = observation.bearing().radians() + sigma * normal(rng);
+    Observation::new(observation.position(), Bearing::from_radians(angle), sigma).ok()
 }
 
 /// How many places `b` is from `a` in the order of their angles.

@@ -132,19 +132,15 @@ struct Before<const N: usize> {
 }
 
 impl<const N: usize> Before<N> {
-    fn new(column: &[f32], log_weights: &[f32]) -> Self {
+    fn of(filter: &ParticleFilter<1, N>) -> Self {
         let mut before = Self {
             column: [0.0; N],
             log_weights: [0.0; N],
         };
-        before.column.copy_from_slice(column);
-        before.log_weights.copy_from_slice(log_weights);
-        before
-    }
-
-    fn of(filter: &ParticleFilter<1, N>) -> Self {
         let [column] = filter.particles().columns();
-        Self::new(column, filter.particles().log_weights())
+        before.column.copy_from_slice(column);
+        before.log_weights.copy_from_slice(filter.log_weights());
+        before
     }
 
     fn posterior<'a, T: Transition<1>, L: Likelihood<1>>(
@@ -173,7 +169,7 @@ fn show_cloud<const N: usize>(
     mut show: impl FnMut(f32, &[f32], &[f32]),
 ) {
     let ([mean], [column]) = (filter.mean(), filter.particles().columns());
-    show(mean, column, filter.particles().log_weights());
+    show(mean, column, filter.log_weights());
 }
 
 /// The bootstrap filter, systematic resampling after every step.
@@ -297,13 +293,12 @@ impl<const N: usize> Method for Proposed<N> {
         rng: &mut Xoshiro128PlusPlus,
         mut show: impl FnMut(f32, &[f32], &[f32]),
     ) {
-        let mut filter = UnscentedParticleFilter::<1, N>::new();
+        let mut filter = UnscentedParticleFilter::<1, N>::EMPTY;
         filter.initialise(rng, &Covariance::ZERO, |_| [start]);
         for (dynamics, measurement) in steps {
             // Where no proposal can be, the weights stay.
             let _ = filter.step(&Unscented::DEFAULT, &dynamics, &measurement, 1.0, rng);
-            let ([mean], [column]) = (filter.mean(), filter.columns());
-            show(mean, column, filter.log_weights());
+            show_cloud(filter.cloud(), &mut show);
             filter.resample(Scheme::Systematic, rng);
         }
     }
@@ -322,19 +317,17 @@ impl<const N: usize, F: Refinement<1>> Method for ProposedEvolved<N, F> {
         mut show: impl FnMut(f32, &[f32], &[f32]),
     ) {
         let mut memory = Memory::new();
-        let mut filter = UnscentedParticleFilter::<1, N>::new();
+        let mut filter = UnscentedParticleFilter::<1, N>::EMPTY;
         filter.initialise(rng, &Covariance::ZERO, |_| [start]);
         for (dynamics, measurement) in steps {
-            let [column] = filter.columns();
-            let before = Before::<N>::new(column, filter.log_weights());
+            let before = Before::of(filter.cloud());
             let posterior = before.posterior(&dynamics, &measurement);
             let _ = filter.step(&Unscented::DEFAULT, &dynamics, &measurement, 1.0, rng);
             match self.1 {
                 Target::Likelihood => filter.refine(&self.0, &measurement, &mut memory, rng),
                 Target::Posterior => filter.refine(&self.0, &posterior, &mut memory, rng),
             };
-            let ([mean], [column]) = (filter.mean(), filter.columns());
-            show(mean, column, filter.log_weights());
+            show_cloud(filter.cloud(), &mut show);
         }
     }
 }
@@ -351,13 +344,12 @@ impl<const N: usize, const G: usize> Method for Auxiliary<N, G> {
         rng: &mut Xoshiro128PlusPlus,
         mut show: impl FnMut(f32, &[f32], &[f32]),
     ) {
-        let mut filter = AuxiliaryFilter::<1, N>::new();
+        let mut filter = AuxiliaryFilter::<1, N>::EMPTY;
         filter.initialise(rng, |_| [start]);
         for (dynamics, measurement) in steps {
             let _ = filter.step(&dynamics, &measurement, 1.0, &mut [0.0; G], rng);
-            let ([mean], particles) = (filter.mean(), filter.particles());
-            let [column] = particles.columns();
-            show(mean, column, particles.log_weights());
+            let ([mean], [column]) = (filter.mean(), filter.particles().columns());
+            show(mean, column, filter.log_weights());
         }
     }
 }
@@ -374,12 +366,12 @@ impl<const N: usize, const G: usize> Method for PointMass<N, G> {
         _: &mut Xoshiro128PlusPlus,
         mut show: impl FnMut(f32, &[f32], &[f32]),
     ) {
-        let mut filter = PointMassFilter::<1, N>::at([start]);
+        let mut filter = PointMassFilter::<1, N>::EMPTY;
+        filter.initialise_at([start]);
         for (dynamics, measurement) in steps {
             let _ = filter.step(&dynamics, &measurement, 1.0, &mut [0.0; G]);
-            let ([mean], points) = (filter.mean(), filter.points());
-            let [column] = points.columns();
-            show(mean, column, points.log_weights());
+            let ([mean], [column]) = (filter.mean(), filter.columns());
+            show(mean, column, filter.log_weights());
         }
     }
 }
@@ -418,7 +410,7 @@ impl<const N: usize, F: Refinement<1>> Method for Chain<N, F> {
             }
             let [column] = filter.particles().columns();
             let mean = sum / f32::from(self.rounds - burn_in);
-            show(mean, column, filter.particles().log_weights());
+            show(mean, column, filter.log_weights());
         }
     }
 }

@@ -27,7 +27,7 @@ use crate::reports::vehicle::ReportedFix;
 pub struct Assessment {
     bearings: u32,
     fix: [f64; 2],
-    deviations: [f64; 2],
+    sigmas: [f64; 2],
     truth: [f64; 2],
     posterior: Posterior,
     gauss_newton: [f64; 2],
@@ -65,7 +65,7 @@ impl Assessment {
         Ok(Self {
             bearings: fix.bearings,
             fix: origin.local(fix.place),
-            deviations: fix.deviations,
+            sigmas: fix.sigmas,
             truth,
             posterior,
             gauss_newton: solution.position.map(f64::from),
@@ -80,13 +80,12 @@ impl Assessment {
 
     /// Draws the drive and the fix.
     pub fn draw(&self, scene: &Scene, replay: &Replay, stem: &Path) -> Result<()> {
-        let [major, minor] = self.deviations;
+        let [major, minor] = self.sigmas;
         let places = replay.sights().iter().map(|sight| sight.position).collect();
         let map = Map {
             title: scene.title.clone(),
             caption: format!(
-                "{} bearings through the firmware; the fix is {} from the true place, with standard \
-                 deviations of {} and {}",
+                "{} bearings through the firmware; the fix is {} from the true place, with sigmas of {} and {}",
                 self.bearings,
                 metres(self.error(self.fix)),
                 metres(major),
@@ -124,7 +123,7 @@ impl Assessment {
 
 impl fmt::Display for Assessment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [major, minor] = self.deviations;
+        let [major, minor] = self.sigmas;
         writeln!(
             f,
             "distance from the true place, by {} bearings",

@@ -16,7 +16,7 @@ use foxhunt_gateways::robust as firmware;
 pub enum Kind {
     /// One source, and every bearing is right but for its error: the firmware `vehicle`.
     Plain,
-    /// Several sources; bearings may be wild, mirrored, biased: the firmware `vehicle_robust`.
+    /// Several sources; bearings may be outliers, mirrored, biased: the firmware `vehicle_robust`.
     Robust,
     /// One source that stays where it is, with such bearings.
     Single,
@@ -52,8 +52,8 @@ enum Confidence {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Deviations {
-    /// From --worst-deviation to --best-deviation.
+enum Sigmas {
+    /// From --worst-sigma to --best-sigma.
     Linear,
     /// What is known of each device.
     Devices,
@@ -89,15 +89,15 @@ pub struct Input {
         allow_negative_numbers = true
     )]
     minimum_quality: f32,
-    /// How deviations follow from the quality.
-    #[arg(long, value_enum, default_value_t = Deviations::Linear)]
-    deviations: Deviations,
-    /// Standard deviation of a bearing of quality 100; unless given, 2. Not of --deviations devices.
+    /// How sigmas follow from the quality.
+    #[arg(long, value_enum, default_value_t = Sigmas::Linear)]
+    sigmas: Sigmas,
+    /// Standard deviation of a bearing of quality 100; unless given, 2. Not of --sigmas devices.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
-    best_deviation: Option<f32>,
-    /// Standard deviation of a bearing of quality 0; unless given, 10. Not of --deviations devices.
+    best_sigma: Option<f32>,
+    /// Standard deviation of a bearing of quality 0; unless given, 10. Not of --sigmas devices.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
-    worst_deviation: Option<f32>,
+    worst_sigma: Option<f32>,
     /// How far apart in time a bearing and its position or heading may be.
     #[arg(
         long,
@@ -127,21 +127,21 @@ fn tag(text: &str) -> Result<u64> {
 impl Input {
     /// Fails if anything is told that another setting makes idle.
     fn ensure_of_use(&self) -> Result<()> {
-        let (by_device, finder) = (self.deviations == Deviations::Devices, self.finder);
+        let (by_device, finder) = (self.sigmas == Sigmas::Devices, self.finder);
         let only = |device| ![Finder::Any, device].contains(&finder);
         let no_angle_of_choice = finder == Finder::Agrelo;
         for (name, given, idle, other) in [
             (
-                "--best-deviation",
-                self.best_deviation.is_some(),
+                "--best-sigma",
+                self.best_sigma.is_some(),
                 by_device,
-                "--deviations devices",
+                "--sigmas devices",
             ),
             (
-                "--worst-deviation",
-                self.worst_deviation.is_some(),
+                "--worst-sigma",
+                self.worst_sigma.is_some(),
                 by_device,
-                "--deviations devices",
+                "--sigmas devices",
             ),
             (
                 "--tag",
@@ -179,8 +179,8 @@ impl Input {
     /// If one is out of range, or of no use beside another.
     pub fn settings(&self) -> Result<Settings> {
         self.ensure_of_use()?;
-        let best = self.best_deviation.unwrap_or(2.0).to_radians();
-        let worst = self.worst_deviation.unwrap_or(10.0).to_radians();
+        let best = self.best_sigma.unwrap_or(2.0).to_radians();
+        let worst = self.worst_sigma.unwrap_or(10.0).to_radians();
         let mut settings = Settings::new()
             .with_finder(match self.finder {
                 Finder::Any => Device::Any,
@@ -211,7 +211,7 @@ impl Input {
         if let Some(tag) = self.tag {
             settings = settings.with_ublox_tag(tag);
         }
-        if self.deviations == Deviations::Devices {
+        if self.sigmas == Sigmas::Devices {
             let kraken = match self.confidence {
                 Confidence::Percent => &DeviationTable::KRAKEN_PERCENT,
                 Confidence::Decibels => &DeviationTable::KRAKEN_DECIBELS,
@@ -230,19 +230,19 @@ impl Input {
 #[derive(clap::Args)]
 #[command(next_help_heading = "The errors of bearings, of all locators but plain")]
 pub struct Belief {
-    /// Standard deviation of what all bearings are off by alike, as of an array that is not mounted straight; unless
+    /// Standard deviation of the common bias of all bearings, as of an array that is not mounted straight; unless
     /// given, 2.9 as in the firmware.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
-    bias_deviation: Option<f32>,
+    bias_sigma: Option<f32>,
     /// Standard deviation of the places where bearings are taken; unless given, 3 as in the firmware.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
-    position_deviation: Option<f32>,
-    /// Share of mirrored bearings, before it is learned; unless given, 0.08.
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    position_sigma: Option<f32>,
+    /// Rate of mirrored bearings, before it is learned; unless given, 0.08.
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
     mirrored: Option<f32>,
-    /// Share of wild bearings, before it is learned; unless given, 0.12.
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
-    wild: Option<f32>,
+    /// Rate of outliers, before it is learned; unless given, 0.12.
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
+    outliers: Option<f32>,
     /// Metres over which the errors of neighbouring bearings become independent; unless given, 5.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     correlation_distance: Option<f32>,
@@ -258,10 +258,10 @@ impl Belief {
     /// Fails if anything is told to a locator that does not listen.
     pub fn ensure_default(&self) -> Result<()> {
         for (name, given) in [
-            ("--bias-deviation", self.bias_deviation.is_some()),
-            ("--position-deviation", self.position_deviation.is_some()),
+            ("--bias-sigma", self.bias_sigma.is_some()),
+            ("--position-sigma", self.position_sigma.is_some()),
             ("--mirrored", self.mirrored.is_some()),
-            ("--wild", self.wild.is_some()),
+            ("--outliers", self.outliers.is_some()),
             (
                 "--correlation-distance",
                 self.correlation_distance.is_some(),
@@ -279,15 +279,15 @@ impl Belief {
     /// The settings of the locator.
     pub fn settings(&self) -> Result<robust::Settings> {
         let mut errors = firmware::ERRORS;
-        if let Some(degrees) = self.bias_deviation {
+        if let Some(degrees) = self.bias_sigma {
             errors = errors.bias_deviation(degrees.to_radians())?;
         }
-        if let Some(metres) = self.position_deviation {
+        if let Some(metres) = self.position_sigma {
             errors = errors.position_deviation(metres)?;
         }
-        if self.mirrored.is_some() || self.wild.is_some() {
-            let (mirrored, wild) = (self.mirrored.unwrap_or(0.08), self.wild.unwrap_or(0.12));
-            errors = errors.shares(mirrored, wild)?;
+        if self.mirrored.is_some() || self.outliers.is_some() {
+            let mirrored = self.mirrored.unwrap_or(0.08);
+            errors = errors.shares(mirrored, self.outliers.unwrap_or(0.12))?;
         }
         if let Some(distance) = self.correlation_distance {
             errors = errors.correlation(0.9, distance, f32::INFINITY)?;

@@ -103,10 +103,10 @@ pub fn answer(archive: &Archive) -> String {
             archive.last_bearings().filter(is).count()
         };
         line(format_args!(
-            "bearings: {} direct, {} mirrored, {} rejected as wild, {} of what has moved on or is not known any more",
+            "bearings: {} direct, {} mirrored, {} rejected as outliers, {} of what has moved on or is not known any more",
             count(Kind::Direct),
             count(Kind::Mirrored),
-            count(Kind::Wild),
+            count(Kind::Outlier),
             count(Kind::Past),
         ));
     }

@@ -75,13 +75,13 @@ fn nothing_is_written_of_nothing() {
 #[test]
 fn what_a_locator_does_not_listen_to_is_refused() {
     let file = project::root().join(crate::drive::EXAMPLE);
-    let (done, _) = replay(&file, &["--locator", "plain", "--bias-deviation", "3"]);
+    let (done, _) = replay(&file, &["--locator", "plain", "--bias-sigma", "3"]);
     assert!(
         done.unwrap_err()
             .to_string()
-            .contains("--bias-deviation is of no use")
+            .contains("--bias-sigma is of no use")
     );
-    let (done, _) = replay(&file, &["--wild", "1.5"]);
+    let (done, _) = replay(&file, &["--outliers", "1.5"]);
     assert!(done.unwrap_err().to_string().contains("wild"));
 }
 
@@ -93,8 +93,8 @@ fn what_contradicts_is_refused_before_anything_is_read() {
         done.unwrap_err().to_string()
     };
     for more in [
-        ["--deviations", "devices", "--best-deviation", "3"],
-        ["--deviations", "devices", "--worst-deviation", "12"],
+        ["--sigmas", "devices", "--best-sigma", "3"],
+        ["--sigmas", "devices", "--worst-sigma", "12"],
         ["--finder", "kraken", "--tag", "CCF9578E0D8A"],
         ["--finder", "ublox", "--frequency", "433920000"],
         ["--finder", "agrelo", "--confidence", "decibels"],
@@ -104,7 +104,7 @@ fn what_contradicts_is_refused_before_anything_is_read() {
         assert!(error.contains("is of no use with"), "{more:?}: {error}");
     }
     for (more, reason) in [
-        (["--wild", "-1"], "wild"),
+        (["--outliers", "-1"], "wild"),
         (["--minimum-speed", "-1"], "speed"),
         (["--minimum-quality", "-0.5"], "quality"),
         (["--range", "-5"], "range"),
@@ -116,7 +116,7 @@ fn what_contradicts_is_refused_before_anything_is_read() {
     for more in [
         ["--finder", "ublox", "--tag", "CCF9578E0D8A"],
         ["--finder", "any", "--frequency", "433920000"],
-        ["--deviations", "linear", "--best-deviation", "3"],
+        ["--sigmas", "linear", "--best-sigma", "3"],
     ] {
         let error = refused(&more);
         assert!(

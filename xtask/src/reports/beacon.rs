@@ -28,7 +28,7 @@ pub struct TagFix {
     pub place: [f64; 2],
     pub velocity: [f64; 2],
     /// Along the longer axis of its uncertainty.
-    pub deviation: f64,
+    pub sigma: f64,
     /// In dB.
     pub offset: f64,
 }
@@ -77,7 +77,7 @@ fn sentence(fields: &[&str]) -> Option<Report> {
             state: (*state).to_owned(),
             place: [number(x)?, number(y)?],
             velocity: [number(vx)?, number(vy)?],
-            deviation: number(major)?,
+            sigma: number(major)?,
             offset: number(offset)?,
         })),
         ["PFOXL", time, radio, what] => Some(Report::Radio {

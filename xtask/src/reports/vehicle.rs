@@ -22,7 +22,7 @@ pub struct ReportedFix {
     time: String,
     pub place: Place,
     /// Standard deviations along the axes of the uncertainty, in metres.
-    pub deviations: [f64; 2],
+    pub sigmas: [f64; 2],
     pub bearings: u32,
 }
 
@@ -59,7 +59,7 @@ fn sentence(line: &str) -> Option<Report> {
         ] => Some(Report::Fix(ReportedFix {
             time: (*time).to_owned(),
             place: Place::from_nmea(&[*latitude, north, longitude, east].join(","))?,
-            deviations: [major.parse().ok()?, minor.parse().ok()?],
+            sigmas: [major.parse().ok()?, minor.parse().ok()?],
             bearings: bearings.parse().ok()?,
         })),
         ["PFOXN", _time, reason, bearings, ..] => {
@@ -91,8 +91,8 @@ impl ReportedFix {
             self.place.latitude,
             self.place.longitude,
             east.hypot(north),
-            self.deviations[0],
-            self.deviations[1],
+            self.sigmas[0],
+            self.sigmas[1],
         )
     }
 }

@@ -16,7 +16,7 @@ fn passing(pass: f32, metres: f32, sigma: f32, rng: &mut Xoshiro128PlusPlus) -> 
                 place[0] + metres * normal(rng),
                 place[1] + metres * normal(rng),
             ];
-            Observation::new(reported, seen.bearing(), sigma).unwrap()
+            Observation::new(1000 * i, reported, seen.bearing(), sigma).unwrap()
         })
         .collect()
 }
@@ -28,7 +28,7 @@ fn coverage<const B: usize>(errors: Errors, runs: u64) -> (f32, f32) {
         let mut rng = generator(seed ^ 0x0001_b0a7);
         let pass = 50.0 + 50.0 * uniform(&mut rng);
         let observations = passing(pass, 5.0, DEGREE, &mut rng);
-        let locator: RobustLocator<256, B> = locate(errors, &observations, seed);
+        let locator: Clocked<Robust<256, B>> = locate(errors, &observations, seed);
         if let Answer::Fix(fix) = locator.answer() {
             let region: Ellipse = fix.ellipse(0.95);
             within += u64::from(region.contains(SOURCE));
@@ -42,14 +42,17 @@ fn coverage<const B: usize>(errors: Errors, runs: u64) -> (f32, f32) {
 fn the_region_of_a_source_nearby_holds_it_as_often_as_it_says() {
     const RUNS: u64 = 1000;
     let without = independent();
-    let with = without.position_deviation(5.0).unwrap();
+    let with = Errors {
+        position_sigma_m: 5.0,
+        ..without
+    };
     let (ignored, worse) = coverage::<64>(without, RUNS);
     let (covered, better) = coverage::<64>(with, RUNS);
     let (small, averaged) = coverage::<16>(with, RUNS);
     std::println!(
         "{ignored} {worse} m without, {covered} {better} m with; buffer of 16: {small} {averaged} m"
     );
-    // 95 % of 1000 has a deviation of 0.7 %: one false alarm in 50 000 seeds for each.
+    // 95 % of 1000 has a sigma of 0.7 %: one false alarm in 50 000 seeds for each.
     for share in [covered, small] {
         assert!((0.92..=0.98).contains(&share), "{share}");
     }
@@ -58,7 +61,10 @@ fn the_region_of_a_source_nearby_holds_it_as_often_as_it_says() {
 
 #[test]
 fn the_variance_of_a_place_is_that_of_its_direction() {
-    let errors = Errors::new().position_deviation(5.0).unwrap();
+    let errors = Errors {
+        position_sigma_m: 5.0,
+        ..Errors::DEFAULT
+    };
     let observation = towards([0.0, 0.0], SOURCE, 0.0, DEGREE);
     let mut rng = generator(3);
     for range in [20.0, 50.0, 400.0] {
@@ -70,7 +76,7 @@ fn the_variance_of_a_place_is_that_of_its_direction() {
         }
         let measured = (square / N as f32).sqrt();
         let stated = errors.variance(&observation, 1.0, Some(&[0.0, range, 0.0]));
-        // The deviation of 20 000 draws is known to half a percent; at four deviations of the place it bends by 3 %.
+        // The sigma of 20 000 draws is known to half a percent; at four sigmas of the place it bends by 3 %.
         assert!((stated.sqrt() / measured - 1.0).abs() < 0.05, "{range}");
     }
     let on_it = errors.variance(&observation, 1.0, Some(&[0.0; 3]));
@@ -78,10 +84,13 @@ fn the_variance_of_a_place_is_that_of_its_direction() {
     // Nothing is known of the range, or the places are exact.
     let own = DEGREE * DEGREE;
     assert_eq!(errors.variance(&observation, 1.0, None), own);
-    let exact = Errors::new().variance(&observation, 1.0, Some(&[0.0, 50.0, 0.0]));
+    let exact = Errors::DEFAULT.variance(&observation, 1.0, Some(&[0.0, 50.0, 0.0]));
     assert_eq!(exact, own);
     for metres in [-1.0, 1001.0, f32::NAN] {
-        let refused = Errors::new().position_deviation(metres);
-        assert_eq!(refused, Err(SettingsError::PositionDeviation));
+        let refused = Errors {
+            position_sigma_m: metres,
+            ..Errors::DEFAULT
+        };
+        assert_eq!(refused.check().unwrap_err().field(), "position_sigma_m");
     }
 }

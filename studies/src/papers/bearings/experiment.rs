@@ -43,14 +43,14 @@ impl Experiment {
     pub fn run(track: Track, methods: &[Method], runs: u32, seed: u64) -> Result<Self> {
         let clean: Vec<Sight> = simulate::bearings(
             &Track {
-                deviation: 0.0,
+                sigma: 0.0,
                 ..track.clone()
             },
             &mut simulate::generator(0, 0),
         )
         .into_iter()
         .map(|sight| Sight {
-            deviation: track.deviation,
+            sigma: track.sigma,
             ..sight
         })
         .collect();

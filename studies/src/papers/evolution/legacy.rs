@@ -145,13 +145,13 @@ fn resample(particles: &[Particle], weights: &[f64], rng: &mut impl Rng) -> Vec<
     if !(total > 0.0 && total.is_finite()) {
         return particles.to_vec();
     }
-    let shares: Vec<f64> = weights.iter().map(|w| w / total * n as f64).collect();
-    let mut chosen: Vec<Particle> = shares
+    let copies: Vec<f64> = weights.iter().map(|w| w / total * n as f64).collect();
+    let mut chosen: Vec<Particle> = copies
         .iter()
         .zip(particles)
-        .flat_map(|(share, particle)| std::iter::repeat_n(*particle, *share as usize))
+        .flat_map(|(count, particle)| std::iter::repeat_n(*particle, *count as usize))
         .collect();
-    let rests: Vec<f64> = shares.iter().map(|share| share.fract()).collect();
+    let rests: Vec<f64> = copies.iter().map(|count| count.fract()).collect();
     let sum: f64 = rests.iter().sum();
     while chosen.len() < n {
         let mut place = sum * rng.random::<f64>();

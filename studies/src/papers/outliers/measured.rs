@@ -122,7 +122,7 @@ impl Transmitter {
             .map(|&(position, degrees)| Sight {
                 position,
                 bearing: degrees.to_radians(),
-                deviation: SIGMA_DEGREES.to_radians(),
+                sigma: SIGMA_DEGREES.to_radians(),
             })
             .collect();
         let settings = settings()?;

@@ -8,7 +8,7 @@ use nalgebra::{Matrix2, Vector2};
 pub fn huber(sights: &[Sight], limit: f64) -> (Vector2<f64>, Matrix2<f64>) {
     let cost = |place: Vector2<f64>| -> f64 {
         let one = |sight: &Sight| {
-            let u = (sight.residual(place.into()) / sight.deviation).abs();
+            let u = (sight.residual(place.into()) / sight.sigma).abs();
             if u < limit {
                 0.5 * u * u
             } else {
@@ -28,8 +28,8 @@ pub fn huber(sights: &[Sight], limit: f64) -> (Vector2<f64>, Matrix2<f64>) {
                 let ray = place - Vector2::from(sight.position);
                 let across = Vector2::new(-ray.y, ray.x) / (ray.norm_squared() + 1e-6);
                 let residual = sight.residual(place.into());
-                let u = (residual / sight.deviation).abs();
-                let weight = (limit / u).min(1.0) / sight.deviation.powi(2);
+                let u = (residual / sight.sigma).abs();
+                let weight = (limit / u).min(1.0) / sight.sigma.powi(2);
                 information += across * across.transpose() * weight;
                 gradient += across * residual * weight;
             }

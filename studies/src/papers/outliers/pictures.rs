@@ -19,9 +19,9 @@ pub fn draw(study: &Study) -> Result<()> {
     let track = Track::a2();
     let mut sights = simulate::bearings(&track, &mut simulate::generator(seed, 0));
     let faults = Faults {
-        wild: 0.3,
-        mirror: 0.1,
-        bias: 0.0,
+        outlier_rate: 0.3,
+        mirrored_rate: 0.1,
+        bias_sigma: 0.0,
     };
     faults.spoil(&mut sights, &mut simulate::generator(!seed, 0));
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
@@ -52,7 +52,7 @@ fn map(track: &Track, sights: &[Sight], locator: &RobustLocator<256, 64>) -> Map
     // As lines: a mirrored bearing says as much as a direct one.
     let off = |sight: &Sight, place: [f32; 2]| {
         let residual = sight.residual(place.map(f64::from)).abs();
-        residual.min(std::f64::consts::PI - residual) / sight.deviation
+        residual.min(std::f64::consts::PI - residual) / sight.sigma
     };
     let (kept, rejected) = sights
         .iter()

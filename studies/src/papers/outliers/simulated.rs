@@ -37,13 +37,13 @@ struct Condition {
 }
 
 fn conditions() -> [Condition; 6] {
-    let condition = |name, key, outlier, mirror, over_floor| Condition {
+    let condition = |name, key, outlier_rate, mirrored_rate, over_floor| Condition {
         name,
         key,
         faults: Faults {
-            wild: outlier,
-            mirror,
-            bias: 0.0,
+            outlier_rate,
+            mirrored_rate,
+            bias_sigma: 0.0,
         },
         over_floor: Some(over_floor),
         over_exact: None,
@@ -58,7 +58,7 @@ fn conditions() -> [Condition; 6] {
             name: "bias of 3 degrees",
             key: "bias3",
             faults: Faults {
-                bias: 3f64.to_radians(),
+                bias_sigma: 3f64.to_radians(),
                 ..Faults::default()
             },
             over_floor: None,
@@ -91,11 +91,11 @@ impl Run {
         let run = u64::from(run);
         let source = track.source;
         let mut sights = simulate::bearings(track, &mut simulate::generator(seed, run));
-        let bound = cramer_rao_of_biased(&sights, source, faults.bias).context("no bound")?;
+        let bound = cramer_rao_of_biased(&sights, source, faults.bias_sigma).context("no bound")?;
         let floor = Posterior::new(&sights).context("no posterior")?;
         faults.spoil(&mut sights, &mut simulate::generator(!seed, run));
         let exact = Posterior::with_faults(&sights, faults).context("no posterior")?;
-        let errors = Errors::new().bias_deviation(faults.bias as f32)?;
+        let errors = Errors::new().bias_deviation(faults.bias_sigma as f32)?;
         let ours = locate(Settings::new(errors), &sights, seed ^ run)?;
         let plain = locate_plainly(&sights, seed ^ run)?;
         Ok(Self {

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use foxhunt::aoa::robust::{Errors, Settings};
-use foxhunt_host::{faults::Parked, figures::Figure, simulate, tracks::Track};
+use foxhunt_host::{faults::Stationary, figures::Figure, simulate, tracks::Track};
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 
@@ -68,7 +68,7 @@ fn outcomes(
     runs: u32,
     seed: u64,
 ) -> Result<Vec<Outcome>> {
-    let stationary = Parked {
+    let stationary = Stationary {
         stop,
         readings: READINGS,
         at_rest: AT_REST,

@@ -116,10 +116,11 @@ impl Assessment {
             vertical: Axis::logarithmic("metres"),
             curves: named(&|tag| tag.fine.iter().map(|(t, e)| (*t, e.max(0.1))).collect()),
         };
-        let mut shares = named(&|tag| distribution(tag.fine.iter().map(|(_, error)| *error)));
+        let mut distributions =
+            named(&|tag| distribution(tag.fine.iter().map(|(_, error)| *error)));
         if self.tags.len() > 1 {
             let all = self.tags.values().flat_map(|tag| &tag.fine);
-            shares.push(Curve {
+            distributions.push(Curve {
                 name: "all".into(),
                 points: distribution(all.map(|(_, error)| *error)),
                 style: Style::DotsAndLine,
@@ -127,10 +128,10 @@ impl Assessment {
             });
         }
         let distribution = Curves {
-            title: "share of the time that it is less".into(),
+            title: "fraction of the time that it is less".into(),
             horizontal: Axis::linear("metres"),
             vertical: Axis::linear("percent"),
-            curves: shares,
+            curves: distributions,
         };
         Curves::grid(&[over_time, distribution], 2)
     }
@@ -159,8 +160,8 @@ impl Summary {
     fn of(errors: &[f64]) -> Self {
         let mut sorted = errors.to_vec();
         sorted.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            let place = (share * sorted.len() as f64) as usize;
+        let at = |fraction: f64| {
+            let place = (fraction * sorted.len() as f64) as usize;
             sorted
                 .get(place.min(sorted.len().saturating_sub(1)))
                 .copied()

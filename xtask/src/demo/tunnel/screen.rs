@@ -107,7 +107,7 @@ impl<'a> Screen<'a> {
                 let [x, y] = fix.place;
                 format!(
                     "{time:4.0} s  {x:6.2} {y:6.2} m  {median:6.2} m from the truth  1 sigma {:5.2} m  {}",
-                    fix.deviation,
+                    fix.sigma,
                     fix.state.to_lowercase()
                 )
             }

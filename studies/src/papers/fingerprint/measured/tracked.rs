@@ -1,4 +1,4 @@
-//! The tracker on the measured walks, with all that it should bear.
+//! The tracker on the measured walks, with all packets and with faults that it should stand.
 
 use anyhow::Result;
 use foxhunt::fingerprint::tracker::Settings;

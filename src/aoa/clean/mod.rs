@@ -1,0 +1,352 @@
+//! A locator for clean bearings: all of them point at the source, but for normal errors.
+//!
+//! A particle filter for a source that does not move and may be anywhere: its prior is flat. It keeps the bearings, in a
+//! bounded buffer, because their joint likelihood is what particles must be moved by when they have become too few: a
+//! filter that forgets them can only jitter its particles, which costs accuracy and, with few particles, the source.
+//!
+//! * Before the bearings rule out that they are parallel the answer is [`Answer::NotObservable`], with the reason.
+//! * Then particles start from intersections of random pairs of bearings (Du et al. 2016, eq. 22 and 23) and are weighed
+//!   by all bearings.
+//! * Each further bearing weighs them once. When the effective sample size falls, they are resampled and moved by
+//!   Metropolis-Hastings steps that leave the posterior of all bearings invariant (resample-move: Gilks and Berzuini
+//!   2001): those of [`ModeMoves`], or of any [`Refinement`](crate::refine::Refinement) of the [configuration](Config::with_refinement).
+//! * When the buffer is full, the two bearings that say most nearly the same are averaged: none is forgotten.
+
+mod evidence;
+mod moves;
+mod rejuvenation;
+
+use core::fmt::Debug;
+
+use super::triangulation::random_intersection;
+use super::words::Belief;
+use super::{
+    Advice, Alternative, Answer, BearingLikelihood, Cloud, Fix, Locate, NotObservable, Observation,
+    PushError,
+};
+use crate::ConfigError;
+use crate::config::require;
+use crate::estimate::largest_variance;
+use crate::filter::ParticleFilter;
+use crate::math::sqrt;
+use crate::persist;
+use crate::random::Rng;
+use crate::resample::Scheme;
+use evidence::Evidence;
+use moves::Proposal;
+pub use rejuvenation::{ModeMoves, Moves};
+
+/// What a [`Clean`] locator can be told. `M` moves the particles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Config<M = ModeMoves> {
+    /// Largest standard deviation of the range to the source that makes a fix, as a fraction of the range, 0.01 to 1.
+    pub relative_range_sigma: f32,
+    /// Particles are resampled and moved when the effective sample size falls below this fraction of their number, 0 to 1.
+    pub resample_below: f32,
+    /// Metropolis-Hastings steps of every particle after a resampling, 1 to 16. Each evaluates all bearings in the buffer
+    /// once. A refinement has its own number of moves.
+    pub moves: u8,
+    /// What moves the particles.
+    pub refinement: M,
+}
+
+impl Config {
+    /// For a direction finder on a vehicle.
+    pub const DEFAULT: Self = Self::with_refinement(ModeMoves);
+}
+
+impl<M> Config<M> {
+    /// The default, but that `refinement` moves the particles by the posterior of all bearings.
+    ///
+    /// ```
+    /// use foxhunt::aoa::{Clean, Locator, clean::Config};
+    /// use foxhunt::refine::{Acceptance, FishSchool, Lengths, fish};
+    ///
+    /// let school = FishSchool::new(Lengths::Relative, 1.0, 3.0)?.iterations(2)?.acceptance(Acceptance::Metropolis);
+    /// let locator = Locator::<Clean<100, 64, FishSchool>>::new(Config::with_refinement(school));
+    /// # Ok::<(), fish::ConfigurationError>(())
+    /// ```
+    ///
+    /// With [`Acceptance::Metropolis`](crate::refine::Acceptance::Metropolis), as here, the posterior stays exact and so
+    /// does the ellipse, if each particle is offered four places or so.
+    ///
+    /// [`Acceptance::Greedy`](crate::refine::Acceptance::Greedy) is there because it was published. It draws the particles
+    /// together at the mode: the ellipse is too small and holds the source far less often than it says, and the effective
+    /// sample size does not tell any more when they must move. With lengths relative to the cloud, fish and fireflies that
+    /// have gathered cannot follow the mode, and the fix stays behind by many sigmas: give them
+    /// [`Lengths::Absolute`](crate::refine::Lengths::Absolute) of the accuracy that is hoped for, which is then what the
+    /// ellipse shows, and have them move after every bearing, with `resample_below` at 1.
+    pub const fn with_refinement(refinement: M) -> Self {
+        Self {
+            relative_range_sigma: 0.25,
+            resample_below: 0.5,
+            moves: 2,
+            refinement,
+        }
+    }
+
+    /// Checks the fields, but not the refinement.
+    ///
+    /// # Errors
+    /// Names the field that is out of range.
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        require!(
+            self.relative_range_sigma >= 0.01 && self.relative_range_sigma <= 1.0,
+            "relative_range_sigma is not within 0.01 and 1"
+        );
+        require!(
+            self.resample_below >= 0.0 && self.resample_below <= 1.0,
+            "resample_below is not within 0 and 1"
+        );
+        require!(
+            self.moves >= 1 && self.moves <= 16,
+            "moves is not within 1 and 16"
+        );
+        Ok(())
+    }
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// Locates one stationary source by clean bearings, with `N` particles and a buffer of `B` bearings.
+///
+/// `M` moves the particles: the locator's own [`ModeMoves`], or any refinement, whose memory takes `28 N + 1028` bytes
+/// more. See [`Locator`](super::Locator) for an example.
+#[derive(Debug, Clone)]
+pub struct Clean<const N: usize, const B: usize = 64, M: Moves<N> = ModeMoves> {
+    evidence: Evidence<B>,
+    filter: ParticleFilter<2, N>,
+    answer: Answer,
+    memory: M::Memory,
+}
+
+/// As far as advice thinks that a source may be which there is no fix of.
+const RANGE_M: f32 = 20_000.0;
+
+/// The smallest sine of the angle of two bearings whose intersection may start a particle.
+const LEAST_SINE: f32 = 0.02;
+
+/// Moves of every particle before the first fix, at least.
+const START_MOVES: u8 = 8;
+
+impl<const N: usize, const B: usize, M: Moves<N> + Copy + PartialEq + Debug> Locate
+    for Clean<N, B, M>
+{
+    type Config = Config<M>;
+
+    const EMPTY: Self = Self {
+        evidence: Evidence::EMPTY,
+        filter: ParticleFilter::new(),
+        answer: Answer::NOTHING,
+        memory: M::EMPTY,
+    };
+
+    fn check(config: &Config<M>) -> Result<(), ConfigError> {
+        config.check()
+    }
+
+    /// Evaluates `N` likelihoods when no particle needs to move, `N (1 + B (moves + 1))` when they do, `10 N B` for the
+    /// first fix (with `N` rounded up to a multiple of 16), and takes a Gauss-Newton search of the `B` bearings for
+    /// either. The first fix is the same whatever moves the particles; a refinement then takes `B` times its
+    /// [`evaluations`](crate::refine::Refinement::evaluations) to move them, after the locator's own moves if fewer than 8 were left.
+    fn push<R: Rng + ?Sized>(
+        &mut self,
+        observation: &Observation,
+        config: &Config<M>,
+        rng: &mut R,
+    ) -> Result<Answer, PushError> {
+        self.evidence.admit(observation)?;
+        if let Answer::Fix(fix) = self.answer {
+            self.evidence.push(observation, Some(fix.position));
+            // A normal likelihood is never zero, so the update cannot fail.
+            let _ = self.filter.update(&BearingLikelihood::new(observation));
+            self.rejuvenate(config, rng);
+            self.answer = Answer::Fix(self.cloud_fix());
+        } else {
+            self.evidence.push(observation, None);
+            self.answer = match self.observe(config, rng) {
+                Err(reason) => Answer::NotObservable(reason),
+                Ok(start) => {
+                    self.start(start, config, rng);
+                    Answer::Fix(self.cloud_fix())
+                }
+            };
+        }
+        Ok(self.answer)
+    }
+
+    /// Takes the most probable alternative for the only one.
+    fn push_alternatives<R: Rng + ?Sized>(
+        &mut self,
+        alternatives: &[Alternative],
+        config: &Config<M>,
+        rng: &mut R,
+    ) -> Result<Answer, PushError> {
+        let by_probability =
+            |a: &&Alternative, b: &&Alternative| a.probability().total_cmp(&b.probability());
+        let best = alternatives.iter().max_by(by_probability);
+        self.push(best.ok_or(PushError::Empty)?.observation(), config, rng)
+    }
+
+    fn answer(&self) -> Answer {
+        self.answer
+    }
+
+    fn reset(&mut self) {
+        self.evidence.clear();
+        self.answer = Answer::NOTHING;
+    }
+
+    #[inline(never)]
+    fn advice(&self, _: &Config<M>) -> Option<Advice> {
+        let latest = self.evidence.latest()?;
+        let belief = match self.answer {
+            Answer::Fix(_) => Belief::of_particles(self.columns(), self.weights()),
+            Answer::NotObservable(_) => Belief::of_ray(latest, RANGE_M),
+        };
+        belief.advice(latest, self.answer.missing_angle())
+    }
+
+    fn cloud(&self, index: usize) -> Option<Cloud<'_>> {
+        self.answer.fix().filter(|_| index == 0)?;
+        let [east, north] = self.columns();
+        Some(Cloud {
+            east,
+            north,
+            weights: self.weights(),
+        })
+    }
+}
+
+impl<const N: usize, const B: usize> Clean<N, B> {
+    /// No bearings yet.
+    pub const fn new() -> Self {
+        const { assert!(N >= 2 && B >= 2, "a locator needs particles and bearings") };
+        Self::EMPTY
+    }
+}
+
+impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
+    /// The particles' coordinates: metres east, metres north. They mean nothing before the first fix.
+    pub fn columns(&self) -> [&[f32]; 2] {
+        self.filter.particles().columns()
+    }
+
+    /// The particles' weights, which sum to one.
+    pub fn weights(&self) -> &[f32] {
+        self.filter.weights()
+    }
+
+    /// The bearings in the buffer, in no particular order; some are averages once it is full.
+    pub fn observations(&self) -> &[Observation] {
+        self.evidence.observations()
+    }
+
+    /// Whether the bearings make a fix: the normal distribution about their intersection, or the reason why not.
+    ///
+    /// They do if they rule out that they are parallel, that the source is anywhere up to infinity: by the
+    /// likelihood ratio, because the curvature of the likelihood alone is deceived by the intersections that
+    /// errors make of parallel bearings, among the vehicle's own places.
+    #[inline(never)]
+    fn observe<R: Rng + ?Sized>(
+        &self,
+        config: &Config<M>,
+        rng: &mut R,
+    ) -> Result<Proposal, NotObservable> {
+        /// The best of this many random intersections starts the search.
+        const CANDIDATES: u32 = 8;
+        let observations = self.evidence.observations();
+        let have = observations.len();
+        if have < 2 {
+            return Err(NotObservable::TooFewBearings { have: have as u32 });
+        }
+        let (misfit_at_infinity, information) = self.evidence.misfit_at_infinity();
+        let limit = config.relative_range_sigma;
+        // Two halves of the bearings that differ by this angle have a likelihood ratio of 1 / (2 limit^2).
+        let needed_rad = 2.0 / (limit * sqrt(information));
+        let crossing = |have_rad| NotObservable::CrossingAngle {
+            have_rad,
+            needed_rad,
+        };
+
+        let mut best = None;
+        for _ in 0..CANDIDATES {
+            if let Some(point) = random_intersection(observations, LEAST_SINE, rng) {
+                let misfit = self.evidence.misfit(point);
+                if best.is_none_or(|(_, least)| misfit < least) {
+                    best = Some((point, misfit));
+                }
+            }
+        }
+        let Some(mode) = best.and_then(|(start, _)| self.evidence.mode(start).ok()) else {
+            // Are they as parallel as their errors let them be? Beyond four sigmas of chi-squared they part.
+            let freedom = have as f32 - 1.0;
+            let parallel = misfit_at_infinity < freedom + 4.0 * sqrt(2.0 * freedom);
+            return Err(if parallel {
+                crossing(0.0)
+            } else {
+                NotObservable::NoIntersection
+            });
+        };
+        let gain = misfit_at_infinity - self.evidence.misfit(mode.mean());
+        let gain = if gain > 0.0 { gain } else { 0.0 };
+        let relative_error = sqrt(largest_variance(&mode.covariance()))
+            / self.evidence.distance_to_latest(mode.mean());
+        if gain * limit * limit < 1.0 || relative_error > limit {
+            return Err(crossing(2.0 * sqrt(gain / information)));
+        }
+        Ok(mode)
+    }
+
+    /// Starts the particles from intersections of pairs of bearings.
+    #[inline(never)]
+    fn start<R: Rng + ?Sized>(&mut self, mode: Proposal, config: &Config<M>, rng: &mut R) {
+        let evidence = &self.evidence;
+        self.filter.initialise(rng, |rng| {
+            random_intersection(evidence.observations(), LEAST_SINE, rng)
+                .unwrap_or_else(|| mode.draw(rng))
+        });
+        let _ = self.filter.update(evidence);
+        self.filter.resample(Scheme::Systematic, rng);
+        // Intersections are not drawn from the posterior: it takes more moves than usual to forget that.
+        let moves = config.moves.max(START_MOVES);
+        moves::sweep(self.filter.columns_mut(), evidence, &mode, moves, rng);
+    }
+
+    /// Resamples and moves the particles if they are worth too few.
+    #[inline(never)]
+    fn rejuvenate<R: Rng + ?Sized>(&mut self, config: &Config<M>, rng: &mut R) {
+        // A single particle that is left has no covariance to say so.
+        let needed = config.resample_below * N as f32;
+        let needed = if needed > 2.0 { needed } else { 2.0 };
+        if self.filter.effective_sample_size() < needed {
+            let (filter, memory) = (&mut self.filter, &mut self.memory);
+            let refinement = &config.refinement;
+            refinement.rejuvenate(filter, &self.evidence, config.moves, memory, rng);
+        }
+    }
+
+    fn cloud_fix(&self) -> Fix {
+        let n = self.filter.effective_sample_size();
+        Fix::of_cloud(
+            self.filter.mean(),
+            self.filter.covariance(),
+            n,
+            self.evidence.count(),
+        )
+    }
+}
+
+// What moves the particles is not in a snapshot: they are drawn from the same posterior whatever it is, and one that goes
+// on with other moves is as right, if not the same.
+persist!(impl[const N: usize, const B: usize, M: Moves<N>] Clean<N, B, M> as "Clean"(N, B) {
+    evidence, filter, answer
+} without { memory });
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,379 @@
+extern crate std;
+use super::*;
+use crate::aoa::testing::Clocked;
+use crate::aoa::{Bearing, PushError};
+use crate::problems::bearings::Track;
+use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
+use crate::refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths};
+use std::vec::Vec;
+
+const SOURCE: [f32; 2] = [1200.0, 800.0];
+const SIGMA: f32 = 0.0195;
+
+fn observe(position: [f32; 2], error: f32) -> Observation {
+    let angle = (SOURCE[1] - position[1]).atan2(SOURCE[0] - position[0]);
+    Observation::new(0, position, Bearing::from_radians(angle + error), SIGMA).unwrap()
+}
+
+/// The line from (0, 0) to (1500, 0).
+fn drive<const N: usize, const B: usize>(
+    locator: &mut Clocked<Clean<N, B>>,
+    points: usize,
+    rng: &mut Xoshiro128PlusPlus,
+) -> Answer {
+    // The errors are the same for every locator, whatever it draws for itself.
+    let mut noise = rng.clone();
+    for i in 0..points {
+        let east = 1500.0 * i as f32 / (points - 1) as f32;
+        let error = SIGMA * normal(&mut noise);
+        locator.push(observe([east, 0.0], error), rng);
+    }
+    locator.answer()
+}
+
+#[test]
+fn the_answer_is_a_reason_until_the_bearings_cross() {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(51);
+    let mut locator = Clocked::<Clean<100>>::new(Config::DEFAULT);
+    let none = NotObservable::TooFewBearings { have: 0 };
+    assert_eq!(locator.answer(), Answer::NotObservable(none));
+    let one = NotObservable::TooFewBearings { have: 1 };
+    assert_eq!(
+        locator.push(observe([0.0, 0.0], 0.0), &mut rng),
+        Answer::NotObservable(one)
+    );
+    let stationary = locator.push(observe([0.0, 0.0], 0.0), &mut rng);
+    assert!(
+        matches!(
+            stationary,
+            Answer::NotObservable(NotObservable::CrossingAngle { .. })
+        ),
+        "{stationary:?}"
+    );
+    let crept = locator.push(observe([30.0, 0.0], 0.0), &mut rng);
+    let Answer::NotObservable(NotObservable::CrossingAngle {
+        have_rad,
+        needed_rad,
+    }) = crept
+    else {
+        panic!("{crept:?}");
+    };
+    assert!(have_rad < needed_rad);
+    locator.push(observe([600.0, 0.0], 0.0), &mut rng);
+    let crossed = locator.push(observe([1200.0, 0.0], 0.0), &mut rng);
+    assert!(matches!(crossed, Answer::Fix(_)), "{crossed:?}");
+    locator.reset();
+    assert_eq!(locator.answer(), Answer::NotObservable(none));
+}
+
+#[test]
+fn rays_that_part_do_not_meet() {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(52);
+    let mut locator = Clocked::<Clean<100>>::new(Config::DEFAULT);
+    for (east, degrees) in [(0.0, -30.0), (100.0, 30.0)] {
+        let bearing = Bearing::from_compass_degrees(degrees);
+        locator.push(
+            Observation::new(0, [east, 0.0], bearing, SIGMA).unwrap(),
+            &mut rng,
+        );
+    }
+    assert_eq!(
+        locator.answer(),
+        Answer::NotObservable(NotObservable::NoIntersection)
+    );
+}
+
+#[test]
+fn a_small_buffer_forgets_nothing() {
+    // 60 bearings through a buffer of 16, and through one that holds them all: the same posterior.
+    for seed in 0..20 {
+        let mut whole = Clocked::<Clean<400>>::new(Config::DEFAULT);
+        let mut small = Clocked::<Clean<400, 16>>::new(Config::DEFAULT);
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+        let Answer::Fix(whole) = drive(&mut whole, 60, &mut rng) else {
+            panic!()
+        };
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+        let Answer::Fix(small) = drive(&mut small, 60, &mut rng) else {
+            panic!()
+        };
+        assert_eq!((whole.bearings, small.bearings), (60, 60));
+        for axis in 0..2 {
+            let sigma = whole.covariance[axis][axis].sqrt();
+            // The two clouds have their own noise of about a twelfth of a sigma.
+            let off = (whole.position[axis] - small.position[axis]).abs() / sigma;
+            assert!(off < 0.4, "seed {seed}: {off}");
+            let ratio = small.covariance[axis][axis].sqrt() / sigma;
+            assert!((0.7..1.4).contains(&ratio), "seed {seed}: {ratio}");
+        }
+    }
+}
+
+#[test]
+fn a_thousand_readings_of_a_stationary_vehicle_fit_into_the_buffer() {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(53);
+    let mut locator = Clocked::<Clean<100, 8>>::new(Config::DEFAULT);
+    for _ in 0..1000 {
+        let error = SIGMA * normal(&mut rng);
+        locator.push(observe([0.0, 0.0], error), &mut rng);
+    }
+    assert!(matches!(locator.answer(), Answer::NotObservable(_)));
+    let Answer::Fix(fix) = drive(&mut locator, 60, &mut rng) else {
+        panic!()
+    };
+    assert_eq!(fix.bearings, 1060);
+    assert!(fix.ellipse(0.999).contains(SOURCE), "{fix:?}");
+}
+
+#[test]
+fn a_configuration_is_checked() {
+    let wrong = [
+        Config {
+            relative_range_sigma: 0.0,
+            ..Config::DEFAULT
+        },
+        Config {
+            relative_range_sigma: f32::NAN,
+            ..Config::DEFAULT
+        },
+        Config {
+            resample_below: 1.5,
+            ..Config::DEFAULT
+        },
+        Config {
+            moves: 0,
+            ..Config::DEFAULT
+        },
+    ];
+    let fields = wrong.map(|config| config.check().unwrap_err().field());
+    let [first, second, third, fourth] = fields;
+    assert_eq!([first, second], ["relative_range_sigma"; 2]);
+    assert_eq!([third, fourth], ["resample_below", "moves"]);
+    assert!(Config::DEFAULT.check().is_ok());
+}
+
+/// Moves after every bearing.
+fn always<M>(refinement: M) -> Config<M> {
+    Config {
+        resample_below: 1.0,
+        ..Config::with_refinement(refinement)
+    }
+}
+
+#[test]
+fn late_bearings_and_duplicates_have_stated_outcomes() {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(54);
+    let mut locator = crate::aoa::Locator::<Clean<100, 8>>::new(Config::DEFAULT).unwrap();
+    let mut push = |time_ms, east, station| {
+        let taken = crate::aoa::testing::at(time_ms, &observe([east, 0.0], 0.0));
+        locator
+            .push(&taken.from_station(station), &mut rng)
+            .map(|_| ())
+    };
+    assert_eq!(push(5_000, 0.0, 0), Ok(()));
+    assert_eq!(push(9_000, 400.0, 0), Ok(()));
+    assert_eq!(push(9_000, 500.0, 0), Err(PushError::Duplicate));
+    assert_eq!(push(5_000, 500.0, 0), Err(PushError::Duplicate));
+    assert_eq!(push(4_999, 500.0, 0), Err(PushError::TooOld));
+    assert_eq!(push(7_000, 200.0, 0), Ok(()));
+    assert_eq!(push(9_000, 500.0, 1), Ok(()));
+    assert_eq!(locator.fix().unwrap().bearings, 4);
+    let empty = locator.push_alternatives(&[], &mut rng);
+    assert_eq!(empty, Err(PushError::Empty));
+}
+
+#[test]
+fn an_empty_state_is_all_zero() {
+    // Until the filter of equal weights is, its weights are not.
+    assert!(crate::aoa::testing::is_zero::<Evidence<8>>(|place| {
+        place.write(Evidence::EMPTY);
+    }));
+    assert!(crate::aoa::testing::is_zero::<Answer>(|place| {
+        place.write(Answer::NOTHING);
+    }));
+}
+
+/// Refinements of as many moves as the portable tests and the firmwares have.
+fn school(lengths: Lengths, step: f32, acceptance: Acceptance) -> FishSchool {
+    let school = FishSchool::new(lengths, 2.0 * step, step).and_then(|s| s.tries(5));
+    let school = school.and_then(|s| s.iterations(2)).unwrap();
+    school.acceptance(acceptance)
+}
+
+fn fireflies(lengths: Lengths, absorption: f32, flutter: f32, acceptance: Acceptance) -> Firefly {
+    let swarm = Firefly::improved(lengths, absorption, flutter).and_then(|s| s.iterations(4));
+    swarm.unwrap().acceptance(acceptance)
+}
+
+fn evolution(acceptance: Acceptance) -> DifferentialEvolution {
+    let evolution = DifferentialEvolution::new().generations(4);
+    evolution.unwrap().acceptance(acceptance)
+}
+
+/// How the fixes of many drives compare with those of many particles, which stand for the posterior.
+struct Comparison {
+    /// Root mean square of the distance of the positions, in posterior sigmas.
+    apart: f32,
+    /// Geometric mean of the ratio of the areas of the ellipses.
+    area: f32,
+    /// Fraction of the 95 % ellipses that hold the source.
+    coverage: f32,
+}
+
+impl std::fmt::Display for Comparison {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self {
+            apart,
+            area,
+            coverage,
+        } = self;
+        write!(
+            f,
+            "{apart:.3} apart, area x {area:.3}, coverage {coverage:.3}"
+        )
+    }
+}
+
+const DRIVES: u64 = 200;
+
+/// The last fix of each drive along track A2.
+fn fixes<const N: usize, M: Moves<N> + Copy + PartialEq + Debug>(
+    new: impl Fn() -> Clocked<Clean<N, 64, M>>,
+) -> Vec<Fix> {
+    let fix = |run| {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(1000 + run);
+        let mut locator = new();
+        for observation in Track::A2.simulate(&mut Xoshiro128PlusPlus::seed_from_u64(run)) {
+            locator.push(observation, &mut rng);
+        }
+        match locator.answer() {
+            Answer::Fix(fix) => fix,
+            Answer::NotObservable(reason) => panic!("run {run}: {reason:?}"),
+        }
+    };
+    (0..DRIVES).map(fix).collect()
+}
+
+fn compare(fixes: &[Fix], posterior: &[Fix]) -> Comparison {
+    let determinant = |[[a, b], [_, c]]: [[f32; 2]; 2]| a * c - b * b;
+    let (mut squares, mut logs, mut covered) = (0.0, 0.0, 0.0);
+    for (fix, posterior) in fixes.iter().zip(posterior) {
+        let [x, y] = [0, 1].map(|d| fix.position[d] - posterior.position[d]);
+        let [[a, b], [_, c]] = posterior.covariance;
+        let whole = determinant(posterior.covariance);
+        squares += (c * x * x - 2.0 * b * x * y + a * y * y) / whole;
+        // A cloud that has become a point has a logarithm, too.
+        let area = determinant(fix.covariance).max(1e-12);
+        logs += 0.5 * (area / whole).ln();
+        if fix.ellipse(0.95).contains(Track::A2.source()) {
+            covered += 1.0;
+        }
+    }
+    let n = DRIVES as f32;
+    Comparison {
+        apart: (squares / n).sqrt(),
+        area: (logs / n).exp(),
+        coverage: covered / n,
+    }
+}
+
+#[test]
+fn refinements_that_keep_the_posterior_are_as_good_as_own_moves() {
+    const METROPOLIS: Acceptance = Acceptance::Metropolis;
+    let posterior = fixes(|| Clocked::<Clean<2000>>::new(Config::DEFAULT));
+    let all = [
+        ("own", fixes(|| Clocked::<Clean<100>>::new(Config::DEFAULT))),
+        ("fish", {
+            let school = school(Lengths::Relative, 3.0, METROPOLIS);
+            fixes(|| Clocked::<Clean<100, 64, _>>::new(Config::with_refinement(school)))
+        }),
+        ("fireflies", {
+            let swarm = fireflies(Lengths::Relative, 0.1, 4.0, METROPOLIS);
+            fixes(|| Clocked::<Clean<100, 64, _>>::new(Config::with_refinement(swarm)))
+        }),
+        ("evolution", {
+            let evolution = evolution(METROPOLIS);
+            fixes(|| Clocked::<Clean<100, 64, _>>::new(Config::with_refinement(evolution)))
+        }),
+    ];
+    for (name, fixes) in &all {
+        let comparison = compare(fixes, &posterior);
+        std::println!("{name}: {comparison}");
+        assert!(comparison.apart < 0.25, "{name}: {comparison}");
+        assert!(
+            (0.9..1.1).contains(&comparison.area),
+            "{name}: {comparison}"
+        );
+        // Three sigmas of a fraction of 200.
+        assert!(
+            (0.9..=1.0).contains(&comparison.coverage),
+            "{name}: {comparison}"
+        );
+    }
+}
+
+#[test]
+fn greedy_refinements_find_the_source_but_not_their_error() {
+    const GREEDY: Acceptance = Acceptance::Greedy;
+    let posterior = fixes(|| Clocked::<Clean<2000>>::new(Config::DEFAULT));
+    // Steps of 10 m, a little more than the errors.
+    let all = [
+        ("fish", {
+            let school = school(Lengths::Absolute, 10.0, GREEDY);
+            fixes(|| Clocked::<Clean<100, 64, _>>::new(always(school)))
+        }),
+        ("fireflies", {
+            let swarm = fireflies(Lengths::Absolute, 0.01, 10.0, GREEDY);
+            fixes(|| Clocked::<Clean<100, 64, _>>::new(always(swarm)))
+        }),
+        ("evolution", {
+            let evolution = evolution(GREEDY);
+            fixes(|| Clocked::<Clean<100, 64, _>>::new(always(evolution)))
+        }),
+    ];
+    for (name, fixes) in &all {
+        let comparison = compare(fixes, &posterior);
+        std::println!("{name}: {comparison}");
+        assert!(comparison.apart < 0.6, "{name}: {comparison}");
+        assert!(
+            !(0.8..1.25).contains(&comparison.area),
+            "{name}: {comparison}"
+        );
+    }
+    // In lengths of a cloud that shrinks, a school does not get anywhere.
+    let stuck = school(Lengths::Relative, 0.3, GREEDY);
+    let stuck = fixes(|| Clocked::<Clean<100, 64, _>>::new(always(stuck)));
+    let comparison = compare(&stuck, &posterior);
+    std::println!("fish, relative: {comparison}");
+    assert!(comparison.apart > 2.0 && comparison.coverage < 0.5);
+}
+
+#[test]
+fn a_refinement_is_not_left_with_copies() {
+    let evolution = evolution(Acceptance::Metropolis);
+    for seed in 0..50 {
+        let mut locator = Clocked::<Clean<50, 64, _>>::new(Config::with_refinement(evolution));
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+        // All intersections of two bearings are one point.
+        locator.push(observe([0.0, 0.0], 0.0), &mut rng);
+        let second = locator.push(observe([1500.0, 0.0], 0.0), &mut rng);
+        let Answer::Fix(wide) = second else {
+            panic!("{second:?}")
+        };
+        assert!(wide.covariance[0][0] > 100.0 && wide.covariance[1][1] > 100.0);
+
+        // One so good that it leaves a particle or two: a sigma is 1.1 m at the source, to the north-west.
+        let sharp = Bearing::from_radians(2.356_194_5);
+        let sharp = Observation::new(0, [2000.0, 0.0], sharp, Observation::MIN_SIGMA_RAD).unwrap();
+        let third = locator.push(sharp, &mut rng);
+        let Answer::Fix(narrow) = third else {
+            panic!("{third:?}")
+        };
+        let [[a, b], [_, c]] = narrow.covariance;
+        let [across, along] = [b, -b].map(|b| (0.5 * (a + 2.0 * b + c)).sqrt());
+        assert!(
+            (0.6..2.5).contains(&across) && along > 5.0,
+            "seed {seed}: {across} x {along}"
+        );
+    }
+}

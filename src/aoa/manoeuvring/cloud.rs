@@ -1,0 +1,267 @@
+//! A source that has moved: a mixture over what it may have done.
+
+use super::component::{Component, KnownBias, Symmetric};
+use super::drive::Drive;
+use crate::aoa::robust::Errors;
+use crate::aoa::{Mixture, Observation};
+use crate::math::{exp, ln};
+use crate::persist;
+use crate::random::Rng;
+use crate::resample::Scheme;
+use crate::weights::Weights;
+
+/// Components of the mixture: more follow sharper turns and cost time and 72 bytes each.
+pub(super) const COMPONENTS: usize = 128;
+
+/// Effective sample size, as a fraction of the components, below which they are resampled: the usual one half.
+const RESAMPLE_BELOW: f32 = 0.5;
+
+/// What is left of the weights when nearly everything was removed counts as nothing.
+const ALL: f32 = 0.999;
+
+/// Normal distributions with weights: a mixture Kalman filter (Chen and Liu 2000), whose samples are the times at which
+/// the source departed, turned and stopped.
+#[derive(Debug, Clone)]
+pub(super) struct Cloud {
+    components: [Component; COMPONENTS],
+    weights: Weights<COMPONENTS>,
+    pub(super) bias: KnownBias,
+    alive: bool,
+}
+
+persist!(impl[] Cloud as "manoeuvring::Cloud"() { components, weights, bias, alive });
+
+/// The stationary components.
+#[derive(Clone, Copy)]
+pub(super) struct Stopped {
+    /// Sum of their weights.
+    pub(super) probability: f32,
+    /// For how many seconds: mean and variance.
+    pub(super) seconds: f32,
+    pub(super) variance: f32,
+}
+
+impl Cloud {
+    pub(super) const EMPTY: Self = Self {
+        components: [Component::stationary([0.0; 2], [0.0; 3]); COMPONENTS],
+        weights: Weights::EMPTY,
+        bias: KnownBias {
+            mean: 0.0,
+            variance: 0.0,
+        },
+        alive: false,
+    };
+
+    pub(super) fn clear(&mut self) {
+        self.alive = false;
+    }
+
+    pub(super) const fn is_alive(&self) -> bool {
+        self.alive
+    }
+
+    pub(super) fn effective_sample_size(&self) -> f32 {
+        self.weights.effective_sample_size()
+    }
+
+    /// Replaces `count` components, evenly among all, by some that `draw` makes and that get the fraction `mass` of the
+    /// weight; all components if there were none.
+    pub(super) fn admit<R: Rng + ?Sized>(
+        &mut self,
+        mass: f32,
+        count: f32,
+        rng: &mut R,
+        mut draw: impl FnMut(&mut R) -> Component,
+    ) {
+        let all = COMPONENTS as f32;
+        let (mass, count) = if self.alive {
+            self.resample(rng);
+            (mass, count)
+        } else {
+            (1.0, all)
+        };
+        let (old, new) = if count < all {
+            (ln((1.0 - mass) / (all - count)), ln(mass / count))
+        } else {
+            (0.0, -ln(all))
+        };
+        // Every so many components one is new.
+        let mut due = 0.0;
+        let (log_weights, _) = self.weights.columns_mut();
+        for (component, weight) in self.components.iter_mut().zip(log_weights) {
+            due += count;
+            let is_new = due >= all;
+            if is_new {
+                due -= all;
+                *component = draw(rng);
+            }
+            *weight = if is_new { new } else { old };
+        }
+        self.alive = true;
+        let _ = self.weights.normalise();
+    }
+
+    /// Lets time pass, until a bearing is taken somewhere.
+    pub(super) fn predict<R: Rng + ?Sized>(&mut self, drive: &Drive, from: [f32; 2], rng: &mut R) {
+        if self.effective_sample_size() < RESAMPLE_BELOW * COMPONENTS as f32 {
+            self.resample(rng);
+        }
+        for component in &mut self.components {
+            drive.step(component, rng);
+            component.divide(from, rng);
+        }
+    }
+
+    /// Takes a bearing into all components, and returns the mean of one plus its odds.
+    pub(super) fn update(&mut self, observation: &Observation, errors: &Errors) -> f32 {
+        let (_, log_likelihoods) = self.weights.columns_mut();
+        for (component, value) in self.components.iter_mut().zip(log_likelihoods) {
+            *value = ln(component.update(observation, errors, self.bias));
+        }
+        self.weights.update().map_or(1.0, exp)
+    }
+
+    /// Mean odds that a bearing is no outlier, if everything goes straight on for so many seconds until it is taken; zero if
+    /// nothing has moved.
+    pub(super) fn odds(&self, observation: &Observation, errors: &Errors, seconds: f32) -> f32 {
+        if !self.alive {
+            return 0.0;
+        }
+        let odds = self.iter().map(|(component, weight)| {
+            let mut component = *component;
+            component.travel(seconds, 1.0);
+            weight * component.odds(observation, errors, self.bias).0
+        });
+        odds.sum()
+    }
+
+    /// The probabilities that a bearing is direct, mirrored or an outlier.
+    pub(super) fn classify(&self, observation: &Observation, errors: &Errors) -> Mixture {
+        let [mut direct, mut mirrored, mut outlier] = [0.0; 3];
+        for (component, weight) in self.iter() {
+            let (odds, is_mirrored) = component.odds(observation, errors, self.bias);
+            let rest = weight / (1.0 + odds);
+            outlier += rest;
+            *(if is_mirrored {
+                &mut mirrored
+            } else {
+                &mut direct
+            }) += weight - rest;
+        }
+        Mixture {
+            direct,
+            mirrored,
+            outlier,
+        }
+    }
+
+    /// Resamples in place: the ancestors are in order, so that no copy from below overwrites what one from above needs.
+    fn resample<R: Rng + ?Sized>(&mut self, rng: &mut R) {
+        let components = &mut self.components;
+        let mut copy = |to: usize, from: usize| {
+            if let Some(component) = components.get(from).copied()
+                && let Some(place) = components.get_mut(to)
+            {
+                *place = component;
+            }
+        };
+        (self.weights).resample(Scheme::Systematic, rng, |ancestors, _| {
+            for (to, from) in ancestors.iter().enumerate() {
+                if from > to {
+                    copy(to, from);
+                }
+            }
+            for (to, from) in ancestors.iter().enumerate().rev() {
+                if from < to {
+                    copy(to, from);
+                }
+            }
+        });
+    }
+
+    /// Removes some components, and returns the sum of their weights.
+    pub(super) fn remove(&mut self, which: impl Fn(&Component) -> bool) -> f32 {
+        let mut mass = 0.0;
+        let (log_weights, weights) = self.weights.columns_mut();
+        let weights = log_weights.iter_mut().zip(weights);
+        for (component, (log_weight, weight)) in self.components.iter().zip(weights) {
+            if *weight > 0.0 && which(component) {
+                *log_weight = f32::NEG_INFINITY;
+                mass += *weight;
+            }
+        }
+        if mass > ALL {
+            self.clear();
+            mass = 1.0;
+        } else if mass > 0.0 {
+            let _ = self.weights.normalise();
+        }
+        mass
+    }
+
+    fn iter(&self) -> impl Iterator<Item = (&Component, f32)> + Clone {
+        (self.components.iter()).zip(self.weights.weights().iter().copied())
+    }
+
+    /// Mean and covariance of the position.
+    pub(super) fn position(&self) -> ([f32; 2], Symmetric) {
+        let of = |(component, weight): (&Component, f32)| {
+            (component.position, component.position_covariance, weight)
+        };
+        moments(self.iter().map(of))
+    }
+
+    /// Mean and variance, of either component, of the velocity of those that move.
+    pub(super) fn velocity(&self) -> ([f32; 2], f32) {
+        let moving = (self.iter()).filter(|(component, _)| !component.is_stationary());
+        let of = |(component, weight): (&Component, f32)| {
+            (component.velocity, component.velocity_covariance, weight)
+        };
+        let (mean, [uu, _, vv]) = moments(moving.map(of));
+        (mean, 0.5 * (uu + vv))
+    }
+
+    pub(super) fn stopped(&self) -> Stopped {
+        let (mut probability, mut sum, mut squares) = (0.0, 0.0, 0.0);
+        for (component, weight) in self.iter() {
+            if component.is_stationary() {
+                probability += weight;
+                sum += weight * component.stationary_s;
+                squares += weight * component.stationary_s * component.stationary_s;
+            }
+        }
+        let mass = if probability > 1e-9 {
+            probability
+        } else {
+            1e-9
+        };
+        let seconds = sum / mass;
+        let variance = squares / mass - seconds * seconds;
+        Stopped {
+            probability,
+            seconds,
+            variance: if variance > 0.0 { variance } else { 0.0 },
+        }
+    }
+}
+
+/// Mean and covariance of a mixture of normal distributions.
+fn moments(
+    parts: impl Iterator<Item = ([f32; 2], Symmetric, f32)> + Clone,
+) -> ([f32; 2], Symmetric) {
+    let (mut mass, mut x, mut y) = (1e-9, 0.0, 0.0);
+    for ([a, b], _, weight) in parts.clone() {
+        mass += weight;
+        x += weight * a;
+        y += weight * b;
+    }
+    let (x, y) = (x / mass, y / mass);
+    let mut covariance = [0.0; 3];
+    for ([a, b], [xx, xy, yy], weight) in parts {
+        let (a, b) = (a - x, b - y);
+        covariance[0] += weight * (xx + a * a);
+        covariance[1] += weight * (xy + a * b);
+        covariance[2] += weight * (yy + b * b);
+    }
+    ([x, y], covariance.map(|sum| sum / mass))
+}

@@ -1,0 +1,278 @@
+//! What is said of the source.
+
+use heapless::Deque;
+
+use super::Manoeuvring;
+use super::cloud::Cloud;
+use super::component::matrix;
+use super::config::Config;
+use super::lost::Lost;
+use super::phases::{Phase, seconds};
+use crate::ConfigError;
+use crate::aoa::robust::{self, Candidate, Errors};
+use crate::aoa::track::{Stationary, Track, likeliest};
+use crate::aoa::words::Belief;
+use crate::aoa::{
+    Advice, Alternative, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Motion, NotObservable,
+    Observation, PushError, Source,
+};
+use crate::estimate::largest_variance;
+use crate::math::sqrt;
+use crate::random::Rng;
+
+/// How many times the greatest relative range error of a first fix that of a moving source may be: more reports worse fixes,
+/// fewer report none while the range grows uncertain.
+const SLACK: f32 = 2.0;
+
+impl<L: Stationary> Manoeuvring<L> {
+    /// How the source moves; `None` before the first fix, until time has passed since, and again after the source was lost for
+    /// good.
+    pub fn motion(&self) -> Option<Motion> {
+        if !self.cloud.is_alive() {
+            return None;
+        }
+        let (velocity_m_s, variance) = self.cloud.velocity();
+        let moving = self.moved * (1.0 - self.cloud.stopped().probability);
+        Some(Motion {
+            moving: if moving > 0.0 { moving } else { 0.0 },
+            velocity_m_s,
+            sigma_m_s: sqrt(variance),
+        })
+    }
+
+    /// Of a source that may have moved: where it is if it has, and where it is otherwise.
+    fn hypotheses(&self) -> impl Iterator<Item = Hypothesis> {
+        let (position, covariance) = self.cloud.position();
+        let moved = Hypothesis {
+            position,
+            covariance: matrix(covariance),
+            probability: self.moved,
+        };
+        let departing = self.phase == Phase::Departing;
+        let stationary = self.stationary.fix().filter(|_| departing);
+        let stationary = stationary.map(|fix| Hypothesis {
+            position: fix.position,
+            covariance: fix.covariance,
+            probability: 1.0 - self.moved,
+        });
+        [Some(moved), stationary].into_iter().flatten()
+    }
+
+    pub(super) fn conclude(&self, config: &Config<L::Config>) -> Answer {
+        if self.phase == Phase::Stationary {
+            return match self.stationary.answer() {
+                Answer::Fix(fix) => Answer::Fix(Fix {
+                    bearings: self.bearings,
+                    ..fix
+                }),
+                answer => answer,
+            };
+        }
+        let (mut position, covariance) = self.cloud.position();
+        let mut covariance = matrix(covariance);
+        if self.phase == Phase::Departing
+            && let Some(stationary) = self.stationary.fix()
+        {
+            let p = 1.0 - self.moved;
+            let apart = [0, 1].map(|d: usize| stationary.position[d] - position[d]);
+            for (a, row) in covariance.iter_mut().enumerate() {
+                for (b, entry) in row.iter_mut().enumerate() {
+                    let between = p * (1.0 - p) * apart[a] * apart[b];
+                    *entry += p * (stationary.covariance[a][b] - *entry) + between;
+                }
+            }
+            position = [0, 1].map(|d: usize| position[d] + p * apart[d]);
+        }
+        let n = self.cloud.effective_sample_size();
+        let fix = Fix::of_cloud(position, covariance, n, self.bearings);
+        let limit = SLACK * L::beliefs(&config.track).relative_range_sigma;
+        let latest = self.latest_position();
+        let (dx, dy) = (position[0] - latest[0], position[1] - latest[1]);
+        if largest_variance(&fix.covariance) <= limit * limit * (dx * dx + dy * dy) {
+            Answer::Fix(fix)
+        } else {
+            Answer::NotObservable(NotObservable::NoIntersection)
+        }
+    }
+}
+
+impl<L: Stationary> Locate for Manoeuvring<L> {
+    type Config = Config<L::Config>;
+
+    const EMPTY: Self = Self {
+        stationary: L::EMPTY,
+        rates: Mixture {
+            direct: 0.0,
+            mirrored: 0.0,
+            outlier: 0.0,
+        },
+        cloud: Cloud::EMPTY,
+        moved: 0.0,
+        phase: Phase::Stationary,
+        recent: Deque::new(),
+        misfit: 0.0,
+        tries: 0,
+        lost: Lost::NOT,
+        seen: None,
+        bearings: 0,
+        answer: Answer::NOTHING,
+    };
+
+    fn check(config: &Self::Config) -> Result<(), ConfigError> {
+        L::check(&config.track)?;
+        config.check_habits()
+    }
+
+    /// Takes what the stationary locator takes for it, and a step of a Kalman filter of each of 128 normal distributions.
+    fn push<R: Rng + ?Sized>(
+        &mut self,
+        observation: &Observation,
+        config: &Self::Config,
+        rng: &mut R,
+    ) -> Result<Answer, PushError> {
+        self.take(observation, config, rng)
+    }
+
+    /// Takes the most probable bearing alone.
+    fn push_alternatives<R: Rng + ?Sized>(
+        &mut self,
+        alternatives: &[Alternative],
+        config: &Self::Config,
+        rng: &mut R,
+    ) -> Result<Answer, PushError> {
+        self.take(likeliest(alternatives)?, config, rng)
+    }
+
+    fn answer(&self) -> Answer {
+        self.answer
+    }
+
+    fn reset(&mut self) {
+        self.stationary.reset();
+        self.rates = Self::EMPTY.rates;
+        self.cloud.clear();
+        self.moved = 0.0;
+        self.phase = Phase::Stationary;
+        self.recent.clear();
+        (self.misfit, self.tries, self.lost, self.seen) = (0.0, 0, Lost::NOT, None);
+        (self.bearings, self.answer) = (0, Answer::NOTHING);
+    }
+
+    fn source(&self, index: usize) -> Option<Source> {
+        let fix = self.answer.fix().filter(|_| index == 0)?;
+        Some(Source {
+            identity: 0,
+            fix,
+            motion: self.motion(),
+        })
+    }
+
+    fn hypothesis(&self, index: usize) -> Option<Hypothesis> {
+        if self.phase == Phase::Stationary {
+            self.stationary.hypothesis(index)
+        } else {
+            self.hypotheses().nth(index)
+        }
+    }
+
+    fn bias(&self, config: &Self::Config) -> Option<Bias> {
+        self.answer.fix()?;
+        if self.phase == Phase::Stationary {
+            return self.stationary.bias(&config.track);
+        }
+        let (bias, scale) = (self.cloud.bias, self.errors(config).bias_sigma_rad);
+        Some(Bias {
+            mean_rad: scale * bias.mean,
+            sigma_rad: scale * sqrt(bias.variance),
+        })
+    }
+
+    fn rates(&self, config: &Self::Config) -> Option<Mixture> {
+        Some(self.errors(config).rates)
+    }
+
+    fn advice(&self, config: &Self::Config) -> Option<Advice> {
+        if self.phase == Phase::Stationary {
+            return self.stationary.advice(&config.track);
+        }
+        let latest = self.recent.back()?;
+        Belief::of_hypotheses(self.hypotheses(), latest.position())
+            .advice(latest, self.answer.missing_angle())
+    }
+
+    fn classify(&self, observation: &Observation, config: &Self::Config) -> Option<Mixture> {
+        let stationary = |track: &L| track.classify(observation, &config.track);
+        if self.phase == Phase::Stationary {
+            return stationary(&self.stationary);
+        }
+        self.answer.fix()?;
+        let mut mixture = self.cloud.classify(observation, &self.errors(config));
+        if self.phase == Phase::Departing
+            && let Some(other) = stationary(&self.stationary)
+        {
+            let p = 1.0 - self.moved;
+            mixture.direct += p * (other.direct - mixture.direct);
+            mixture.mirrored += p * (other.mirrored - mixture.mirrored);
+            mixture.outlier += p * (other.outlier - mixture.outlier);
+        }
+        Some(mixture)
+    }
+
+    /// The particles while the source is stationary. A moving source has none, but its [`hypothesis`](Locate::hypothesis)
+    /// is that of the fix.
+    fn cloud(&self, index: usize) -> Option<crate::aoa::Cloud<'_>> {
+        if self.phase == Phase::Stationary {
+            self.stationary.cloud(index)
+        } else {
+            None
+        }
+    }
+}
+
+impl<L: Stationary> Track for Manoeuvring<L> {
+    fn beliefs(config: &Self::Config) -> robust::Config {
+        L::beliefs(&config.track)
+    }
+
+    fn errors(&self, config: &Self::Config) -> Errors {
+        let mut errors = L::beliefs(&config.track).errors;
+        if self.rates.outlier > 0.0 {
+            errors.rates = self.rates;
+        }
+        errors
+    }
+
+    fn latest(&self) -> Option<&Observation> {
+        self.stationary.latest()
+    }
+
+    fn initiate<R: Rng + ?Sized>(
+        &mut self,
+        candidate: &Candidate<'_>,
+        config: &Self::Config,
+        rng: &mut R,
+    ) -> Answer {
+        self.reset();
+        (self.stationary).initiate(candidate, &config.track, rng);
+        self.bearings = candidate.observations().count() as u32;
+        self.answer = self.conclude(config);
+        self.answer
+    }
+
+    fn odds(&self, observation: &Observation, config: &Self::Config) -> f32 {
+        let stationary = if self.may_be_stationary() {
+            (1.0 - self.moved) * self.stationary.odds(observation, &config.track)
+        } else {
+            0.0
+        };
+        let elapsed_ms = self
+            .latest()
+            .map_or(0, |latest| observation.since_ms(latest.time_ms()));
+        let elapsed = seconds(elapsed_ms.max(0));
+        stationary + self.moved * self.cloud.odds(observation, &self.errors(config), elapsed)
+    }
+
+    fn set_outliers_removed(&mut self, per_bearing: f32) {
+        self.stationary.set_outliers_removed(per_bearing);
+    }
+}

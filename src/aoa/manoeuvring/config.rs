@@ -1,0 +1,109 @@
+//! How the source is thought to move.
+
+use crate::ConfigError;
+use crate::aoa::{clean, robust};
+use crate::config::{require, require_all};
+
+/// The configuration of a [`Manoeuvring`](super::Manoeuvring) locator, with that of the stationary locator inside.
+///
+/// ```
+/// use foxhunt::aoa::{clean, manoeuvring::Config, robust};
+///
+/// // A cyclist, hunted with an array that has a bias.
+/// const CYCLIST: Config = foxhunt::config!(Config {
+///     track: robust::Config::CITY,
+///     speed_m_s: 5.0,
+///     straight_s: 30.0,
+///     ..Config::DEFAULT
+/// });
+/// // A car, with bearings that are never wrong.
+/// const CLEAN: Config<clean::Config> = Config::new(clean::Config::DEFAULT);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Config<C = robust::Config> {
+    /// That of the stationary locator.
+    pub track: C,
+    /// Root mean square of the source's speed while it moves, in metres a second, 0.05 to 100.
+    pub speed_m_s: f32,
+    /// How long the source is stationary, in the mean, in seconds, 1 to 1e6. The longer, the more it takes to believe that
+    /// it moves.
+    pub stationary_s: f32,
+    /// How long the source moves, in the mean, before it stops again, in seconds, 1 to 1e6.
+    pub moving_s: f32,
+    /// How long the source moves straight on, in the mean, before it takes any other velocity, in seconds, 1 to 1e5. The
+    /// more agile it is, the shorter.
+    pub straight_s: f32,
+}
+
+impl<C> Config<C> {
+    /// A car that is hunted by a car, with the configuration of the stationary locator.
+    pub const fn new(track: C) -> Self {
+        Self {
+            track,
+            speed_m_s: 10.0,
+            stationary_s: 600.0,
+            moving_s: 180.0,
+            straight_s: 20.0,
+        }
+    }
+
+    /// Checks all fields but that of the stationary locator.
+    pub(super) const fn check_habits(&self) -> Result<(), ConfigError> {
+        require!(
+            self.speed_m_s >= 0.05 && self.speed_m_s <= 100.0,
+            "speed_m_s is not within 0.05 and 100"
+        );
+        require!(
+            self.stationary_s >= 1.0 && self.stationary_s <= 1e6,
+            "stationary_s is not within 1 and 1e6"
+        );
+        require!(
+            self.moving_s >= 1.0 && self.moving_s <= 1e6,
+            "moving_s is not within 1 and 1e6"
+        );
+        require!(
+            self.straight_s >= 1.0 && self.straight_s <= 1e5,
+            "straight_s is not within 1 and 1e5"
+        );
+        Ok(())
+    }
+}
+
+impl Config {
+    /// A car that is hunted by a car, with the default robust locator.
+    pub const DEFAULT: Self = Self::new(robust::Config::DEFAULT);
+
+    /// Somebody on foot, who stops as often as not.
+    pub const WALKER: Self = Self {
+        speed_m_s: 1.4,
+        stationary_s: 120.0,
+        moving_s: 120.0,
+        straight_s: 30.0,
+        ..Self::DEFAULT
+    };
+}
+
+/// The checks of a configuration around each kind of stationary locator: `const` functions cannot be generic in them.
+macro_rules! check {
+    ($($track:ty),+) => {$(
+        impl Config<$track> {
+            /// Checks the fields.
+            ///
+            /// # Errors
+            /// Names the field that is out of range.
+            pub const fn check(&self) -> Result<(), ConfigError> {
+                require_all!(self.track);
+                self.check_habits()
+            }
+        }
+    )+};
+}
+
+check!(robust::Config, clean::Config);
+
+impl<C: Default> Default for Config<C> {
+    fn default() -> Self {
+        Self::new(C::default())
+    }
+}

@@ -1,0 +1,170 @@
+//! How a source moves, stops and departs again.
+
+use super::component::Component;
+use super::config::Config;
+use crate::math::{exp, ln, sqrt};
+use crate::random::{Rng, normal, uniform, uniform_open};
+
+/// On a straight road the velocity is remembered for so many times the time until a turn: the larger, the straighter a
+/// road is taken to be, and the more components a slow bend costs.
+const STRAIGHTNESS: f32 = 20.0;
+
+/// Fraction of the variance of a new velocity that is drawn, rather than left to the Kalman filter: the smaller, the sooner
+/// a component is so long that a bearing is no linear measurement of it; the larger, the fewer velocities are covered.
+const DRAWN: f32 = 0.8;
+
+/// A velocity that follows an Ornstein-Uhlenbeck process, and the way meanwhile: exact for any time.
+#[derive(Clone, Copy)]
+struct Leg {
+    /// Correlation of the velocity at the end with that at the beginning.
+    keep: f32,
+    /// Standard deviation of what is new in the velocity.
+    kick: f32,
+    /// Mean of the way for a sum of both velocities of one metre a second, in seconds.
+    reach: f32,
+    /// Standard deviation of the way, given both velocities.
+    scatter: f32,
+}
+
+impl Leg {
+    /// `sigma_m_s` is that of either component of the velocity at any time; `memory_s` its correlation time.
+    fn new(seconds: f32, memory_s: f32, sigma_m_s: f32) -> Self {
+        let lengths = seconds / memory_s;
+        let lost = passed(lengths);
+        let tanh = lost / (2.0 - lost);
+        // The difference of nearly equal numbers, unless by its series.
+        let bend = if lengths < 0.5 {
+            lengths * lengths * lengths * (1.0 - 0.1 * lengths * lengths) * (1.0 / 12.0)
+        } else {
+            lengths - 2.0 * tanh
+        };
+        Self {
+            keep: 1.0 - lost,
+            kick: sigma_m_s * sqrt(lost * (2.0 - lost)),
+            reach: memory_s * tanh,
+            scatter: sigma_m_s * memory_s * sqrt(2.0 * bend),
+        }
+    }
+
+    fn apply(&self, component: &mut Component) {
+        let square = self.kick * self.kick;
+        component.travel(self.reach * (1.0 + self.keep), self.keep);
+        component.disturb(
+            self.reach * self.reach * square + self.scatter * self.scatter,
+            self.reach * square,
+            square,
+        );
+    }
+}
+
+/// 1 - e^-x, also where that is too small to be a difference.
+fn passed(x: f32) -> f32 {
+    if x < 0.02 {
+        x * (1.0 - x * (0.5 - x / 6.0))
+    } else {
+        1.0 - exp(-x)
+    }
+}
+
+/// An event that happens within some time with a probability.
+#[derive(Clone, Copy)]
+struct Event {
+    mean_s: f32,
+    probability: f32,
+}
+
+impl Event {
+    fn new(seconds: f32, mean_s: f32) -> Self {
+        Self {
+            mean_s,
+            probability: passed(seconds / mean_s),
+        }
+    }
+
+    /// When it happened, given that it did.
+    fn after<R: Rng + ?Sized>(&self, rng: &mut R) -> f32 {
+        -self.mean_s * ln(1.0 - self.probability * uniform(rng))
+    }
+}
+
+/// What may happen to a source in a certain time.
+pub(super) struct Drive {
+    pub(super) seconds: f32,
+    /// Of either component of the velocity.
+    sigma_m_s: f32,
+    straight: Leg,
+    turn: Event,
+    stop: Event,
+    departure: Event,
+}
+
+impl Drive {
+    pub(super) fn new<C>(habits: &Config<C>, seconds: f32) -> Self {
+        let sigma_m_s = core::f32::consts::FRAC_1_SQRT_2 * habits.speed_m_s;
+        Self {
+            seconds,
+            sigma_m_s,
+            straight: Leg::new(seconds, STRAIGHTNESS * habits.straight_s, sigma_m_s),
+            turn: Event::new(seconds, habits.straight_s),
+            stop: Event::new(seconds, habits.moving_s),
+            departure: Event::new(seconds, habits.stationary_s),
+        }
+    }
+
+    /// The probability that a stationary source has departed.
+    pub(super) fn departed(&self) -> f32 {
+        self.departure.probability
+    }
+
+    /// Gives it any velocity: drawn for the most part, because what has any velocity is soon anywhere, where a bearing is
+    /// no linear measurement.
+    pub(super) fn accelerate<R: Rng + ?Sized>(&self, component: &mut Component, rng: &mut R) {
+        let drawn = self.sigma_m_s * sqrt(DRAWN);
+        let velocity = [drawn * normal(rng), drawn * normal(rng)];
+        let variance = (1.0 - DRAWN) * self.sigma_m_s * self.sigma_m_s;
+        component.set_velocity(velocity, variance);
+        component.stationary_s = -1.0;
+    }
+
+    /// Moves one that was stationary and has departed since.
+    pub(super) fn depart<R: Rng + ?Sized>(&self, component: &mut Component, rng: &mut R) {
+        self.accelerate(component, rng);
+        let left = self.seconds - self.departure.after(rng);
+        let way = -self.stop.mean_s * ln(uniform_open(rng));
+        if way < left {
+            component.travel(way, 1.0);
+            component.stop(left - way);
+        } else {
+            component.travel(left, 1.0);
+        }
+    }
+
+    /// Lets the time pass.
+    pub(super) fn step<R: Rng + ?Sized>(&self, component: &mut Component, rng: &mut R) {
+        let stationary = component.is_stationary();
+        let event = if stationary {
+            &self.departure
+        } else {
+            &self.stop
+        };
+        let happens = uniform(rng) < event.probability;
+        if stationary {
+            component.stationary_s += self.seconds;
+            if happens {
+                self.depart(component, rng);
+            }
+        } else if happens {
+            let way = event.after(rng);
+            component.travel(way, 1.0);
+            let left = self.seconds - way;
+            component.stop(if left > 0.0 { left } else { 0.0 });
+        } else if uniform(rng) < self.turn.probability {
+            // Half of the time with the former velocity, half of it with the new one.
+            component.travel(0.5 * self.seconds, 1.0);
+            self.accelerate(component, rng);
+            component.travel(0.5 * self.seconds, 1.0);
+        } else {
+            self.straight.apply(component);
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! A bootstrap filter of many particles that knows when the source departs and when it stops.
+
+use super::chase::{Chase, Step};
+use super::*;
+use crate::aoa::robust::outside::read;
+use crate::aoa::robust::{Correlation, Errors};
+
+const PARTICLES: usize = 20_000;
+
+/// Mean position at every bearing.
+pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
+    let mut rng = generator(seed ^ 0x04ac1e);
+    let habits = Config::DEFAULT;
+    let errors = Errors {
+        rates: Mixture::new(0.0, chase.outliers.max(0.001)),
+        ..Errors::DEFAULT
+    };
+    // What is known at the departure: by an exact posterior.
+    let mut stationary = Locator::<Robust<512, 256>>::new(robust::Config {
+        errors: Errors {
+            correlation: Correlation::NONE,
+            ..errors
+        },
+        ..robust::Config::DEFAULT
+    })
+    .unwrap();
+    let mut particles: Vec<[f32; 4]> = Vec::new();
+    let mut weights = vec![1.0 / PARTICLES as f32; PARTICLES];
+    let mut out = Vec::new();
+    let sigma = habits.speed_m_s * FRAC_1_SQRT_2;
+    let turn = 1.0 - (-1.0 / habits.straight_s).exp();
+    // A straight road keeps the velocity for twenty times as long as it lasts.
+    let keep = (-1.0 / (20.0 * habits.straight_s)).exp();
+    for Step {
+        time, observation, ..
+    } in bearings
+    {
+        if *time < chase.departure {
+            let answer = stationary.push(observation, &mut rng).unwrap();
+            out.push(match answer {
+                Answer::Fix(fix) => fix.position,
+                Answer::NotObservable(_) => [f32::NAN; 2],
+            });
+            continue;
+        }
+        if particles.is_empty() {
+            let columns = stationary.state().columns();
+            for i in 0..PARTICLES {
+                let [x, y, _] = crate::particles::read(&columns, i % 512);
+                let velocity = [sigma * normal(&mut rng), sigma * normal(&mut rng)];
+                particles.push([x, y, velocity[0], velocity[1]]);
+            }
+        }
+        for particle in &mut particles {
+            if *time < chase.stop {
+                let keep = if uniform(&mut rng) < turn { 0.0 } else { keep };
+                let kick = sigma * (1.0 - keep * keep).sqrt();
+                let [x, y, u, v] = *particle;
+                let (p, q) = (
+                    keep * u + kick * normal(&mut rng),
+                    keep * v + kick * normal(&mut rng),
+                );
+                *particle = [x + 0.5 * (u + p), y + 0.5 * (v + q), p, q];
+            } else {
+                particle[0] += 0.1 * normal(&mut rng);
+                particle[1] += 0.1 * normal(&mut rng);
+            }
+        }
+        for (particle, weight) in particles.iter().zip(&mut weights) {
+            let error = read(observation, &errors, &[particle[0], particle[1], 0.0]).error;
+            *weight *= 1.0 + error.odds(error.angle, error.variance, &errors);
+        }
+        let total: f32 = weights.iter().sum();
+        weights.iter_mut().for_each(|weight| *weight /= total);
+        let mean = [0, 1].map(|d: usize| {
+            let all = particles.iter().zip(&weights);
+            all.map(|(p, w)| w * p[d]).sum::<f32>()
+        });
+        out.push(mean);
+        if weights::effective_sample_size(&weights) < 0.5 * PARTICLES as f32 {
+            let mut memory = vec![0.0; PARTICLES];
+            let chosen = resample(Scheme::Systematic, &weights, &mut memory, &mut rng);
+            particles = chosen.iter().map(|i| particles[i]).collect();
+            weights.fill(1.0 / PARTICLES as f32);
+        }
+    }
+    out
+}

@@ -1,0 +1,94 @@
+//! When tracks are initiated, and when they are deleted.
+
+use crate::ConfigError;
+use crate::aoa::{clean, manoeuvring, robust};
+use crate::config::{require, require_all};
+
+/// The configuration of a [`MultiTarget`](super::MultiTarget) locator, with that of its tracks.
+///
+/// ```
+/// use foxhunt::aoa::multi::Config;
+///
+/// // A channel with many transmitters that are heard seldom.
+/// const CONFIG: Config = foxhunt::config!(Config { memory_s: 3600.0, least_rate: 0.02, ..Config::DEFAULT });
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Config<C = robust::Config> {
+    /// That of the tracks.
+    pub track: C,
+    /// Probability that outliers, however many, ever look like one more source, 1e-9 to 0.5. The smaller, the more bearings
+    /// a new source takes.
+    pub false_initiation: f32,
+    /// A bearing is forgotten in rates by a factor of e after so many others, 8 to 1e6,
+    pub memory_bearings: f32,
+    /// and after so many seconds, at least 1.
+    pub memory_s: f32,
+    /// The track of a source that has less than this fraction of the latest bearings is deleted, 0 to 0.5. Zero keeps all.
+    pub least_rate: f32,
+}
+
+impl<C> Config<C> {
+    /// The defaults, with the configuration of the tracks.
+    pub const fn new(track: C) -> Self {
+        Self {
+            track,
+            false_initiation: 1e-3,
+            memory_bearings: 64.0,
+            memory_s: 600.0,
+            least_rate: 0.04,
+        }
+    }
+
+    /// Checks all fields but that of the tracks.
+    pub(super) const fn check_rates(&self) -> Result<(), ConfigError> {
+        require!(
+            self.false_initiation >= 1e-9 && self.false_initiation <= 0.5,
+            "false_initiation is not within 1e-9 and 0.5"
+        );
+        require!(
+            self.memory_bearings >= 8.0 && self.memory_bearings <= 1e6,
+            "memory_bearings is not within 8 and 1e6"
+        );
+        require!(self.memory_s >= 1.0, "memory_s is less than 1");
+        require!(
+            self.least_rate >= 0.0 && self.least_rate <= 0.5,
+            "least_rate is not within 0 and 0.5"
+        );
+        Ok(())
+    }
+}
+
+impl Config {
+    /// Stationary sources, with the default robust locator for each.
+    pub const DEFAULT: Self = Self::new(robust::Config::DEFAULT);
+}
+
+/// The checks of a configuration for each kind of track: `const` functions cannot be generic in them.
+macro_rules! check {
+    ($($track:ty),+) => {$(
+        impl Config<$track> {
+            /// Checks the fields.
+            ///
+            /// # Errors
+            /// Names the field that is out of range.
+            pub const fn check(&self) -> Result<(), ConfigError> {
+                require_all!(self.track);
+                self.check_rates()
+            }
+        }
+    )+};
+}
+
+check!(
+    robust::Config,
+    clean::Config,
+    manoeuvring::Config<robust::Config>,
+    manoeuvring::Config<clean::Config>
+);
+
+impl<C: Default> Default for Config<C> {
+    fn default() -> Self {
+        Self::new(C::default())
+    }
+}

@@ -1,0 +1,190 @@
+//! Unassigned bearings, and the sources that may be found among them.
+
+use super::density::Density;
+use super::errors::Errors;
+use super::evidence::{Evidence, explains};
+use super::merge::Entry;
+use super::mode::{MODES, Mode, Modes, best};
+use super::search::search;
+use super::term::Term;
+use super::{Config, crossing, hypotheses, plane};
+use crate::aoa::words::Belief;
+use crate::aoa::{Advice, Answer, Hypothesis, Mixture, NotObservable, Observation, PushError};
+use crate::estimate::largest_variance;
+use crate::math::ln;
+use crate::persist;
+use crate::random::Rng;
+
+/// Bearings that are likely to be one source's, and where it may be: what a track of it starts from.
+#[derive(Debug, Clone, Copy)]
+pub struct Candidate<'a> {
+    pub(super) entries: &'a [Entry],
+    /// Of the entries, in the same order.
+    pub(super) terms: &'a [Term],
+    pub(super) mode: &'a Mode,
+    pub(super) modes: &'a Modes,
+    pub(super) errors: &'a Errors,
+    pub(super) latest: Option<&'a Observation>,
+}
+
+impl Candidate<'_> {
+    /// The bearings, some of which may stand for several.
+    pub fn observations(&self) -> impl Iterator<Item = &Observation> {
+        self.own().map(|entry| &entry.observation)
+    }
+
+    pub(super) fn own(&self) -> impl Iterator<Item = &Entry> {
+        let entries = self.entries.iter().zip(self.terms);
+        entries
+            .filter(|(_, term)| explains(self.mode, term, self.errors))
+            .map(|(entry, _)| entry)
+    }
+}
+
+/// The unassigned bearings, and the modes of their posterior.
+///
+/// That is of one source and outliers, but each of its modes may be a source of its own: the bearings of all the others
+/// are as good as outliers to it. All bits of an empty one are zero.
+#[derive(Debug, Clone)]
+pub(in crate::aoa) struct Candidates<const B: usize> {
+    evidence: Evidence<B>,
+    modes: Modes,
+}
+
+persist!(impl[const B: usize] Candidates<B> as "Candidates"(B) { evidence, modes });
+
+impl<const B: usize> Candidates<B> {
+    /// The most that there may be.
+    pub(in crate::aoa) const MODES: usize = MODES;
+
+    pub(in crate::aoa) const EMPTY: Self = Self {
+        evidence: Evidence::EMPTY,
+        modes: Modes::new(),
+    };
+
+    pub(in crate::aoa) fn clear(&mut self) {
+        self.evidence.clear();
+        self.modes.clear();
+    }
+
+    /// Takes a bearing, and looks for modes.
+    pub(in crate::aoa) fn push<R: Rng + ?Sized>(
+        &mut self,
+        observation: &Observation,
+        config: &Config,
+        rng: &mut R,
+    ) -> Result<(), PushError> {
+        let errors = &config.errors;
+        self.evidence.admit(observation)?;
+        self.evidence.push(&(*observation).into(), None, errors);
+        // What is expected of a source that is new does not depend on where the first one was heard.
+        self.evidence
+            .centre_on(observation.position(), config.range_m);
+        if self.evidence.entries().len() > 1 {
+            self.modes = search(&self.evidence, config, &self.modes, rng);
+            // Errors of places count by the range.
+            if errors.position_sigma_m > 0.0
+                && let Some(best) = best(&self.modes)
+            {
+                self.evidence.refresh(errors, &best.mean);
+            }
+        }
+        Ok(())
+    }
+
+    /// The mode of this rank by mass, if it alone would make a fix and is as likely as `log_odds` says to be a
+    /// source's.
+    pub(in crate::aoa) fn candidate<'a>(
+        &'a self,
+        rank: usize,
+        log_odds: f32,
+        config: &'a Config,
+    ) -> Option<Candidate<'a>> {
+        let mode = self.modes.get(self.place(rank)?)?;
+        let limit = config.relative_range_sigma;
+        let range = self.evidence.range_squared(mode.mean[0], mode.mean[1]);
+        let variance = largest_variance(&plane(&mode.covariance.matrix()));
+        let density = self.evidence.density(config);
+        (variance <= limit * limit * range
+            && log_odds_of_source(&density, mode, &config.errors.rates) > log_odds)
+            .then(|| self.evidence.candidate(mode, &self.modes, &config.errors))
+    }
+
+    /// Forgets the bearings of a candidate.
+    pub(in crate::aoa) fn release(&mut self, rank: usize, config: &Config) {
+        let Some(place) = self.place(rank) else {
+            return;
+        };
+        if let Some(mode) = self.modes.get(place).copied() {
+            self.evidence.release(&mode, &config.errors);
+            let mut places = 0..;
+            self.modes.retain(|_| places.next() != Some(place));
+        }
+    }
+
+    /// The place of the mode of this rank by mass.
+    fn place(&self, rank: usize) -> Option<usize> {
+        let heavier = |mode: &Mode| {
+            let heavier = |other: &&Mode| other.log_mass > mode.log_mass;
+            self.modes.iter().filter(heavier).count()
+        };
+        self.modes.iter().position(|mode| heavier(mode) == rank)
+    }
+
+    /// The modes.
+    pub(in crate::aoa) fn hypotheses(&self) -> impl Iterator<Item = Hypothesis> {
+        hypotheses(&self.modes)
+    }
+
+    /// Where to drive to find the first source.
+    pub(in crate::aoa) fn advice(&self, reason: NotObservable, config: &Config) -> Option<Advice> {
+        let latest = self.evidence.latest()?;
+        let belief = if self.modes.is_empty() {
+            Belief::of_ray(latest, config.range_m)
+        } else {
+            Belief::of_hypotheses(self.hypotheses(), latest.position())
+        };
+        belief.advice(latest, Answer::NotObservable(reason).missing_angle())
+    }
+
+    /// Why there is no fix yet.
+    pub(in crate::aoa) fn reason(&self, config: &Config) -> NotObservable {
+        let have = self.evidence.count();
+        if self.evidence.entries().len() < 2 {
+            return NotObservable::TooFewBearings { have };
+        }
+        match crossing(&self.evidence, &self.modes, config) {
+            Err(reason) => reason,
+            Ok(()) => NotObservable::NoIntersection,
+        }
+    }
+}
+
+/// Logarithm of how many times as likely the bearings are if some are those of a source, which is about a mode, as if
+/// all of them were outliers.
+///
+/// This is a Bayes factor: over all places, by Laplace's approximation, and over all rates of the source's bearings. So
+/// outliers, however many there are, hardly ever push it above c: with a probability of less than 1/c (Ville's
+/// inequality).
+fn log_odds_of_source(density: &Density<'_>, mode: &Mode, rates: &Mixture) -> f32 {
+    let bias = density.bias_sigma_rad * mode.mean[2];
+    let count = density.terms.len() as f32;
+    let odds = || {
+        density
+            .terms
+            .iter()
+            .map(|term| term.read(&mode.mean, bias).odds)
+    };
+    let fitted: f32 = odds().map(|odds| odds / (1.0 + odds)).sum();
+    // The rate that makes the most of it has more than 1 / (count + 1) of the mass of all rates about it.
+    let rate = fitted / (count + 1.0);
+    let scale = rates.outlier / (1.0 - rates.outlier);
+    let gain: f32 = odds()
+        .map(|odds| ln(1.0 - rate + rate * scale * odds))
+        .sum();
+    let region = &density.region;
+    gain - ln(1.0 + count)
+        + region.log_density(&mode.mean)
+        + ln(2.0 * region.inverse_square)
+        + mode.covariance.half_ln_determinant()
+}

@@ -1,0 +1,154 @@
+//! Merging of bearings in the buffer.
+
+use super::*;
+use crate::math::wrap;
+
+#[test]
+fn readings_of_one_place_are_one_bearing() {
+    let errors = Errors {
+        correlation: Correlation {
+            at_rest: 0.9,
+            distance_m: 20.0,
+            time_s: f32::INFINITY,
+        },
+        ..Errors::DEFAULT
+    };
+    let mut evidence = Evidence::<8>::EMPTY;
+    for _ in 0..1000 {
+        push(
+            &mut evidence,
+            towards([0.0, 0.0], SOURCE, 0.0, SIGMA),
+            None,
+            &errors,
+        );
+    }
+    assert_eq!((evidence.entries().len(), evidence.count()), (1, 1000));
+    // The best estimate of the mean of an autoregression: its variance is (1 + r) / (n (1 - r) + 2 r).
+    let sigma = evidence.observations().next().unwrap().sigma_rad();
+    let exact = SIGMA * (1.9_f32 / (1000.0 * 0.1 + 1.8)).sqrt();
+    assert!((sigma / exact - 1.0).abs() < 1e-3, "{sigma} {exact}");
+    // One that contradicts is not joined; one from a little further counts for less than a new one.
+    let reflected = towards([0.0, 0.0], [-500.0, 900.0], 0.0, SIGMA);
+    assert!(push(&mut evidence, reflected, None, &errors).old.is_none());
+    push(
+        &mut evidence,
+        towards([20.0, 0.0], SOURCE, 0.0, SIGMA),
+        None,
+        &errors,
+    );
+    let r = 0.9 * (-1.0_f32).exp();
+    let tempered = evidence.observations().last().unwrap().sigma_rad();
+    let expected = SIGMA * ((1.0 + r) / (1.0 - r)).sqrt();
+    assert!((tempered / expected - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn correlation_may_end_with_time() {
+    let errors = Errors {
+        correlation: Correlation {
+            at_rest: 0.9,
+            distance_m: 20.0,
+            time_s: 2.0,
+        },
+        ..Errors::DEFAULT
+    };
+    let sigma = |ms: u32| {
+        let mut evidence = Evidence::<8>::EMPTY;
+        for i in 0..100 {
+            let observation = at(i * ms, &towards([0.0, 0.0], SOURCE, 0.0, SIGMA));
+            evidence.push(&observation.into(), None, &errors);
+        }
+        evidence.observations().next().unwrap().sigma_rad()
+    };
+    let r = 0.9 * (-0.5_f32).exp();
+    let exact = SIGMA * ((1.0 + r) / (100.0 * (1.0 - r) + 2.0 * r)).sqrt();
+    assert!((sigma(1000) / exact - 1.0).abs() < 1e-3);
+    assert!((sigma(100_000) / (0.1 * SIGMA) - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_full_buffer_never_averages_what_disagrees() {
+    let errors = independent();
+    let mut evidence = Evidence::<4>::EMPTY;
+    let source = [SOURCE[0], SOURCE[1], 0.0];
+    let outlier = |east| towards([east, 0.0], [east, -900.0], 0.0, SIGMA);
+    // Pairs that contradict each other, closer to each other than to the next pair: the likelier stays.
+    for i in 0..6 {
+        let east = 300.0 * i as f32;
+        push(
+            &mut evidence,
+            towards([east, 0.0], SOURCE, 0.0, SIGMA),
+            Some(&source),
+            &errors,
+        );
+        push(&mut evidence, outlier(east + 1.0), Some(&source), &errors);
+    }
+    for o in evidence.observations() {
+        let [x, y] = o.position();
+        let error = wrap(o.bearing().radians() - (SOURCE[1] - y).atan2(SOURCE[0] - x));
+        let stray = wrap(o.bearing().radians() + core::f32::consts::FRAC_PI_2);
+        assert!(error.abs() < 1e-3 || stray.abs() < 1e-3, "{o:?}");
+    }
+    // A mirrored one says the same, once the source is known: together they are a direct one.
+    let mut evidence = Evidence::<2>::EMPTY;
+    let turned = towards([1.0, 0.0], SOURCE, core::f32::consts::PI, SIGMA);
+    for o in [
+        turned,
+        towards([0.0, 0.0], SOURCE, 0.0, SIGMA),
+        towards([900.0, 0.0], SOURCE, 0.0, SIGMA),
+    ] {
+        push(&mut evidence, o, Some(&source), &errors);
+    }
+    let merged = evidence.observations().next().unwrap();
+    assert!((merged.sigma_rad() * 2f32.sqrt() / SIGMA - 1.0).abs() < 1e-3);
+    let expected = (SOURCE[1]).atan2(SOURCE[0] - merged.position()[0]);
+    assert!(wrap(merged.bearing().radians() - expected).abs() < 1e-3);
+}
+
+#[test]
+fn bearings_of_different_stations_are_never_merged() {
+    let errors = Errors::DEFAULT;
+    let mut evidence = Evidence::<4>::EMPTY;
+    for i in 0..40_u8 {
+        let east = 100.0 * f32::from(i / 8);
+        let observation = towards([east, 0.0], SOURCE, 0.0, SIGMA).from_station(i % 3);
+        push(&mut evidence, observation, None, &errors);
+    }
+    let stations: Vec<u8> = evidence.observations().map(|o| o.station()).collect();
+    assert_eq!(stations.len(), 4);
+    assert!((0..3).all(|station| stations.contains(&station)));
+    // With more stations than places, the bearing that was taken first goes.
+    for i in 0..8 {
+        let observation = towards([0.0, 0.0], SOURCE, 0.0, SIGMA).from_station(10 + i);
+        push(&mut evidence, observation, None, &errors);
+    }
+    let mut stations: Vec<u8> = evidence.observations().map(|o| o.station()).collect();
+    stations.sort_unstable();
+    assert_eq!(stations, [14, 15, 16, 17]);
+}
+
+#[test]
+fn a_late_bearing_is_joined_with_the_readings_of_its_time() {
+    let correlation = Correlation {
+        time_s: 2.0,
+        distance_m: 20.0,
+        ..Correlation::DEFAULT
+    };
+    let errors = Errors {
+        correlation,
+        ..Errors::DEFAULT
+    };
+    let sigma = |times: [u32; 3]| {
+        let mut evidence = Evidence::<8>::EMPTY;
+        for time_ms in times {
+            let observation = at(time_ms, &towards([0.0, 0.0], SOURCE, 0.0, SIGMA));
+            evidence.push(&observation.into(), None, &errors);
+        }
+        assert_eq!(evidence.latest().unwrap().time_ms(), 60_000);
+        evidence.observations().next().unwrap().sigma_rad()
+    };
+    // A second before the first of them, or within their span, rather than a minute after.
+    let (late, ordered) = (sigma([1_000, 60_000, 0]), sigma([0, 1_000, 60_000]));
+    assert!((late / ordered - 1.0).abs() < 1e-6);
+    assert!(sigma([0, 60_000, 30_000]) > sigma([0, 60_000, 60_000 - 40_000]) - 1e-9);
+}

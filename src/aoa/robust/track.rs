@@ -1,0 +1,90 @@
+//! The robust locator as one that others build on.
+
+use super::errors::Errors;
+use super::mode::weigh;
+use super::search::climb_again;
+use super::term::State;
+use super::{Candidate, Config, Robust, crossing};
+use crate::aoa::track::{Stationary, Track};
+use crate::aoa::{Answer, Locate, Mixture, Observation};
+use crate::math::exp;
+use crate::random::Rng;
+
+impl<const N: usize, const B: usize> Track for Robust<N, B> {
+    fn beliefs(config: &Config) -> Config {
+        *config
+    }
+
+    fn errors(&self, config: &Config) -> Errors {
+        self.believed(config).errors
+    }
+
+    fn latest(&self) -> Option<&Observation> {
+        self.evidence.latest()
+    }
+
+    /// Evaluates up to `5 N B` likelihoods of one bearing, and `50 B` before. A candidate of more than `B` bearings takes
+    /// `B^2 / 2` comparisons for each beyond.
+    fn initiate<R: Rng + ?Sized>(
+        &mut self,
+        candidate: &Candidate<'_>,
+        config: &Config,
+        rng: &mut R,
+    ) -> Answer {
+        self.reset();
+        self.evidence.adopt(candidate, &config.errors);
+        self.modes = climb_again(&self.evidence.density(config), candidate.modes);
+        weigh(&mut self.modes);
+        let fix = crossing(&self.evidence, &self.modes, config).and_then(|()| {
+            self.start(config, rng);
+            self.credible_fix(1.0, config)
+        });
+        self.answer = match fix {
+            Ok(fix) => Answer::Fix(fix),
+            Err(reason) => Answer::NotObservable(reason),
+        };
+        self.answer
+    }
+
+    fn odds(&self, observation: &Observation, config: &Config) -> f32 {
+        let errors = self.errors(config);
+        let term = self.evidence.single(observation, &errors);
+        let scale = errors.bias_sigma_rad;
+        let [x, y, bias] = self.columns();
+        let states = x.iter().zip(y).zip(bias).zip(self.weights());
+        states
+            .map(|(((x, y), bias), weight)| weight * term.read(&[*x, *y, *bias], scale * bias).odds)
+            .sum()
+    }
+
+    fn set_outliers_removed(&mut self, per_bearing: f32) {
+        if (0.0..=1e3).contains(&per_bearing) {
+            self.outliers_removed = per_bearing;
+        }
+    }
+}
+
+impl<const N: usize, const B: usize> Stationary for Robust<N, B> {
+    fn moments(&self) -> (State, [State; 3]) {
+        (self.filter.mean(), self.filter.covariance())
+    }
+
+    /// Of a bearing that was joined with former ones: how much better they fit together.
+    fn evidence(&self) -> f32 {
+        exp(self.log_evidence)
+    }
+
+    fn restart(&mut self, rates: Mixture) {
+        self.reset();
+        self.rates = rates;
+    }
+
+    fn centre_prior(&mut self, centre: [f32; 2], range_m: f32) {
+        self.evidence.centre_on(centre, range_m);
+    }
+
+    fn recall(&mut self, observation: &Observation, config: &Config) {
+        let errors = self.errors(config);
+        self.evidence.push(&(*observation).into(), None, &errors);
+    }
+}

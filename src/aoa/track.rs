@@ -1,0 +1,80 @@
+//! What locators of several and of manoeuvring sources need of the locator that they build on.
+
+use super::robust::outside::read;
+use super::robust::{self, Candidate, Errors};
+use super::{Alternative, Answer, Locate, Mixture, Observation, PushError};
+use crate::random::Rng;
+
+/// A locator of one source that others can build on: it starts from some of the bearings of a channel, and says which of the
+/// next are its source's.
+pub trait Track: Locate {
+    /// What is believed of bearings before any: candidates for new tracks are found by it.
+    fn beliefs(config: &Self::Config) -> robust::Config;
+
+    /// The errors of bearings, with their rates as learned so far.
+    fn errors(&self, config: &Self::Config) -> Errors;
+
+    /// The latest bearing by time, whether it was pushed, recalled or came with the candidate.
+    fn latest(&self) -> Option<&Observation>;
+
+    /// Forgets everything, and starts from the bearings of a candidate. The source is found if that makes a fix.
+    fn initiate<R: Rng + ?Sized>(
+        &mut self,
+        candidate: &Candidate<'_>,
+        config: &Self::Config,
+        rng: &mut R,
+    ) -> Answer;
+
+    /// Odds that a bearing is this source's, direct or mirrored, rather than an outlier, if it is the next one. Meaningful
+    /// for tracks that have had a fix.
+    fn odds(&self, observation: &Observation, config: &Self::Config) -> f32;
+
+    /// States how many outliers were removed upstream for each bearing that the track gets: they count for its rates. To be
+    /// stated before each push.
+    fn set_outliers_removed(&mut self, per_bearing: f32);
+}
+
+/// A locator of a stationary source that a locator of a manoeuvring one builds on.
+pub trait Stationary: Track {
+    /// Mean and covariance of position (metres) and bias (prior sigmas).
+    fn moments(&self) -> ([f32; 3], [[f32; 3]; 3]);
+
+    /// Mean of one plus the odds of the latest bearing over the particles as they were before it. Meaningful if there was a
+    /// fix before that bearing.
+    fn evidence(&self) -> f32;
+
+    /// Forgets all bearings, and goes on with these rates.
+    fn restart(&mut self, rates: Mixture);
+
+    /// Makes the source as likely within `range_m` of `centre` as farther away, whatever the bearings say. The first
+    /// bearing centres the prior on where it was taken, so this comes later.
+    fn centre_prior(&mut self, centre: [f32; 2], range_m: f32);
+
+    /// Takes an earlier bearing without moving particles: the next push does.
+    fn recall(&mut self, observation: &Observation, config: &Self::Config);
+}
+
+/// The odds of [`Track::odds`] by the normal distribution of position and bias with the moments of the particles.
+pub(in crate::aoa) fn odds_by_moments(
+    observation: &Observation,
+    errors: &Errors,
+    (mean, covariance): &([f32; 3], [[f32; 3]; 3]),
+) -> f32 {
+    let line = read(observation, errors, mean);
+    let mut variance = line.error.variance;
+    for (row, a) in covariance.iter().zip(&line.gradient) {
+        for (entry, b) in row.iter().zip(&line.gradient) {
+            variance += a * b * entry;
+        }
+    }
+    line.error.odds(line.error.angle, variance, errors)
+}
+
+/// The most probable one of several bearings that exclude each other, for locators that take no more than one.
+pub(in crate::aoa) fn likeliest(alternatives: &[Alternative]) -> Result<&Observation, PushError> {
+    alternatives
+        .iter()
+        .max_by(|a, b| a.probability().total_cmp(&b.probability()))
+        .map(Alternative::observation)
+        .ok_or(PushError::Empty)
+}

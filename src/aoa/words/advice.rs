@@ -1,0 +1,359 @@
+//! Where to drive, so that the next bearings tell most.
+
+use heapless::Vec;
+
+use super::answer::Hypothesis;
+use super::bearing::Bearing;
+use super::observation::Observation;
+use crate::estimate::Ellipse;
+use crate::math::{ln, sin_cos, sqrt};
+
+/// Advice to the driver.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Advice {
+    /// The direction of travel from which bearings are expected to tell most; one of [`DIRECTIONS`].
+    pub direction: Bearing,
+    /// What a bearing from there is expected to tell, in nats: half the logarithm of how many times its variance is
+    /// larger than that of its errors alone. Below a tenth or so the next one says little that is new.
+    pub information: f32,
+    /// How far to go there until the bearings cross at the angle that a fix
+    /// needs, as likely as not, in metres: infinity beyond
+    /// [`FARTHEST_M`]. Zero with a fix.
+    pub distance_m: f32,
+}
+
+/// Directions of travel that are compared: the points of a compass.
+pub const DIRECTIONS: u8 = 16;
+
+/// No advice is for a longer way than this, in metres.
+pub const FARTHEST_M: f32 = 25_600.0;
+
+/// Distance at which directions are compared, as a fraction of the distance to the source.
+const REACH: f32 = 0.15;
+
+/// Minimum gain, in nats, to prefer another direction: left and right of a ray are equally good, and a driver who is told
+/// to turn back at every bearing gets nowhere.
+const TIE: f32 = 0.05;
+
+/// The most places of a [`Belief`].
+const PLACES: usize = 32;
+
+/// Places where the source may be, as likely as their weights say.
+///
+/// A bearing tells most from where it is hardest to foretell (maximum entropy sampling: Shewry and Wynn 1987): from
+/// where these places are seen in directions as different as can be. That weighs hypotheses against each other just as
+/// ranges along a ray.
+#[derive(Debug, Clone, Default)]
+pub(in crate::aoa) struct Belief {
+    places: Vec<Place, PLACES>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    position: [f32; 2],
+    weight: f32,
+}
+
+impl Belief {
+    /// Of particles: so many of them, at equal distances in the columns.
+    pub(in crate::aoa) fn of_particles([east, north]: [&[f32]; 2], weights: &[f32]) -> Self {
+        let mut belief = Self::default();
+        let step = weights.len().div_ceil(PLACES).max(1);
+        for ((x, y), weight) in east.iter().zip(north).zip(weights).step_by(step) {
+            belief.add([*x, *y], *weight);
+        }
+        belief
+    }
+
+    /// Of hypotheses, as seen from a place: five places along the longer axis of each; of one that is so long that it
+    /// says no more than a direction, along the ray to it.
+    pub(in crate::aoa) fn of_hypotheses(
+        hypotheses: impl Iterator<Item = Hypothesis>,
+        from: [f32; 2],
+    ) -> Self {
+        /// Places in standard deviations, and their weights in a normal distribution.
+        const SHAPE: [(f32, f32); 5] = [
+            (-1.5, 0.123),
+            (-0.75, 0.237),
+            (0.0, 0.28),
+            (0.75, 0.237),
+            (1.5, 0.123),
+        ];
+        /// Of the distance, the longest semi-axis of what is more than a ray.
+        const LONG: f32 = 0.5;
+        let mut belief = Self::default();
+        for hypothesis in hypotheses {
+            let ellipse = hypothesis.ellipse(Ellipse::ONE_SIGMA);
+            let (towards, distance) = sight(from, hypothesis.position);
+            if ellipse.semi_major < LONG * distance {
+                let (sin, cos) = sin_cos(ellipse.orientation);
+                for (z, weight) in SHAPE {
+                    let along = z * ellipse.semi_major;
+                    let place = offset(hypothesis.position, [cos, sin], along);
+                    belief.add(place, hypothesis.probability * weight);
+                }
+            } else {
+                belief.add_ray(from, towards, 4.0 * distance, hypothesis.probability);
+            }
+        }
+        belief
+    }
+
+    /// Of a single bearing: somewhere along its ray, up to half of the range.
+    pub(in crate::aoa) fn of_ray(observation: &Observation, range_m: f32) -> Self {
+        let mut belief = Self::default();
+        let (sin, cos) = sin_cos(observation.bearing().radians());
+        belief.add_ray(observation.position(), [cos, sin], 0.5 * range_m, 1.0);
+        belief
+    }
+
+    /// Five places, each twice as far as the next.
+    fn add_ray(&mut self, from: [f32; 2], direction: [f32; 2], farthest: f32, mass: f32) {
+        let mut r = farthest;
+        for _ in 0..5 {
+            self.add(offset(from, direction, r), 0.2 * mass);
+            r *= 0.5;
+        }
+    }
+
+    fn add(&mut self, position: [f32; 2], weight: f32) {
+        let _ = self.places.push(Place { position, weight });
+    }
+
+    /// What is best for a vehicle that is where the `latest` bearing was taken and whose bearings still have to turn by
+    /// the angle `missing`, in radians. `None` of no belief.
+    #[inline(never)]
+    pub(in crate::aoa) fn advice(&self, latest: &Observation, missing: f32) -> Option<Advice> {
+        let (from, sigma) = (latest.position(), latest.sigma_rad());
+        let reach = REACH * self.distance(from)?;
+        let mut best: Option<([f32; 2], Advice)> = None;
+        for k in 0..DIRECTIONS {
+            let radians = core::f32::consts::TAU / f32::from(DIRECTIONS) * f32::from(k);
+            let (sin, cos) = sin_cos(radians);
+            let spread = self.spread(offset(from, [cos, sin], reach));
+            let information = 0.5 * ln(1.0 + spread / (sigma * sigma));
+            if best.is_none_or(|(_, best)| information > best.information + TIE) {
+                let advice = Advice {
+                    direction: Bearing::from_radians(radians),
+                    information,
+                    distance_m: 0.0,
+                };
+                best = Some(([cos, sin], advice));
+            }
+        }
+        let (direction, mut advice) = best?;
+        if missing > 0.0 {
+            advice.distance_m = self.way(from, direction, missing);
+        }
+        Some(advice)
+    }
+
+    /// Harmonic mean of the distances of the places, in metres.
+    fn distance(&self, from: [f32; 2]) -> Option<f32> {
+        let (mut sum, mut total) = (0.0, 0.0);
+        for place in &self.places {
+            let (_, r) = sight(from, place.position);
+            sum += place.weight / r;
+            total += place.weight;
+        }
+        let distance = total / sum;
+        distance.is_finite().then_some(distance)
+    }
+
+    /// Mean square of how far the directions of the places, as seen from `from`, are from their mean: of chords of the
+    /// unit circle, which are angles where these are small.
+    fn spread(&self, from: [f32; 2]) -> f32 {
+        let (mut mean, mut total) = ([0.0; 2], 0.0);
+        for place in &self.places {
+            let ([x, y], _) = sight(from, place.position);
+            mean = [mean[0] + place.weight * x, mean[1] + place.weight * y];
+            total += place.weight;
+        }
+        let mean = mean.map(|sum| sum / total);
+        let mut squares = 0.0;
+        for place in &self.places {
+            let ([x, y], _) = sight(from, place.position);
+            let (dx, dy) = (x - mean[0], y - mean[1]);
+            squares += place.weight * (dx * dx + dy * dy);
+        }
+        squares / total
+    }
+
+    /// The way in a direction until the directions of half of the places, by weight, have turned by `missing`; to a
+    /// fifth.
+    fn way(&self, from: [f32; 2], direction: [f32; 2], missing: f32) -> f32 {
+        let mut way = 25.0;
+        while way <= FARTHEST_M {
+            let to = offset(from, direction, way);
+            let mut balance = 0.0;
+            for place in &self.places {
+                let ([ax, ay], _) = sight(from, place.position);
+                let ([bx, by], _) = sight(to, place.position);
+                let (dx, dy) = (bx - ax, by - ay);
+                let has_turned = dx * dx + dy * dy >= missing * missing;
+                balance += if has_turned {
+                    place.weight
+                } else {
+                    -place.weight
+                };
+            }
+            if balance >= 0.0 {
+                return way;
+            }
+            way *= 1.2;
+        }
+        f32::INFINITY
+    }
+}
+
+fn offset(from: [f32; 2], direction: [f32; 2], way: f32) -> [f32; 2] {
+    [from[0] + way * direction[0], from[1] + way * direction[1]]
+}
+
+/// Unit vector to a place, and its distance, not nearer than a metre.
+fn sight(from: [f32; 2], to: [f32; 2]) -> ([f32; 2], f32) {
+    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+    let r = sqrt(dx * dx + dy * dy + 1.0);
+    ([dx / r, dy / r], r)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aoa::testing::Clocked;
+    use crate::aoa::{Answer, Clean, Robust, clean, robust};
+    use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
+
+    const SOURCE: [f32; 2] = [1_000.0, 2_000.0];
+
+    /// Takes a bearing from a place.
+    fn look(from: [f32; 2], rng: &mut Xoshiro128PlusPlus) -> Observation {
+        let angle = (SOURCE[1] - from[1]).atan2(SOURCE[0] - from[0]) + 0.03 * normal(rng);
+        Observation::new(0, from, Bearing::from_radians(angle), 0.03).unwrap()
+    }
+
+    /// Whether there is a fix within 40 bearings, 30 m from one to the next. `steer` chooses the direction of travel from
+    /// that of the advice.
+    fn arrives(
+        seed: u64,
+        mut push: impl FnMut(Observation, &mut Xoshiro128PlusPlus) -> (Answer, Option<Advice>),
+        steer: impl Fn(f32) -> f32,
+    ) -> bool {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+        let mut place = [0.0; 2];
+        (0..40).any(|_| {
+            let observation = look(place, &mut rng);
+            let (answer, advice) = push(observation, &mut rng);
+            let (sin, cos) = steer(advice.unwrap().direction.radians()).sin_cos();
+            place = offset(place, [cos, sin], 30.0);
+            matches!(answer, Answer::Fix(_))
+        })
+    }
+
+    #[test]
+    fn who_drives_as_advised_gets_a_fix() {
+        let (mut plain, mut robust, mut astray) = (0, 0, 0);
+        for seed in 0..40 {
+            let mut locator = Clocked::<Clean<100>>::new(clean::Config::DEFAULT);
+            plain += u32::from(arrives(
+                seed,
+                |o, rng| (locator.push(o, rng), locator.advice()),
+                |radians| radians,
+            ));
+            let mut locator = Clocked::<Robust<128, 32>>::new(robust::Config::DEFAULT);
+            robust += u32::from(arrives(
+                seed,
+                |o, rng| (locator.push(o, rng), locator.advice()),
+                |radians| radians,
+            ));
+            // Towards where the bearings point instead.
+            let mut locator = Clocked::<Robust<128, 32>>::new(robust::Config::DEFAULT);
+            astray += u32::from(arrives(
+                seed,
+                |o, rng| (locator.push(o, rng), locator.advice()),
+                |_| SOURCE[1].atan2(SOURCE[0]),
+            ));
+        }
+        assert!(
+            plain >= 36 && robust >= 36 && astray < 10,
+            "{plain} {robust} {astray}"
+        );
+    }
+
+    fn degrees(belief: &Belief, from: [f32; 2], missing: f32) -> (f32, Advice) {
+        let latest = Observation::new(0, from, Bearing::from_radians(0.0), 0.02).unwrap();
+        let advice = belief.advice(&latest, missing).unwrap();
+        (advice.direction.compass_degrees(), advice)
+    }
+
+    #[test]
+    fn a_ray_is_crossed_by_driving_across_it() {
+        let observation =
+            Observation::new(0, [100.0, 50.0], Bearing::from_compass_degrees(30.0), 0.02).unwrap();
+        let belief = Belief::of_ray(&observation, 20_000.0);
+        let (direction, advice) = degrees(&belief, [100.0, 50.0], 0.1);
+        let across = (direction - 30.0).rem_euclid(180.0) - 90.0;
+        // A little forward, for what is near is seen from farther aside there.
+        assert!(across.abs() < 34.0, "{direction}");
+        // The nearest of the places that it is thought of at is 625 m away, the farthest 10 km.
+        assert!((62.0..1_000.0).contains(&advice.distance_m));
+        assert!(advice.information > 1.0);
+        let (_, enough) = degrees(&belief, [100.0, 50.0], 0.0);
+        assert_eq!(enough.distance_m, 0.0);
+    }
+
+    #[test]
+    fn the_longer_axis_is_looked_at_from_the_side() {
+        // Long from north to south, seen from the south: by its near end, it is left and right that tell.
+        let hypothesis = Hypothesis {
+            position: [0.0, 1_000.0],
+            covariance: [[25.0, 0.0], [0.0, 90_000.0]],
+            probability: 1.0,
+        };
+        let belief = Belief::of_hypotheses([hypothesis].into_iter(), [0.0; 2]);
+        let (direction, _) = degrees(&belief, [0.0, 0.0], 0.0);
+        assert!((direction - 180.0).abs() > 60.0 && direction.min(360.0 - direction) > 60.0);
+        // Once round it, there is less to learn than at the start.
+        let round = Hypothesis {
+            covariance: [[25.0, 0.0], [0.0, 25.0]],
+            ..hypothesis
+        };
+        let round = Belief::of_hypotheses([round].into_iter(), [0.0; 2]);
+        let before = degrees(&belief, [0.0, 0.0], 0.0).1.information;
+        let after = degrees(&round, [0.0, 0.0], 0.0).1.information;
+        assert!(after < 0.1 * before, "{after} {before}");
+    }
+
+    #[test]
+    fn the_best_of_all_directions_is_the_best() {
+        // Two hypotheses in one line from here: exhaustively, by the spread itself.
+        let particles = [[800.0, 2_000.0], [600.0, 1_500.0]];
+        let [east, north] = &particles;
+        let belief = Belief::of_particles([east, north], &[0.5, 0.5]);
+        let (direction, _) = degrees(&belief, [0.0, 0.0], 0.0);
+        let reach = REACH * belief.distance([0.0; 2]).unwrap();
+        let spread = |degrees: f32| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            belief.spread([reach * sin, reach * cos])
+        };
+        let best = (0..16).map(|k| spread(22.5 * k as f32));
+        let best = best.fold(0.0, f32::max);
+        // As good as the best, but for a tie.
+        assert!(spread(direction) > 0.9 * best);
+    }
+
+    #[test]
+    fn there_is_none_without_a_belief() {
+        let latest = Observation::new(0, [0.0; 2], Bearing::from_radians(0.0), 0.02).unwrap();
+        assert_eq!(Belief::default().advice(&latest, 0.1), None);
+        let nowhere = Belief::of_particles([&[f32::NAN], &[0.0]], &[1.0]);
+        assert_eq!(nowhere.advice(&latest, 0.1), None);
+    }
+
+    #[test]
+    fn what_cannot_turn_is_infinitely_far() {
+        let belief = Belief::of_particles([&[5e5], &[0.0]], &[1.0]);
+        assert_eq!(degrees(&belief, [0.0; 2], 0.5).1.distance_m, f32::INFINITY);
+    }
+}

@@ -1,0 +1,271 @@
+//! What is known of a source.
+
+use crate::estimate::Ellipse;
+use crate::snapshot::{Error, Reader, Value, Writer, by_value, value};
+
+/// What a locator knows of the source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Answer {
+    /// The bearings do not say where it is.
+    NotObservable(NotObservable),
+    /// Where it is.
+    Fix(Fix),
+}
+
+impl Answer {
+    /// The answer before the first bearing.
+    pub(in crate::aoa) const NOTHING: Self =
+        Self::NotObservable(NotObservable::TooFewBearings { have: 0 });
+
+    /// The fix, if there is one.
+    pub const fn fix(&self) -> Option<Fix> {
+        match self {
+            Self::Fix(fix) => Some(*fix),
+            Self::NotObservable(_) => None,
+        }
+    }
+
+    /// How much farther the bearings must turn before there can be a fix, in radians; zero with a fix.
+    pub(in crate::aoa) fn missing_angle(&self) -> f32 {
+        /// Angle where it is not known how much is missing.
+        const UNKNOWN: f32 = 0.1;
+        /// Least missing angle, as a fraction of the needed one, where the angle suffices but the range is too uncertain.
+        const LEAST: f32 = 0.25;
+        match self {
+            Self::Fix(_) => 0.0,
+            Self::NotObservable(NotObservable::CrossingAngle {
+                have_rad,
+                needed_rad,
+            }) => {
+                let (missing, least) = (needed_rad - have_rad, LEAST * needed_rad);
+                if missing > least { missing } else { least }
+            }
+            Self::NotObservable(_) => UNKNOWN,
+        }
+    }
+}
+
+/// Why there is no fix yet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum NotObservable {
+    /// There are fewer than two bearings.
+    TooFewBearings {
+        /// How many there are.
+        have: u32,
+    },
+    /// The bearings cross at too small an angle, so that they might as well be parallel: drive on, across them.
+    CrossingAngle {
+        /// Angle between the halves of the bearings that stands out of their errors, in radians.
+        have_rad: f32,
+        /// Angle that their errors ask for, in radians. It falls with the number of bearings.
+        needed_rad: f32,
+    },
+    /// The bearings do not meet in front of their receivers, or meet at several places that are equally likely.
+    NoIntersection,
+}
+
+/// A located source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Fix {
+    /// Posterior mean, in metres east and north.
+    pub position: [f32; 2],
+    /// Posterior covariance, in square metres; includes the sampling error of the particles.
+    pub covariance: [[f32; 2]; 2],
+    /// How many equally weighted particles the cloud is worth.
+    pub effective_sample_size: f32,
+    /// How many bearings the fix rests on.
+    pub bearings: u32,
+}
+
+impl Fix {
+    /// From the moments of a cloud that is worth `n` equally weighted particles.
+    pub(in crate::aoa) fn of_cloud(
+        position: [f32; 2],
+        covariance: [[f32; 2]; 2],
+        n: f32,
+        bearings: u32,
+    ) -> Self {
+        // The covariance of n samples about their own mean is small by 1 - 1/n, and that mean is off by 1/n of the
+        // covariance.
+        let sampling = if n > 2.0 {
+            (1.0 + 1.0 / n) / (1.0 - 1.0 / n)
+        } else {
+            3.0
+        };
+        Self {
+            position,
+            covariance: covariance.map(|row| row.map(|entry| entry * sampling)),
+            effective_sample_size: n,
+            bearings,
+        }
+    }
+
+    /// The ellipse that holds the source with the given probability (0 to 1).
+    pub fn ellipse(&self, probability: f32) -> Ellipse {
+        Ellipse::of_normal(self.position, self.covariance, probability)
+    }
+}
+
+/// A place where the source may be: a mode of the posterior, as it was when particles last moved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Hypothesis {
+    /// The mode, in metres east and north.
+    pub position: [f32; 2],
+    /// Inverse of the curvature at the mode, in square metres.
+    pub covariance: [[f32; 2]; 2],
+    /// Probability of this hypothesis among all, by Laplace's approximation.
+    pub probability: f32,
+}
+
+impl Hypothesis {
+    /// The ellipse that holds the source with the given probability (0 to 1), if this hypothesis is right.
+    pub fn ellipse(&self, probability: f32) -> Ellipse {
+        Ellipse::of_normal(self.position, self.covariance, probability)
+    }
+}
+
+/// The common error of all bearings of an antenna array.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Bias {
+    /// Posterior mean, in radians: to be subtracted from a bearing.
+    pub mean_rad: f32,
+    /// Posterior standard deviation, in radians.
+    pub sigma_rad: f32,
+}
+
+/// The kinds of bearings, each with its rate among many or its probability for one. They sum to one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Mixture {
+    /// Bearings that point at the source, but for their errors.
+    pub direct: f32,
+    /// Bearings that point away from it, as an array with a 180-degree ambiguity gives them.
+    pub mirrored: f32,
+    /// Bearings that say nothing of the source: reflections, other transmitters.
+    pub outlier: f32,
+}
+
+impl Mixture {
+    /// Rates of mirrored and outlier bearings; the others are direct.
+    pub const fn new(mirrored: f32, outlier: f32) -> Self {
+        Self {
+            direct: 1.0 - mirrored - outlier,
+            mirrored,
+            outlier,
+        }
+    }
+}
+
+/// One of the sources on a channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Source {
+    /// A number that the source keeps for as long as it is tracked. It is used again after 65,536 others.
+    pub identity: u16,
+    /// Where it is.
+    pub fix: Fix,
+    /// How it moves; `None` from a locator for stationary sources.
+    pub motion: Option<Motion>,
+}
+
+/// How a source moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Motion {
+    /// Probability that it moves now, rather than being stationary.
+    pub moving: f32,
+    /// Posterior mean of its velocity if it moves, in metres a second east and north.
+    pub velocity_m_s: [f32; 2],
+    /// Standard deviation of either component of the velocity, in metres a second.
+    pub sigma_m_s: f32,
+}
+
+/// Particles that represent where a source may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cloud<'a> {
+    /// East coordinates, in metres.
+    pub east: &'a [f32],
+    /// North coordinates, in metres.
+    pub north: &'a [f32],
+    /// Weights, which sum to one.
+    pub weights: &'a [f32],
+}
+
+value!(Fix {
+    position,
+    covariance,
+    effective_sample_size,
+    bearings,
+});
+
+value!(Mixture {
+    direct,
+    mirrored,
+    outlier,
+});
+
+impl Value for NotObservable {
+    const SIZE: usize = u8::SIZE + <[f32; 2]>::SIZE;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        match self {
+            Self::TooFewBearings { have } => {
+                0u8.write(to);
+                have.write(to);
+            }
+            Self::CrossingAngle {
+                have_rad,
+                needed_rad,
+            } => {
+                1u8.write(to);
+                [*have_rad, *needed_rad].write(to);
+            }
+            Self::NoIntersection => 2u8.write(to),
+        }
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        Ok(match u8::read(from)? {
+            0 => Self::TooFewBearings {
+                have: Value::read(from)?,
+            },
+            1 => {
+                let [have_rad, needed_rad] = Value::read(from)?;
+                Self::CrossingAngle {
+                    have_rad,
+                    needed_rad,
+                }
+            }
+            2 => Self::NoIntersection,
+            _ => return Err(Error::Malformed),
+        })
+    }
+}
+
+/// Whether it is a fix, and which answer.
+impl Value for Answer {
+    const SIZE: usize = bool::SIZE + Fix::SIZE;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        match self {
+            Self::Fix(fix) => (true, *fix).write(to),
+            Self::NotObservable(reason) => (false, *reason).write(to),
+        }
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        Ok(if bool::read(from)? {
+            Self::Fix(Value::read(from)?)
+        } else {
+            Self::NotObservable(Value::read(from)?)
+        })
+    }
+}
+
+by_value!(Answer, NotObservable);

@@ -1,0 +1,14 @@
+//! The words of bearing-only location: what goes into a locator, what comes out of it, and what locators have in common.
+
+mod advice;
+mod answer;
+mod bearing;
+mod locate;
+mod observation;
+
+pub(in crate::aoa) use advice::Belief;
+pub use advice::{Advice, DIRECTIONS, FARTHEST_M};
+pub use answer::{Answer, Bias, Cloud, Fix, Hypothesis, Mixture, Motion, NotObservable, Source};
+pub use bearing::Bearing;
+pub use locate::{Locate, Locator, PushError};
+pub use observation::{Alternative, Observation, ObservationError};

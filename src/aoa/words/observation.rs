@@ -1,0 +1,202 @@
+//! One bearing, taken at one place and time.
+
+use core::fmt;
+
+use super::bearing::Bearing;
+use crate::snapshot::{Error, Reader, Value, Writer, by_value};
+
+/// A bearing on the source, where and when it was taken, by which station, and how far to trust it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Observation {
+    time_ms: u32,
+    position: [f32; 2],
+    bearing: Bearing,
+    sigma_rad: f32,
+    station: u8,
+}
+
+/// Why an [`Observation`] or an [`Alternative`] was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ObservationError {
+    /// `position` is not finite, or further than [`Observation::MAX_COORDINATE_M`] from the origin.
+    Position,
+    /// `bearing` is not finite.
+    Bearing,
+    /// `sigma_rad` is not within [`Observation::MIN_SIGMA_RAD`] and [`Observation::MAX_SIGMA_RAD`].
+    Sigma,
+    /// `probability` is not within 0 and 1.
+    Probability,
+}
+
+impl fmt::Display for ObservationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Position => "position is not finite or too far from the origin",
+            Self::Bearing => "bearing is not finite",
+            Self::Sigma => "sigma_rad is out of range",
+            Self::Probability => "probability is not within 0 and 1",
+        })
+    }
+}
+
+impl core::error::Error for ObservationError {}
+
+impl Observation {
+    /// Largest coordinate, in metres: beyond it an f32 no longer resolves a decimetre.
+    pub const MAX_COORDINATE_M: f32 = 1e6;
+    /// Smallest standard deviation of a bearing, in radians.
+    pub const MIN_SIGMA_RAD: f32 = 1e-3;
+    /// Largest standard deviation of a bearing, in radians; a bearing worse than that says nothing.
+    pub const MAX_SIGMA_RAD: f32 = 3.2;
+
+    /// A `bearing` taken at the time `time_ms` and at `position` (metres east and north of the origin), with the standard
+    /// deviation `sigma_rad` (radians).
+    ///
+    /// Times are milliseconds from any origin and may wrap: two are compared by their difference, of less than 24 days.
+    ///
+    /// # Errors
+    /// Names the argument that is not finite or out of range.
+    pub fn new(
+        time_ms: u32,
+        position: [f32; 2],
+        bearing: Bearing,
+        sigma_rad: f32,
+    ) -> Result<Self, ObservationError> {
+        let near = |v: f32| v.abs() <= Self::MAX_COORDINATE_M;
+        if !(near(position[0]) && near(position[1])) {
+            return Err(ObservationError::Position);
+        }
+        if !bearing.radians().is_finite() {
+            return Err(ObservationError::Bearing);
+        }
+        if !(Self::MIN_SIGMA_RAD..=Self::MAX_SIGMA_RAD).contains(&sigma_rad) {
+            return Err(ObservationError::Sigma);
+        }
+        Ok(Self {
+            time_ms,
+            position,
+            bearing,
+            sigma_rad,
+            station: 0,
+        })
+    }
+
+    /// The same bearing, taken by another station than number 0: by another antenna array.
+    #[must_use]
+    pub const fn from_station(mut self, station: u8) -> Self {
+        self.station = station;
+        self
+    }
+
+    /// When it was taken, in milliseconds.
+    pub const fn time_ms(&self) -> u32 {
+        self.time_ms
+    }
+
+    /// Number of the antenna array that took it.
+    pub const fn station(&self) -> u8 {
+        self.station
+    }
+
+    /// Where it was taken, in metres east and north of the origin.
+    pub const fn position(&self) -> [f32; 2] {
+        self.position
+    }
+
+    /// The direction of the source.
+    pub const fn bearing(&self) -> Bearing {
+        self.bearing
+    }
+
+    /// Standard deviation of the bearing, in radians.
+    pub const fn sigma_rad(&self) -> f32 {
+        self.sigma_rad
+    }
+
+    /// The same bearing with another standard deviation, which is in range.
+    pub(in crate::aoa) const fn with_sigma(mut self, sigma_rad: f32) -> Self {
+        self.sigma_rad = sigma_rad;
+        self
+    }
+
+    /// Inverse of the variance, in 1 / rad^2.
+    pub(in crate::aoa) fn information(&self) -> f32 {
+        1.0 / (self.sigma_rad * self.sigma_rad)
+    }
+
+    /// Milliseconds from `earlier` to this time; negative if this is the earlier one.
+    pub(in crate::aoa) const fn since_ms(&self, earlier_ms: u32) -> i32 {
+        self.time_ms.wrapping_sub(earlier_ms) as i32
+    }
+}
+
+/// One of several bearings of one reading that exclude each other, like the peaks of a [spectrum](crate::aoa::spectrum).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Alternative {
+    observation: Observation,
+    probability: f32,
+}
+
+impl Alternative {
+    /// A bearing, and the probability that it is the right one if one of the reading's bearings is. The probabilities of
+    /// all alternatives of a reading add up to one.
+    ///
+    /// # Errors
+    /// When the `probability` is outside 0 to 1.
+    pub const fn new(observation: Observation, probability: f32) -> Result<Self, ObservationError> {
+        if !(probability >= 0.0 && probability <= 1.0) {
+            return Err(ObservationError::Probability);
+        }
+        Ok(Self {
+            observation,
+            probability,
+        })
+    }
+
+    /// The bearing.
+    pub const fn observation(&self) -> &Observation {
+        &self.observation
+    }
+
+    /// Its probability.
+    pub const fn probability(&self) -> f32 {
+        self.probability
+    }
+}
+
+impl From<Observation> for Alternative {
+    /// The only bearing of its reading.
+    fn from(observation: Observation) -> Self {
+        Self {
+            observation,
+            probability: 1.0,
+        }
+    }
+}
+
+impl Value for Observation {
+    const SIZE: usize = u32::SIZE + <[f32; 2]>::SIZE + Bearing::SIZE + f32::SIZE + u8::SIZE;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        self.time_ms.write(to);
+        self.position.write(to);
+        self.bearing.write(to);
+        self.sigma_rad.write(to);
+        self.station.write(to);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        let (time_ms, position) = <(u32, [f32; 2])>::read(from)?;
+        let (bearing, sigma_rad) = <(Bearing, f32)>::read(from)?;
+        let station = Value::read(from)?;
+        Self::new(time_ms, position, bearing, sigma_rad)
+            .map(|observation| observation.from_station(station))
+            .map_err(|_| Error::Malformed)
+    }
+}
+
+by_value!(Observation);

@@ -1,0 +1,243 @@
+//! What a format is, and what a set of formats is.
+
+use super::{Config, Finder};
+use crate::aoa::geodesy::Geodetic;
+use crate::aoa::spectrum::Peak;
+use crate::gateway::clock::TimeOfDay;
+use crate::gateway::outcome::Rejected;
+use crate::gateway::sigma::SigmaTable;
+
+/// What a line says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Sentence {
+    /// Where the vehicle is, and how it moves if the sentence tells.
+    Position(TimeOfDay, Geodetic, Option<Motion>),
+    /// The receiver has no position at this time.
+    NoFix(Option<TimeOfDay>),
+    /// How the vehicle moves.
+    Motion(Motion),
+    /// Where the bow points: degrees clockwise from true north.
+    Heading(f32),
+    /// A bearing.
+    Reading(Reading),
+    /// The host asks for a report.
+    Query,
+    /// The host looks for another source.
+    Restart,
+    /// A sentence for others.
+    Other,
+}
+
+/// How a vehicle moves over ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// Degrees clockwise from true north; not known to a receiver that stands.
+    pub course: Option<f32>,
+    /// Metres per second.
+    pub speed: f32,
+}
+
+/// A bearing as its line gives it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// When, if the line says so.
+    pub time: Option<TimeOfDay>,
+    /// How long before that time it was taken.
+    pub latency_ms: u32,
+    /// Clockwise from the bow or from north, in degrees within 0 and 360.
+    pub degrees: f32,
+    /// 0 to 100.
+    pub quality: f32,
+    /// Standard deviations by that quality, where the format is told.
+    pub sigmas: Option<&'static SigmaTable>,
+    /// Where, if the line says so.
+    pub pose: Option<Pose>,
+}
+
+/// Where a direction finder says that it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    pub place: Geodetic,
+    /// Degrees clockwise from north.
+    pub heading: f32,
+    /// It is only known from where the vehicle goes.
+    pub heading_is_course: bool,
+}
+
+impl Reading {
+    /// A bearing without time or place.
+    ///
+    /// # Errors
+    /// When the angle is not within 0 and 360 degrees or the quality not within 0 and 100.
+    pub fn new(
+        degrees: f32,
+        quality: f32,
+        sigmas: Option<&'static SigmaTable>,
+    ) -> Result<Self, Rejected> {
+        if (0.0..=360.0).contains(&degrees) && (0.0..=100.0).contains(&quality) {
+            Ok(Self {
+                time: None,
+                latency_ms: 0,
+                degrees,
+                quality,
+                sigmas,
+                pose: None,
+            })
+        } else {
+            Err(Rejected::OutOfRange)
+        }
+    }
+}
+
+/// How the lines of a format are found among bytes.
+#[derive(Debug, Clone, Copy)]
+pub struct Layout {
+    /// Most bytes of a line, of which no more than a line reader's buffer are kept.
+    pub longest: u16,
+    /// Fields, ended by commas, that are kept; what follows goes to [`Format::rest`].
+    pub fields: u8,
+    /// Whether the first byte of a line begins one also in the middle of another, whose end was lost,
+    pub interrupts: bool,
+    /// unless it is one of these: bytes that such lines hold and that begin others.
+    pub holds: &'static [u8],
+}
+
+/// The most peaks of a spectrum, the largest first.
+pub type Peaks = [Option<Peak>; 3];
+
+/// A form of lines. A value of the type is what is known of the line at hand beyond the bytes that are kept.
+pub trait Format {
+    /// The direction finder that sends such lines, if it is one.
+    const FINDER: Option<Finder>;
+    /// How lines are found.
+    const LAYOUT: Layout;
+    /// Nothing is known; all bits are zero.
+    const EMPTY: Self;
+    /// Whether lines hold spectra that are read.
+    const SPECTRA: bool = false;
+
+    /// Whether a line begins with this byte.
+    fn begins(byte: u8) -> bool;
+
+    /// A line begins.
+    fn begin(&mut self) {}
+
+    /// Takes a byte after the fields that are kept.
+    fn rest(&mut self, _byte: u8) {}
+
+    /// Reads the kept bytes of a line that has ended.
+    ///
+    /// # Errors
+    /// Why the line is of no use.
+    fn parse(&mut self, line: &[u8], config: &Config) -> Result<Sentence, Rejected>;
+
+    /// The peaks of the spectrum of the last line, where one is read.
+    fn peaks(&self, _config: &Config) -> Option<Peaks> {
+        None
+    }
+}
+
+/// A set of formats: a tuple of up to eight, such as [`All`](super::All) or `(Nmea, Agrelo)`.
+pub trait Formats: Set {}
+
+impl<S: Set> Formats for S {}
+
+/// What a line reader asks of a set, whose formats count from 1; 0 is none of them.
+pub trait Set {
+    /// Nothing is known; all bits are zero.
+    const EMPTY: Self;
+    /// Whether any reads spectra.
+    const SPECTRA: bool;
+
+    /// The format of a line that begins with this byte.
+    fn which(byte: u8) -> u8;
+
+    /// How its lines are found.
+    fn layout(which: u8) -> Option<&'static Layout>;
+
+    /// See [`Format::begin`].
+    fn begin(&mut self, which: u8);
+
+    /// See [`Format::rest`].
+    fn rest(&mut self, which: u8, byte: u8);
+
+    /// See [`Format::parse`].
+    ///
+    /// # Errors
+    /// Why the line is of no use.
+    fn parse(&mut self, which: u8, line: &[u8], config: &Config) -> Result<Sentence, Rejected>;
+
+    /// See [`Format::peaks`].
+    fn peaks(&self, which: u8, config: &Config) -> Option<Peaks>;
+}
+
+macro_rules! sets {
+    ($(($($format:ident $place:tt $number:literal),+))+) => {$(
+        impl<$($format: Format),+> Set for ($($format,)+) {
+            const EMPTY: Self = ($($format::EMPTY,)+);
+            const SPECTRA: bool = false $(|| $format::SPECTRA)+;
+
+            fn which(byte: u8) -> u8 {
+                $(if $format::begins(byte) {
+                    return $number;
+                })+
+                0
+            }
+
+            fn layout(which: u8) -> Option<&'static Layout> {
+                match which {
+                    $($number => Some(&$format::LAYOUT),)+
+                    _ => None,
+                }
+            }
+
+            fn begin(&mut self, which: u8) {
+                match which {
+                    $($number => self.$place.begin(),)+
+                    _ => {}
+                }
+            }
+
+            fn rest(&mut self, which: u8, byte: u8) {
+                match which {
+                    $($number => self.$place.rest(byte),)+
+                    _ => {}
+                }
+            }
+
+            fn parse(
+                &mut self,
+                which: u8,
+                line: &[u8],
+                config: &Config,
+            ) -> Result<Sentence, Rejected> {
+                let is_heard = |finder: Option<Finder>| {
+                    finder.is_none() || config.finder.is_none() || finder == config.finder
+                };
+                match which {
+                    $($number if is_heard($format::FINDER) => self.$place.parse(line, config),)+
+                    $($number)|+ => Err(Rejected::OtherFinder),
+                    _ => Err(Rejected::Unparsable),
+                }
+            }
+
+            fn peaks(&self, which: u8, config: &Config) -> Option<Peaks> {
+                match which {
+                    $($number => self.$place.peaks(config),)+
+                    _ => None,
+                }
+            }
+        }
+    )+};
+}
+
+sets! {
+    (A 0 1)
+    (A 0 1, B 1 2)
+    (A 0 1, B 1 2, C 2 3)
+    (A 0 1, B 1 2, C 2 3, D 3 4)
+    (A 0 1, B 1 2, C 2 3, D 3 4, E 4 5)
+    (A 0 1, B 1 2, C 2 3, D 3 4, E 4 5, F 5 6)
+    (A 0 1, B 1 2, C 2 3, D 3 4, E 4 5, F 5 6, G 6 7)
+    (A 0 1, B 1 2, C 2 3, D 3 4, E 4 5, F 5 6, G 6 7, H 7 8)
+}

@@ -1,0 +1,230 @@
+//! Events of u-blox direction finders.
+
+use super::format::{Format, Layout, Reading, Sentence};
+use super::{Config as All, Finder, Sense};
+use crate::ConfigError;
+use crate::gateway::decimal::fixed;
+use crate::gateway::outcome::Rejected;
+use crate::gateway::sentence::columns;
+use crate::gateway::sigma::{self, SigmaTable};
+
+pub(super) const EXAMPLE: &str = "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"CCF9579B21AE\",\"\",1129320";
+
+/// The event `+UUDF:` of u-connectLocate: tag, RSSI, azimuth, elevation, RSSI of the other polarisation, channel,
+/// "anchor", "text", milliseconds since the board was switched on, and in later versions a counter.
+///
+/// The board's time is not that of the receiver, so none is taken; it states no quality: see [`Quality`].
+#[derive(Debug)]
+pub struct Ublox;
+
+/// What the format is told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Config {
+    /// Direction in which azimuths grow.
+    pub sense: Sense,
+    /// The tag that is looked for: a board reports all that it hears, and lines of others are rejected as
+    /// [`Rejected::OtherTag`]. `None` takes every tag for the source.
+    pub tag: Option<u64>,
+    /// What stands for the quality.
+    pub quality: Quality,
+    /// Standard deviations by that quality, such as [`SIGMAS`], in place of those of
+    /// [`gateway::Config`](crate::gateway::Config).
+    pub sigmas: Option<&'static SigmaTable>,
+}
+
+/// The quality of a bearing of a board that states none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Quality {
+    /// 100, always.
+    #[default]
+    Best,
+    /// 100 straight ahead of the board, 0 at a right angle: a flat array is the worse the further from there.
+    Azimuth,
+}
+
+impl Config {
+    /// Every tag, clockwise, of the best quality.
+    pub const DEFAULT: Self = Self {
+        sense: Sense::Clockwise,
+        tag: None,
+        quality: Quality::Best,
+        sigmas: None,
+    };
+
+    /// Checks all fields.
+    ///
+    /// # Errors
+    /// None: every value is right.
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        Ok(())
+    }
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// By the [azimuth](Quality::Azimuth): 5 degrees straight ahead, an estimate, divided by the cosine of the azimuth, as a
+/// flat array has it.
+pub const SIGMAS: SigmaTable = sigma::preset(&[
+    (100.0 / 9.0, 28.8),
+    (200.0 / 9.0, 14.6),
+    (300.0 / 9.0, 10.0),
+    (400.0 / 9.0, 7.8),
+    (600.0 / 9.0, 5.8),
+    (100.0, 5.0),
+]);
+
+impl Format for Ublox {
+    const FINDER: Option<Finder> = Some(Finder::Ublox);
+    /// With two texts of 30 characters.
+    const LAYOUT: Layout = Layout {
+        longest: 160,
+        fields: u8::MAX,
+        interrupts: false,
+        holds: b"$%",
+    };
+    const EMPTY: Self = Self;
+
+    fn begins(byte: u8) -> bool {
+        byte == b'+'
+    }
+
+    #[inline(never)]
+    fn parse(&mut self, line: &[u8], config: &All) -> Result<Sentence, Rejected> {
+        let config = &config.ublox;
+        let fields = line.strip_prefix(b"+UUDF:").ok_or(Rejected::Unparsable)?;
+        let columns: [&[u8]; 9] = columns(fields).ok_or(Rejected::Unparsable)?;
+        let [tag, _rssi, azimuth, .., time] = columns;
+        let known: usize = columns.iter().map(|column| column.len() + 1).sum();
+        // What is left after the time and its comma.
+        let counter = fields.get(known..);
+        let are_digits = |text: &[u8]| !text.is_empty() && text.iter().all(u8::is_ascii_digit);
+        if !are_digits(time) || !counter.is_none_or(are_digits) {
+            return Err(Rejected::Unparsable);
+        }
+        let tag = identifier(tag).ok_or(Rejected::Unparsable)?;
+        if config.tag.is_some_and(|wanted| wanted != tag) {
+            return Err(Rejected::OtherTag);
+        }
+        let azimuth = fixed(azimuth, 0).ok_or(Rejected::Unparsable)?;
+        if !(-90..=90).contains(&azimuth) {
+            return Err(Rejected::OutOfRange);
+        }
+        let degrees = match config.sense {
+            Sense::Clockwise => azimuth as f32,
+            Sense::CounterClockwise => -azimuth as f32,
+        };
+        let quality = match config.quality {
+            Quality::Best => 100.0,
+            Quality::Azimuth => 100.0 - degrees.abs() * (100.0 / 90.0),
+        };
+        let quality = if quality > 0.0 { quality } else { 0.0 };
+        let degrees = if degrees < 0.0 {
+            degrees + 360.0
+        } else {
+            degrees
+        };
+        Reading::new(degrees, quality, config.sigmas).map(Sentence::Reading)
+    }
+}
+
+/// Twelve hexadecimal digits.
+#[inline(never)]
+fn identifier(text: &[u8]) -> Option<u64> {
+    let digit = |digit: &u8| char::from(*digit).to_digit(16);
+    let value = text
+        .iter()
+        .try_fold(0, |sum, next| Some(sum << 4 | u64::from(digit(next)?)));
+    value.filter(|_| text.len() == 12)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::gateway::formats::tests::read;
+
+    /// In the form of the manual, and of boards in use.
+    const NINE: &str = EXAMPLE;
+    const TEN: &str = "+UUDF:F4CE5FC91A6A,-50,-12,20,0,20,\"CD84C98B935D\",\"a,b\",238777,40871";
+
+    fn with(config: Config) -> All {
+        All {
+            ublox: config,
+            ..All::DEFAULT
+        }
+    }
+
+    fn degrees(line: &str) -> Result<f32, Rejected> {
+        read::<Ublox>(line, &All::DEFAULT).map(|line| line.degrees)
+    }
+
+    #[test]
+    fn reads_nine_fields_and_ten() {
+        assert_eq!(degrees(NINE), Ok(26.0));
+        assert_eq!(degrees(TEN), Ok(348.0));
+        let other_way = with(Config {
+            sense: Sense::CounterClockwise,
+            ..Config::DEFAULT
+        });
+        let line = read::<Ublox>(TEN, &other_way).unwrap();
+        assert_eq!((line.degrees, line.quality, line.time), (12.0, 100.0, None));
+    }
+
+    #[test]
+    fn quality_falls_with_the_azimuth() {
+        let config = with(Config {
+            quality: Quality::Azimuth,
+            ..Config::DEFAULT
+        });
+        for (azimuth, quality) in [("0", 100.0), ("45", 50.0), ("-45", 50.0), ("-90", 0.0)] {
+            let line = std::format!("+UUDF:6C1DEBA4241B,-65,{azimuth},-65,6,37,\"\",\"\",1");
+            let line = read::<Ublox>(&line, &config).unwrap();
+            assert!((line.quality - quality).abs() < 1e-4, "{azimuth}");
+        }
+    }
+
+    #[test]
+    fn only_the_wanted_tag_is_read() {
+        let config = with(Config {
+            tag: Some(0x6c1d_eba4_241b),
+            ..Config::DEFAULT
+        });
+        assert!(read::<Ublox>(NINE, &config).is_ok());
+        assert_eq!(read::<Ublox>(TEN, &config), Err(Rejected::OtherTag));
+    }
+
+    #[test]
+    fn refuses_malformed_lines() {
+        for line in [
+            "+UUDF:",
+            "+UUDFP:6C1DEBA4241B,-65,26,-65,6,37,\"\",\"\",1",
+            "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"\",\"\"",
+            "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"\",\"\",1,2,3",
+            "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"\",\"\",1,",
+            "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"\",\",1,2",
+            "+UUDF:6C1DEBA4241,-65,26,-65,6,37,\"\",\"\",1",
+            "+UUDF:6C1DEBA4241G,-65,26,-65,6,37,\"\",\"\",1",
+            "+UUDF:6C1DEBA4241B,-65,2.6,-65,6,37,\"\",\"\",x",
+        ] {
+            assert_eq!(degrees(line), Err(Rejected::Unparsable), "{line}");
+        }
+        let line = "+UUDF:6C1DEBA4241B,-65,91,-65,6,37,\"\",\"\",1";
+        assert_eq!(degrees(line), Err(Rejected::OutOfRange));
+    }
+
+    #[test]
+    fn sigmas_follow_the_cosine_of_the_azimuth() {
+        for degrees in [0.0_f32, 15.0, 30.0, 50.0, 60.0, 70.0, 80.0] {
+            let quality = 100.0 - degrees / 0.9;
+            let exact = 5.0 / degrees.to_radians().cos();
+            let got = SIGMAS.sigma_rad(quality).to_degrees();
+            assert!((got / exact - 1.0).abs() < 0.05, "{degrees}: {got} {exact}");
+        }
+    }
+}

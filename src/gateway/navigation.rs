@@ -1,0 +1,204 @@
+//! Where the vehicle is and how it heads, as its receiver and its direction finder state it.
+
+use super::clock::{Clock, TimeOfDay};
+use super::config::{BearingReference, Config};
+use super::formats::{Motion, Pose, Reading, Sentence};
+use super::history::{Aged, Compass, History};
+use super::outcome::Rejected;
+use crate::aoa::Bearing;
+use crate::aoa::geodesy::{Geodetic, LocalPlane};
+
+/// What the navigation receiver has stated last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Receiver {
+    /// Its time, in milliseconds after midnight UTC; `None` before it has stated any.
+    pub time_ms: Option<u32>,
+    /// Where the vehicle was.
+    pub place: Option<Aged<Geodetic>>,
+    /// Course over ground, in degrees clockwise from true north; `None` while the vehicle is slower than
+    /// [`Config::min_speed_m_s`].
+    pub course_deg: Option<Aged<f32>>,
+    /// True heading of the bow, in degrees clockwise from north.
+    pub heading_deg: Option<Aged<f32>>,
+}
+
+/// Samples of the receiver, and the last place that the direction finder stated.
+#[derive(Debug)]
+pub(super) struct Navigation {
+    clock: Clock,
+    places: History<Geodetic>,
+    headings: History<Compass>,
+    courses: History<Compass>,
+    /// The last place, with its time, by which the direction finder was judged to move or stand.
+    own_place: Option<(TimeOfDay, Geodetic)>,
+    own_stands: bool,
+}
+
+/// How the bearings of a line become directions on the map.
+#[derive(Clone, Copy)]
+pub(super) struct Frame {
+    pub time: TimeOfDay,
+    /// Lines without a time that were taken at this time before.
+    pub lent: u8,
+    pub place: Geodetic,
+    /// Heading that is added to a bearing, in degrees; `None` where bearings count from north.
+    heading: Option<f32>,
+}
+
+impl Frame {
+    /// The direction of an angle in degrees clockwise.
+    pub fn bearing(&self, degrees: f32) -> Bearing {
+        match self.heading {
+            None => Bearing::from_compass_degrees(degrees),
+            Some(heading) => Bearing::from_relative_degrees(degrees, heading),
+        }
+    }
+}
+
+/// Whether so many milliseconds are a way back that a clock was set by: bearings of two clocks may alternate by twice the
+/// age that is fresh.
+pub(super) fn was_set(elapsed_ms: i32, max_age_ms: u32) -> bool {
+    elapsed_ms < 0 && elapsed_ms.unsigned_abs() > 2 * max_age_ms
+}
+
+impl Navigation {
+    pub const EMPTY: Self = Self {
+        clock: Clock::EMPTY,
+        places: History::EMPTY,
+        headings: History::EMPTY,
+        courses: History::EMPTY,
+        own_place: None,
+        own_stands: false,
+    };
+
+    /// What the receiver has stated last.
+    pub fn receiver(&self) -> Receiver {
+        let now = self.clock.now();
+        let degrees = |history: &History<Compass>| {
+            let Aged {
+                value: Compass(value),
+                age_ms,
+            } = history.newest(now?)?;
+            Some(Aged { value, age_ms })
+        };
+        Receiver {
+            time_ms: now.map(TimeOfDay::milliseconds),
+            place: now.and_then(|now| self.places.newest(now)),
+            course_deg: degrees(&self.courses),
+            heading_deg: degrees(&self.headings),
+        }
+    }
+
+    /// The last place: by the direction finder, where no receiver has said it.
+    pub fn place(&self) -> Option<Geodetic> {
+        let stated = self.receiver().place.map(|place| place.value);
+        stated.or(self.own_place.map(|(_, place)| place))
+    }
+
+    /// Takes what the receiver says.
+    #[inline(never)]
+    pub fn sentence(&mut self, sentence: Sentence, min_speed_m_s: f32) -> Result<(), Rejected> {
+        match sentence {
+            Sentence::Position(time, place, motion) => {
+                self.clock.advance(time)?;
+                self.places.push(time, place);
+                if let Some(motion) = motion {
+                    self.motion(time, motion, min_speed_m_s);
+                }
+            }
+            Sentence::Motion(motion) => {
+                let now = self.clock.now().ok_or(Rejected::NoFix)?;
+                self.motion(now, motion, min_speed_m_s);
+            }
+            Sentence::Heading(degrees) => {
+                let now = self.clock.now().ok_or(Rejected::NoFix)?;
+                self.headings.push(now, Compass(degrees));
+            }
+            Sentence::NoFix(Some(time)) => {
+                self.clock.advance(time)?;
+                return Err(Rejected::NoFix);
+            }
+            _ => return Err(Rejected::NoFix),
+        }
+        Ok(())
+    }
+
+    fn motion(&mut self, time: TimeOfDay, motion: Motion, min_speed_m_s: f32) {
+        let moves = motion.speed >= min_speed_m_s;
+        match motion.course.filter(|_| moves) {
+            Some(degrees) => self.courses.push(time, Compass(degrees)),
+            // The course of a vehicle that stands is noise, and what it was before is no longer so.
+            None => self.courses.clear(),
+        }
+    }
+
+    /// When and where a bearing was taken, and how the vehicle headed then.
+    #[inline(never)]
+    pub fn frame<C>(&mut self, reading: &Reading, config: &Config<C>) -> Result<Frame, Rejected> {
+        let (time, lent) = match reading.time {
+            Some(time) => (time.before(reading.latency_ms), 0),
+            None => self.clock.lend(config.undated_bearings)?,
+        };
+        let (place, own_heading) = match &reading.pose {
+            Some(pose) => (pose.place, self.own_heading(time, pose, config)),
+            None => (self.place_at(time, config.max_age_ms)?, None),
+        };
+        let heading = match config.reference {
+            BearingReference::TrueNorth => None,
+            BearingReference::Relative => {
+                Some(own_heading.map_or_else(|| self.heading_at(time, config), Ok)?)
+            }
+        };
+        Ok(Frame {
+            time,
+            lent,
+            place,
+            heading,
+        })
+    }
+
+    #[inline(never)]
+    fn place_at(&self, time: TimeOfDay, max_age_ms: u32) -> Result<Geodetic, Rejected> {
+        if self.places.is_empty() {
+            return Err(Rejected::NoPosition);
+        }
+        let place = self.places.at(time, max_age_ms);
+        place.ok_or(Rejected::StalePosition)
+    }
+
+    /// Heading by the direction finder, in degrees clockwise from true north: not the course of a vehicle that has hardly
+    /// moved, which is judged once a second at most, for its place may be as old.
+    fn own_heading<C>(&mut self, time: TimeOfDay, pose: &Pose, config: &Config<C>) -> Option<f32> {
+        /// In milliseconds.
+        const SOON: i32 = 1_000;
+        let (last_time, last_place) = *self.own_place.get_or_insert((time, pose.place));
+        let elapsed = time.since(last_time);
+        if elapsed >= SOON {
+            let plane = LocalPlane::new(last_place);
+            let moved = plane.and_then(|plane| plane.to_local(pose.place));
+            let way = config.min_speed_m_s * (1e-3 * elapsed as f32);
+            self.own_stands =
+                moved.is_ok_and(|[east, north]| east * east + north * north < way * way);
+            self.own_place = Some((time, pose.place));
+        } else if was_set(elapsed, config.max_age_ms) {
+            self.own_stands = true;
+            self.own_place = Some((time, pose.place));
+        }
+        (!pose.heading_is_course || !self.own_stands).then_some(pose.heading)
+    }
+
+    /// Heading by the receiver, in degrees clockwise from true north.
+    fn heading_at<C>(&self, time: TimeOfDay, config: &Config<C>) -> Result<f32, Rejected> {
+        if let Some(Compass(degrees)) = self.headings.at(time, config.max_age_ms) {
+            return Ok(degrees);
+        }
+        let course = self.courses.at(time, config.max_age_ms);
+        let Compass(degrees) = course.ok_or(Rejected::NoHeading)?;
+        // In a bend the bow points elsewhere, and where to has changed since.
+        if self.courses.turn_rate() > config.max_turn_rate_deg_s {
+            return Err(Rejected::Turning);
+        }
+        Ok(degrees)
+    }
+}

@@ -1,0 +1,217 @@
+//! What became of the lines.
+
+use core::fmt;
+
+use super::tally::Tally;
+use crate::aoa::{Fix, NotObservable};
+use crate::snapshot::value;
+
+/// What a line led to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Event {
+    /// A sentence of the receiver was used.
+    Used,
+    /// A bearing was used; the source is here, in metres from [`Vehicle::plane`](super::Vehicle::plane).
+    Fix(Fix),
+    /// A bearing was used; it cannot be said yet where the source is.
+    NotObservable(NotObservable),
+    /// The line was not used.
+    Rejected(Rejected),
+    /// The host has asked, and [`Vehicle::report`](super::Vehicle::report) answers.
+    Queried,
+    /// The host looks for another source: as [`Vehicle::restart`](super::Vehicle::restart), and the report confirms it.
+    Restarted,
+    /// A correct sentence that is none of the gateway's: [`Vehicle::line`](super::Vehicle::line) has it for others.
+    Other,
+}
+
+/// Why a line was not used. The state of the locator is as if it had not been there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Rejected {
+    /// A sentence whose checksum is wrong or missing.
+    Checksum,
+    /// The line is longer than any of its kind.
+    Overlong,
+    /// The line is of no known kind, or a field of it is missing or malformed.
+    Unparsable,
+    /// The receiver says that it has no position, or that its heading is void; or it says how the vehicle heads
+    /// or moves before it has stated any time.
+    NoFix,
+    /// The receiver reports 0 degrees north and east: what many send before their first fix.
+    NullPosition,
+    /// A time stamp earlier than the one before it.
+    TimeBackwards,
+    /// A coordinate, angle or quality outside its range, or a place too far from [`super::Vehicle::plane`].
+    OutOfRange,
+    /// A bearing before there was any position.
+    NoPosition,
+    /// A bearing whose nearest position is older than [`Config::max_age_ms`](super::Config::max_age_ms), or as much
+    /// newer. Or one whose line states no time, after
+    /// [`Config::undated_bearings`](super::Config::undated_bearings) others at the same time of the
+    /// receiver, or when that has just run backwards.
+    StalePosition,
+    /// A relative bearing with neither a fresh true heading nor a course of a vehicle that moves.
+    NoHeading,
+    /// A relative bearing of a vehicle whose heading is only known by its course, in a bend: see
+    /// [`Config::max_turn_rate_deg_s`](super::Config::max_turn_rate_deg_s).
+    Turning,
+    /// A bearing of a quality below [`Config::min_quality`](super::Config::min_quality).
+    LowQuality,
+    /// A bearing on another frequency than that of [`kraken::Config`](super::formats::kraken::Config).
+    OtherFrequency,
+    /// A bearing on another tag than that of [`ublox::Config`](super::formats::ublox::Config).
+    OtherTag,
+    /// A bearing of another direction finder than [`formats::Config::finder`](super::formats::Config::finder).
+    OtherFinder,
+    /// A bearing that was taken before all that the locator still keeps.
+    TooOld,
+    /// A bearing of a port and time of which one has been used already.
+    Duplicate,
+}
+
+impl Rejected {
+    /// Every reason, in the order of the status sentence.
+    pub const ALL: [Self; 17] = [
+        Self::Checksum,
+        Self::Overlong,
+        Self::Unparsable,
+        Self::NoFix,
+        Self::NullPosition,
+        Self::TimeBackwards,
+        Self::OutOfRange,
+        Self::NoPosition,
+        Self::StalePosition,
+        Self::NoHeading,
+        Self::Turning,
+        Self::LowQuality,
+        Self::OtherFrequency,
+        Self::OtherTag,
+        Self::OtherFinder,
+        Self::TooOld,
+        Self::Duplicate,
+    ];
+}
+
+impl fmt::Display for Rejected {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Checksum => "checksum is wrong or missing",
+            Self::Overlong => "line is too long",
+            Self::Unparsable => "line cannot be parsed",
+            Self::NoFix => "receiver has no fix",
+            Self::NullPosition => "position is 0 degrees north and east",
+            Self::TimeBackwards => "time runs backwards",
+            Self::OutOfRange => "value is out of range",
+            Self::NoPosition => "no position yet",
+            Self::StalePosition => "position is too old",
+            Self::NoHeading => "heading is unknown",
+            Self::Turning => "vehicle is turning and its heading is unknown",
+            Self::LowQuality => "quality is too low",
+            Self::OtherFrequency => "unexpected frequency",
+            Self::OtherTag => "unexpected tag",
+            Self::OtherFinder => "unexpected direction finder",
+            Self::TooOld => "bearing is older than all that are kept",
+            Self::Duplicate => "bearing was used already",
+        })
+    }
+}
+
+impl core::error::Error for Rejected {}
+
+/// How many lines there were, each of which is counted once more by what became of it. Counts stay at their maximum when
+/// they reach it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Counters {
+    /// All lines that were not empty.
+    pub lines: u32,
+    /// Sentences of the receiver that were used.
+    pub sentences: u32,
+    /// Bearings that the locator took.
+    pub bearings: u32,
+    /// Correct sentences that are for others.
+    pub ignored: u32,
+    /// Queries of the host.
+    pub queries: u32,
+    /// Restarts by the host.
+    pub restarts: u32,
+    rejected: Tally<{ Rejected::ALL.len() }>,
+}
+
+impl Counters {
+    pub(super) const EMPTY: Self = Self {
+        lines: 0,
+        sentences: 0,
+        bearings: 0,
+        ignored: 0,
+        queries: 0,
+        restarts: 0,
+        rejected: Tally::new(),
+    };
+
+    /// How many lines were rejected for this reason.
+    pub fn rejected(&self, reason: Rejected) -> u32 {
+        self.rejected.get(reason as usize)
+    }
+
+    /// The counts in the order of the status sentence, but for rejections.
+    pub(super) const fn of_lines(&self) -> [u32; 6] {
+        [
+            self.lines,
+            self.sentences,
+            self.bearings,
+            self.ignored,
+            self.queries,
+            self.restarts,
+        ]
+    }
+
+    /// Counts a line, and by what it led to.
+    pub(super) fn count(&mut self, event: &Event) {
+        self.lines = self.lines.saturating_add(1);
+        let count = match event {
+            Event::Used => &mut self.sentences,
+            Event::Fix(_) | Event::NotObservable(_) => &mut self.bearings,
+            Event::Other => &mut self.ignored,
+            Event::Queried => &mut self.queries,
+            Event::Restarted => &mut self.restarts,
+            Event::Rejected(reason) => return self.reject(*reason),
+        };
+        *count = count.saturating_add(1);
+    }
+
+    fn reject(&mut self, reason: Rejected) {
+        self.rejected.add(reason as usize);
+    }
+}
+
+value!(Counters {
+    lines,
+    sentences,
+    bearings,
+    ignored,
+    queries,
+    restarts,
+    rejected,
+});
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_reason_is_counted_in_its_place() {
+        for (place, reason) in Rejected::ALL.into_iter().enumerate() {
+            assert_eq!(reason as usize, place);
+            let mut counters = Counters::EMPTY;
+            counters.reject(reason);
+            for other in Rejected::ALL {
+                assert_eq!(counters.rejected(other), u32::from(other == reason));
+            }
+        }
+    }
+}
