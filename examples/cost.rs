@@ -54,7 +54,7 @@ impl<const N: usize> Track<N> {
         let direction = math::atan2(SOURCE[1], SOURCE[0] - east);
         let measured = direction + BEARING_SIGMA_RAD * normal(&mut self.rng);
         let bearing = Bearing::from_radians(measured);
-        let observation = Observation::new([east, 0.0], bearing, BEARING_SIGMA_RAD);
+        let observation = Observation::new(1000 * self.second, [east, 0.0], bearing, BEARING_SIGMA_RAD);
         black_box(BearingLikelihood::new(
             &observation.expect("the drive is short"),
         ))
@@ -88,7 +88,7 @@ foxhunt_emulated::program!(target::run);
 mod target {
     use cortex_m_semihosting::hprintln;
     use foxhunt::{
-        aoa::robust::{self, RobustLocator},
+        aoa::{Locator, Robust, robust},
         model::Likelihood,
         refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Memory, Refinement},
     };
@@ -236,7 +236,7 @@ mod target {
             let outlier = if second % 5 == 0 { east } else { 0.0 };
             let direction = math::atan2(SOURCE[1], SOURCE[0] - east) + error + outlier;
             let bearing = Bearing::from_radians(direction);
-            let observation = Observation::new([east, 0.0], bearing, BEARING_SIGMA_RAD);
+            let observation = Observation::new(1000 * self.second, [east, 0.0], bearing, BEARING_SIGMA_RAD);
             let observation = observation.expect("the drive is short");
             // One of eight bearings has them moved.
             if second < 64 {
