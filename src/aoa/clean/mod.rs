@@ -26,7 +26,6 @@ use super::{
 };
 use crate::ConfigError;
 use crate::config::require;
-use crate::estimate::largest_variance;
 use crate::filter::ParticleFilter;
 use crate::math::sqrt;
 use crate::persist;
@@ -290,7 +289,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
             });
         };
         let gain = misfit_at_infinity - misfit(&self.bearings, mode.mean());
-        let variance = largest_variance(&mode.covariance());
+        let variance = mode.covariance().largest_eigenvalue();
         crossing(gain).check(variance, self.bearings.range_squared(mode.mean()))?;
         Ok(mode)
     }

@@ -1,6 +1,7 @@
 //! Where particles are moved: about the mode of the posterior.
 
 use crate::aoa::core::Proposal;
+use crate::estimate::Symmetric2;
 use crate::math::sqrt;
 use crate::random::{Rng, normal};
 
@@ -14,8 +15,8 @@ pub(super) struct ModeProposal {
 
 impl ModeProposal {
     /// `None` when the covariance is not positive definite.
-    pub(super) fn new(mean: [f32; 2], covariance: [[f32; 2]; 2]) -> Option<Self> {
-        let [[xx, xy], [_, yy]] = covariance;
+    pub(super) fn new(mean: [f32; 2], covariance: impl Into<Symmetric2>) -> Option<Self> {
+        let Symmetric2 { xx, xy, yy } = covariance.into();
         let l_xx = sqrt(xx);
         let l_yx = xy / l_xx;
         let l_yy = sqrt(yy - l_yx * l_yx);
@@ -30,9 +31,13 @@ impl ModeProposal {
         self.mean
     }
 
-    pub(super) fn covariance(&self) -> [[f32; 2]; 2] {
+    pub(super) fn covariance(&self) -> Symmetric2 {
         let [xx, yx, yy] = self.factor;
-        [[xx * xx, xx * yx], [xx * yx, yx * yx + yy * yy]]
+        Symmetric2 {
+            xx: xx * xx,
+            xy: xx * yx,
+            yy: yx * yx + yy * yy,
+        }
     }
 
     /// A point about `from`, `scale` times as far as a draw is from the mean.
@@ -88,7 +93,7 @@ mod tests {
     fn a_proposal_has_the_covariance_that_it_was_made_of() {
         let covariance = [[9.0, 2.0], [2.0, 4.0]];
         let proposal = ModeProposal::new([1.0, 2.0], covariance).unwrap();
-        let got = proposal.covariance();
+        let got = proposal.covariance().rows();
         assert!((0..2).all(|a| (0..2).all(|b| (got[a][b] - covariance[a][b]).abs() < 1e-5)));
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(41);
         let draws: Vec<[f32; 2]> = (0..100_000)

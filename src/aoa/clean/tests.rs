@@ -3,6 +3,7 @@ use super::*;
 use crate::aoa::testing::Clocked;
 use crate::aoa::track::{Stationary, Track as _};
 use crate::aoa::{Bearing, PushError};
+use crate::estimate::Symmetric2;
 use crate::problems::bearings::Track;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 use crate::refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths};
@@ -100,11 +101,11 @@ fn a_small_buffer_forgets_nothing() {
         };
         assert_eq!((whole.bearings, small.bearings), (60, 60));
         for axis in 0..2 {
-            let sigma = whole.covariance[axis][axis].sqrt();
+            let sigma = whole.covariance.rows()[axis][axis].sqrt();
             // The two clouds have their own noise of about a twelfth of a sigma.
             let off = (whole.position[axis] - small.position[axis]).abs() / sigma;
             assert!(off < 0.4, "seed {seed}: {off}");
-            let ratio = small.covariance[axis][axis].sqrt() / sigma;
+            let ratio = small.covariance.rows()[axis][axis].sqrt() / sigma;
             assert!((0.7..1.4).contains(&ratio), "seed {seed}: {ratio}");
         }
     }
@@ -303,15 +304,18 @@ fn fixes<const N: usize, M: Moves<N>>(new: impl Fn() -> Clocked<Clean<N, 64, M>>
 }
 
 fn compare(fixes: &[Fix], posterior: &[Fix]) -> Comparison {
-    let determinant = |[[a, b], [_, c]]: [[f32; 2]; 2]| a * c - b * b;
     let (mut squares, mut logs, mut covered) = (0.0, 0.0, 0.0);
     for (fix, posterior) in fixes.iter().zip(posterior) {
         let [x, y] = [0, 1].map(|d| fix.position[d] - posterior.position[d]);
-        let [[a, b], [_, c]] = posterior.covariance;
-        let whole = determinant(posterior.covariance);
+        let Symmetric2 {
+            xx: a,
+            xy: b,
+            yy: c,
+        } = posterior.covariance;
+        let whole = posterior.covariance.determinant();
         squares += (c * x * x - 2.0 * b * x * y + a * y * y) / whole;
         // A cloud that has become a point has a logarithm, too.
-        let area = determinant(fix.covariance).max(1e-12);
+        let area = fix.covariance.determinant().max(1e-12);
         logs += 0.5 * (area / whole).ln();
         if fix.ellipse(0.95).contains(Track::A2.source()) {
             covered += 1.0;
@@ -408,7 +412,7 @@ fn a_refinement_is_not_left_with_copies() {
         let Answer::Fix(wide) = second else {
             panic!("{second:?}")
         };
-        assert!(wide.covariance[0][0] > 100.0 && wide.covariance[1][1] > 100.0);
+        assert!(wide.covariance.xx > 100.0 && wide.covariance.yy > 100.0);
 
         // One so good that it leaves a particle or two: a sigma is 1.1 m at the source, to the north-west.
         let sharp = Bearing::from_radians(2.356_194_5);
@@ -417,7 +421,11 @@ fn a_refinement_is_not_left_with_copies() {
         let Answer::Fix(narrow) = third else {
             panic!("{third:?}")
         };
-        let [[a, b], [_, c]] = narrow.covariance;
+        let Symmetric2 {
+            xx: a,
+            xy: b,
+            yy: c,
+        } = narrow.covariance;
         let [across, along] = [b, -b].map(|b| (0.5 * (a + 2.0 * b + c)).sqrt());
         assert!(
             (0.6..2.5).contains(&across) && along > 5.0,

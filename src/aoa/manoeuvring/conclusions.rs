@@ -15,7 +15,6 @@ use crate::aoa::{
     Advice, Alternative, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Motion, NotObservable,
     Observation, PushError, Source,
 };
-use crate::estimate::Symmetric2;
 use crate::math::sqrt;
 use crate::random::Rng;
 
@@ -44,7 +43,7 @@ impl<L: Stationary> Manoeuvring<L> {
         let (position, covariance) = self.cloud.position();
         let moved = Hypothesis {
             position,
-            covariance: covariance.rows(),
+            covariance,
             probability: self.moved,
         };
         let departing = self.phase == Phase::Departing;
@@ -74,16 +73,16 @@ impl<L: Stationary> Manoeuvring<L> {
             let p = 1.0 - self.moved;
             let apart = [0, 1].map(|d: usize| stationary.position[d] - position[d]);
             covariance = (covariance.scaled(1.0 - p))
-                .plus(&Symmetric2::from(stationary.covariance).scaled(p))
+                .plus(&stationary.covariance.scaled(p))
                 .plus_outer(p * (1.0 - p), apart);
             position = [0, 1].map(|d: usize| position[d] + p * apart[d]);
         }
         let n = self.cloud.effective_sample_size();
-        let fix = Fix::of_cloud(position, covariance.rows(), n, self.bearings);
+        let fix = Fix::of_cloud(position, covariance, n, self.bearings);
         let limit = SLACK * L::beliefs(&config.track).relative_range_sigma;
         let latest = self.latest_position();
         let (dx, dy) = (position[0] - latest[0], position[1] - latest[1]);
-        let variance = Symmetric2::from(fix.covariance).largest_eigenvalue();
+        let variance = fix.covariance.largest_eigenvalue();
         if variance <= limit * limit * (dx * dx + dy * dy) {
             Answer::Fix(fix)
         } else {

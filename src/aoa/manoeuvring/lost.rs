@@ -73,7 +73,7 @@ impl<L: Stationary> Manoeuvring<L> {
         let ray = Ray {
             observation,
             about: seen.position,
-            sigma_m: sqrt(Symmetric2::from(seen.covariance).largest_eigenvalue())
+            sigma_m: sqrt(seen.covariance.largest_eigenvalue())
                 + config.speed_m_s * (self.lost.seconds + MEMORY * drive.seconds),
         };
         let count = SEARCHING * COMPONENTS as f32;

@@ -20,7 +20,6 @@ use super::{
     Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
     Observation, PushError, Source,
 };
-use crate::estimate::Symmetric2;
 use crate::math::{exp, ln};
 use crate::random::Rng;
 use crate::snapshot::{Persist, value};
@@ -412,9 +411,7 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
 /// Whether two sources are at the same place as far as can be told.
 fn are_one(a: &Fix, b: &Fix) -> bool {
     let offset = [0, 1].map(|d: usize| a.position[d] - b.position[d]);
-    Symmetric2::from(a.covariance)
-        .plus(&b.covariance.into())
-        .is_within(offset, SAME)
+    (a.covariance.plus(&b.covariance)).is_within(offset, SAME)
 }
 
 #[cfg(test)]

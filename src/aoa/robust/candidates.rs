@@ -8,7 +8,6 @@ use super::{Config, crossing, hypotheses, plane, position};
 use crate::aoa::core::is_narrow;
 use crate::aoa::words::Belief;
 use crate::aoa::{Advice, Answer, Hypothesis, Mixture, NotObservable, Observation, PushError};
-use crate::estimate::largest_variance;
 use crate::math::ln;
 use crate::persist;
 use crate::random::Rng;
@@ -72,7 +71,7 @@ impl<const B: usize> Candidates<B> {
     ) -> Option<Candidate<'a>> {
         let mode = self.modes.get(self.place(rank)?)?;
         let range = (self.evidence.bearings).range_squared(position(&mode.mean));
-        let variance = largest_variance(&plane(&mode.covariance.matrix()));
+        let variance = plane(&mode.covariance.matrix()).largest_eigenvalue();
         let found = is_narrow(variance, range, config.relative_range_sigma) && {
             let terms = self.evidence.terms(&config.errors);
             let density = self.evidence.density(&terms, config);

@@ -46,7 +46,7 @@ use super::{
 };
 use crate::ConfigError;
 use crate::config::{require, require_all};
-use crate::estimate::largest_variance;
+use crate::estimate::Symmetric2;
 use crate::filter::ParticleFilter;
 use crate::math::{exp, sqrt};
 use crate::particles::read;
@@ -451,7 +451,7 @@ impl<const N: usize, const B: usize> Robust<N, B> {
         );
         let range = self.evidence.bearings.range_squared(fix.position);
         let limit = slack * config.relative_range_sigma;
-        if is_narrow(largest_variance(&fix.covariance), range, limit) {
+        if is_narrow(fix.covariance.largest_eigenvalue(), range, limit) {
             Ok(fix)
         } else {
             Err(NotObservable::NoIntersection)
@@ -476,7 +476,7 @@ fn crossing<const B: usize>(
     let best = mode::best(modes).ok_or_else(|| crossing.reason())?;
     let density = evidence.density(terms, config);
     crossing.gain = 2.0 * (density.log_density(&best.mean) - at_infinity);
-    let variance = largest_variance(&plane(&best.covariance.matrix()));
+    let variance = plane(&best.covariance.matrix()).largest_eigenvalue();
     let range = evidence.bearings.range_squared(position(&best.mean));
     crossing.check(variance, range)
 }
@@ -497,8 +497,8 @@ fn position(&[x, y, _]: &State) -> [f32; 2] {
 }
 
 /// Of place and bias, the part of the place.
-fn plane(&[[xx, xy, _], [yx, yy, _], _]: &[[f32; 3]; 3]) -> [[f32; 2]; 2] {
-    [[xx, xy], [yx, yy]]
+fn plane(&[[xx, xy, _], [_, yy, _], _]: &[State; 3]) -> Symmetric2 {
+    Symmetric2 { xx, xy, yy }
 }
 
 #[cfg(test)]
