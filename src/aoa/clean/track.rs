@@ -77,7 +77,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Stationary for Clean<N, B, M> 
     fn centre_prior(&mut self, _: [f32; 2], _: f32) {}
 
     fn recall(&mut self, observation: &Observation, _: &Config<M>) {
-        self.bearings.note(&(*observation).into());
+        self.bearings.note(observation, 1.0);
         let new = Entry::new(*observation, 1.0);
         self.bearings.add(new, &Agreement { source: None });
     }
