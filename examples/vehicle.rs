@@ -17,4 +17,5 @@
 
 use foxhunt_gateways::plain::{CONFIG, Gateway};
 
-foxhunt_emulated::firmware!(Gateway = Gateway::EMPTY, |gateway, byte| gateway.push(0, byte, &CONFIG));
+foxhunt_emulated::firmware!(Gateway = Gateway::EMPTY, |gateway, byte| gateway
+    .push(0, byte, &CONFIG));

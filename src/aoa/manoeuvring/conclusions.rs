@@ -16,7 +16,6 @@ use crate::aoa::{
     Advice, Alternative, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Motion, NotObservable,
     Observation, PushError, Source,
 };
-use crate::estimate::largest_variance;
 use crate::math::sqrt;
 use crate::random::Rng;
 
@@ -45,7 +44,7 @@ impl<L: Stationary> Manoeuvring<L> {
         let (position, covariance) = self.cloud.position();
         let moved = Hypothesis {
             position,
-            covariance: matrix(covariance),
+            covariance: matrix(covariance).into(),
             probability: self.moved,
         };
         let departing = self.phase == Phase::Departing;
@@ -78,7 +77,7 @@ impl<L: Stationary> Manoeuvring<L> {
             for (a, row) in covariance.iter_mut().enumerate() {
                 for (b, entry) in row.iter_mut().enumerate() {
                     let between = p * (1.0 - p) * apart[a] * apart[b];
-                    *entry += p * (stationary.covariance[a][b] - *entry) + between;
+                    *entry += p * (stationary.covariance.rows()[a][b] - *entry) + between;
                 }
             }
             position = [0, 1].map(|d: usize| position[d] + p * apart[d]);
@@ -88,7 +87,7 @@ impl<L: Stationary> Manoeuvring<L> {
         let limit = SLACK * L::beliefs(&config.track).relative_range_sigma;
         let latest = self.latest_position();
         let (dx, dy) = (position[0] - latest[0], position[1] - latest[1]);
-        if largest_variance(&fix.covariance) <= limit * limit * (dx * dx + dy * dy) {
+        if fix.covariance.largest_eigenvalue() <= limit * limit * (dx * dx + dy * dy) {
             Answer::Fix(fix)
         } else {
             Answer::NotObservable(NotObservable::NoIntersection)

@@ -7,7 +7,6 @@ use super::config::Config;
 use super::drive::Drive;
 use crate::aoa::Observation;
 use crate::aoa::track::Stationary;
-use crate::estimate::largest_variance;
 use crate::math::{sin_cos, sqrt};
 use crate::random::{Rng, normal};
 use crate::snapshot::value;
@@ -73,7 +72,7 @@ impl<L: Stationary> Manoeuvring<L> {
         let ray = Ray {
             observation,
             about: seen.position,
-            sigma_m: sqrt(largest_variance(&seen.covariance))
+            sigma_m: sqrt(seen.covariance.largest_eigenvalue())
                 + config.speed_m_s * (self.lost.seconds + MEMORY * drive.seconds),
         };
         let count = SEARCHING * COMPONENTS as f32;

@@ -411,12 +411,10 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
 
 /// Whether two sources are at the same place as far as can be told.
 fn are_one(a: &Fix, b: &Fix) -> bool {
-    let [[axx, axy], [_, ayy]] = a.covariance;
-    let [[bxx, bxy], [_, byy]] = b.covariance;
-    let (xx, xy, yy) = (axx + bxx, axy + bxy, ayy + byy);
+    let both = a.covariance.plus(&b.covariance);
     let (dx, dy) = (a.position[0] - b.position[0], a.position[1] - b.position[1]);
-    let determinant = xx * yy - xy * xy;
-    dx * dx * yy - 2.0 * dx * dy * xy + dy * dy * xx < SAME * determinant
+    let square = dx * dx * both.yy - 2.0 * dx * dy * both.xy + dy * dy * both.xx;
+    square < SAME * both.determinant()
 }
 
 #[cfg(test)]

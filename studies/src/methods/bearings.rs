@@ -2,9 +2,9 @@
 
 use foxhunt::{
     aoa::{
-        Bearing, Observation,
+        Bearing, Clean, Locator, Observation,
+        clean::Config,
         gauss_newton::{self, Errors},
-        locator::{Answer, Locator, Settings},
         triangulation::intersection,
     },
     filter::ParticleFilter,
@@ -44,7 +44,7 @@ pub trait Watch {
     fn estimate(&mut self, position: Option<[f32; 2]>);
 
     /// A locator that moves its particles so often has taken a bearing.
-    fn pushed<const N: usize>(&mut self, locator: &Locator<N>, moves: u8);
+    fn pushed<const N: usize>(&mut self, locator: &Clean<N>, moves: u8);
 }
 
 /// A method.
@@ -241,9 +241,16 @@ fn any<'a>(observations: &'a [Observation], rng: &mut Xoshiro128PlusPlus) -> &'a
 }
 
 fn disturbed(observation: &Observation, rng: &mut Xoshiro128PlusPlus) -> Option<Observation> {
-    let sigma = observation.deviation();
+    let sigma = observation.sigma_rad();
     let angle = observation.bearing().radians() + sigma * normal(rng);
-    Observation::new(observation.position(), Bearing::from_radians(angle), sigma).ok()
+    let bearing = Bearing::from_radians(angle);
+    Observation::new(
+        observation.time_ms(),
+        observation.position(),
+        bearing,
+        sigma,
+    )
+    .ok()
 }
 
 /// How many places `b` is from `a` in the order of their angles.
@@ -395,17 +402,17 @@ impl<const N: usize> Method for Located<N> {
         rng: &mut Xoshiro128PlusPlus,
         watch: &mut impl Watch,
     ) -> Option<Estimate> {
-        let fix = |answer| match answer {
-            Answer::Fix(fix) => Some(fix),
-            Answer::NotObservable(_) => None,
+        let config = Config {
+            moves: self.0,
+            ..Config::DEFAULT
         };
-        let mut locator = Locator::<N>::new(Settings::new().moves(self.0).ok()?);
+        let mut locator = Locator::<Clean<N>>::new(config).ok()?;
         for observation in bearings.observations {
-            let answer = locator.push(*observation, rng);
-            watch.estimate(fix(answer).map(|fix| fix.position));
-            watch.pushed(&locator, self.0);
+            let answer = locator.push(observation, rng).ok()?;
+            watch.estimate(answer.fix().map(|fix| fix.position));
+            watch.pushed(locator.state(), self.0);
         }
-        fix(locator.answer()).map(|fix| Estimate {
+        locator.fix().map(|fix| Estimate {
             position: fix.position,
             covariance: fix.covariance,
         })
