@@ -84,10 +84,6 @@ impl<const N: usize, const B: usize, M: Moves<N>> Stationary for Clean<N, B, M> 
         ([x, y, 0.0], [[xx, xy, 0.0], [yx, yy, 0.0], [0.0; 3]])
     }
 
-    fn evidence(&self) -> f32 {
-        1.0 + odds(self.log_evidence)
-    }
-
     fn restart(&mut self, _: Mixture) {
         self.reset();
     }

@@ -7,7 +7,6 @@ use super::term::State;
 use super::{Candidate, Config, Robust, crossing};
 use crate::aoa::track::{Stationary, Track};
 use crate::aoa::{Answer, Locate, Mixture, Observation};
-use crate::math::exp;
 use crate::random::Rng;
 
 impl<const N: usize, const B: usize> Track for Robust<N, B> {
@@ -69,11 +68,6 @@ impl<const N: usize, const B: usize> Track for Robust<N, B> {
 impl<const N: usize, const B: usize> Stationary for Robust<N, B> {
     fn moments(&self) -> (State, [State; 3]) {
         self.moments
-    }
-
-    /// Of a bearing that was joined with former ones: how much better they fit together.
-    fn evidence(&self) -> f32 {
-        exp(self.log_evidence)
     }
 
     fn restart(&mut self, rates: Mixture) {
