@@ -54,7 +54,8 @@ impl<const N: usize> Track<N> {
         let direction = math::atan2(SOURCE[1], SOURCE[0] - east);
         let measured = direction + BEARING_SIGMA_RAD * normal(&mut self.rng);
         let bearing = Bearing::from_radians(measured);
-        let observation = Observation::new(1000 * self.second, [east, 0.0], bearing, BEARING_SIGMA_RAD);
+        let observation =
+            Observation::new(1000 * self.second, [east, 0.0], bearing, BEARING_SIGMA_RAD);
         black_box(BearingLikelihood::new(
             &observation.expect("the drive is short"),
         ))
@@ -228,7 +229,8 @@ mod target {
     }
 
     fn robust_updates<const M: usize>(name: &str) {
-        let mut locator = black_box(RobustLocator::<M, 64>::new(robust::Settings::default()));
+        let locator = Locator::<Robust<M>>::new(robust::Config::DEFAULT);
+        let mut locator = black_box(locator.expect("the default is right"));
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(3);
         for second in 0..72 {
             let east = 20.0 * second as f32;
@@ -236,13 +238,14 @@ mod target {
             let outlier = if second % 5 == 0 { east } else { 0.0 };
             let direction = math::atan2(SOURCE[1], SOURCE[0] - east) + error + outlier;
             let bearing = Bearing::from_radians(direction);
-            let observation = Observation::new(1000 * self.second, [east, 0.0], bearing, BEARING_SIGMA_RAD);
+            let observation =
+                Observation::new(1000 * second, [east, 0.0], bearing, BEARING_SIGMA_RAD);
             let observation = observation.expect("the drive is short");
             // One of eight bearings has them moved.
             if second < 64 {
-                locator.push(observation, &mut rng);
+                locator.push(&observation, &mut rng).expect("in order");
             } else {
-                region(name, 8, || locator.push(observation, &mut rng));
+                region(name, 8, || locator.push(&observation, &mut rng)).expect("in order");
             }
         }
     }
