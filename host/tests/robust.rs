@@ -85,7 +85,7 @@ fn clean_bearings_cost_nothing() {
 }
 
 #[test]
-fn a_tenth_of_wild_bearings() {
+fn a_tenth_of_outliers() {
     check(Faults {
         outlier_rate: 0.1,
         ..Faults::default()
@@ -93,7 +93,7 @@ fn a_tenth_of_wild_bearings() {
 }
 
 #[test]
-fn three_tenths_of_wild_bearings() {
+fn three_tenths_of_outliers() {
     check(Faults {
         outlier_rate: 0.3,
         ..Faults::default()

@@ -1,6 +1,6 @@
 //! What came of a log from the field, kept for people: tables for a spreadsheet, a GeoJSON file for a map, a picture.
 //!
-//! A [`Recorder`] reads the bytes as the gateway of a vehicle does, by whatever locator, and notes what every bearing led
+//! A [`Recorder`] reads the bytes as the gateway of a vehicle does, with any locator, and notes what every bearing led
 //! to; the [`Archive`] is what that makes, and writes the files.
 
 mod coordinates;
@@ -69,10 +69,10 @@ pub struct Answered {
     pub answer: Answer,
     /// The sources that have a fix, the best known first.
     pub sources: Vec<Source>,
-    /// What all bearings are off by alike.
+    /// The common bias of all bearings.
     pub bias: Option<Bias>,
     /// What bearings are.
-    pub shares: Option<Shares>,
+    pub rates: Option<Shares>,
 }
 
 /// A bearing that was used.

@@ -95,7 +95,7 @@ impl<L: Locate> Recorder<L> {
                 .map_while(|index| locator.source(index))
                 .collect(),
             bias: locator.bias(),
-            shares: locator.shares(),
+            rates: locator.shares(),
         };
         let taken = Taken {
             time_ms,

@@ -135,7 +135,7 @@ impl FixRow {
     }
 
     fn common(known: &Answered) -> Self {
-        let rate = |of: fn(&Shares) -> f32| known.shares.as_ref().map(|s| probability(of(s)));
+        let rate = |of: fn(&Shares) -> f32| known.rates.as_ref().map(|s| probability(of(s)));
         Self {
             time: clock(known.time_ms),
             search: known.search,
