@@ -2,8 +2,8 @@
 
 use heapless::Vec;
 
-use super::outcome::Rejected;
 use super::formats::{self, Sentence, Set};
+use super::outcome::Rejected;
 use crate::aoa::spectrum::Peak;
 
 /// The most bytes of a line that are kept: those of a KrakenSDR before its spectrum.
@@ -196,11 +196,7 @@ mod tests {
         let line = |text| Ok(String::from(text));
         assert_eq!(
             read("\0\0%045/7\r\0\n\x0017,2\r\0$GPHDT,1*00\n\0\r"),
-            [
-                line("%045/7"),
-                line("17,2"),
-                line("$GPHDT,1*00"),
-            ]
+            [line("%045/7"), line("17,2"), line("$GPHDT,1*00"),]
         );
     }
 

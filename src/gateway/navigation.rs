@@ -169,12 +169,7 @@ impl Navigation {
 
     /// Heading by the direction finder, in degrees clockwise from true north: not the course of a vehicle that has hardly
     /// moved, which is judged once a second at most, for its place may be as old.
-    fn own_heading<C>(
-        &mut self,
-        time: TimeOfDay,
-        pose: &Pose,
-        config: &Config<C>,
-    ) -> Option<f32> {
+    fn own_heading<C>(&mut self, time: TimeOfDay, pose: &Pose, config: &Config<C>) -> Option<f32> {
         /// In milliseconds.
         const SOON: i32 = 1_000;
         let (last_time, last_place) = *self.own_place.get_or_insert((time, pose.place));

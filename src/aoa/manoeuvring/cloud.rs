@@ -230,7 +230,11 @@ impl Cloud {
                 squares += weight * component.stationary_s * component.stationary_s;
             }
         }
-        let mass = if probability > 1e-9 { probability } else { 1e-9 };
+        let mass = if probability > 1e-9 {
+            probability
+        } else {
+            1e-9
+        };
         let seconds = sum / mass;
         let variance = squares / mass - seconds * seconds;
         Stopped {

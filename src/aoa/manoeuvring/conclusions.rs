@@ -2,19 +2,19 @@
 
 use heapless::Deque;
 
+use super::Manoeuvring;
 use super::cloud::Cloud;
 use super::component::matrix;
 use super::config::Config;
 use super::lost::Lost;
 use super::phases::{Phase, seconds};
-use super::Manoeuvring;
 use crate::ConfigError;
 use crate::aoa::robust::{self, Candidate, Errors};
 use crate::aoa::track::{Stationary, Track, likeliest};
 use crate::aoa::words::Belief;
 use crate::aoa::{
-    Advice, Alternative, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Motion,
-    NotObservable, Observation, PushError, Source,
+    Advice, Alternative, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Motion, NotObservable,
+    Observation, PushError, Source,
 };
 use crate::estimate::largest_variance;
 use crate::math::sqrt;
@@ -265,7 +265,9 @@ impl<L: Stationary> Track for Manoeuvring<L> {
         } else {
             0.0
         };
-        let elapsed_ms = self.latest().map_or(0, |latest| observation.since_ms(latest.time_ms()));
+        let elapsed_ms = self
+            .latest()
+            .map_or(0, |latest| observation.since_ms(latest.time_ms()));
         let elapsed = seconds(elapsed_ms.max(0));
         stationary + self.moved * self.cloud.odds(observation, &self.errors(config), elapsed)
     }

@@ -144,8 +144,8 @@ impl<L: Stationary> Manoeuvring<L> {
 
     /// Keeps a bearing, and returns it with a sigma by which it counts for no more than it tells beside the earlier ones.
     fn remember(&mut self, observation: &Observation, errors: &Errors) -> Observation {
-        let earlier = (self.recent.iter())
-            .map(|old| (old, seconds(observation.since_ms(old.time_ms()))));
+        let earlier =
+            (self.recent.iter()).map(|old| (old, seconds(observation.since_ms(old.time_ms()))));
         let fresh = independent(observation, earlier, errors);
         if self.recent.is_full() {
             self.recent.pop_front();

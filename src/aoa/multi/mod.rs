@@ -229,7 +229,9 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
 
     /// Deletes this track or another one of the same source: that which rests on fewer bearings.
     fn delete_twin(&mut self, place: usize) {
-        let Some(one) = self.fix_at(place) else { return };
+        let Some(one) = self.fix_at(place) else {
+            return;
+        };
         for other in 0..K {
             if other != place
                 && let Some(fix) = self.fix_at(other)
@@ -301,7 +303,10 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
     type Config = Config<L::Config>;
 
     const EMPTY: Self = {
-        assert!(K >= 1 && B >= 2, "a locator of several sources needs tracks and bearings");
+        assert!(
+            K >= 1 && B >= 2,
+            "a locator of several sources needs tracks and bearings"
+        );
         Self {
             tracks: [const { L::EMPTY }; K],
             slots: [FREE; K],

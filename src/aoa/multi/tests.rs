@@ -28,7 +28,13 @@ fn three() -> Locator<Three> {
 
 /// A bearing of a second.
 fn observe(second: usize, place: [f32; 2], radians: f32) -> Observation {
-    Observation::new(1000 * second as u32, place, Bearing::from_radians(radians), SIGMA).unwrap()
+    Observation::new(
+        1000 * second as u32,
+        place,
+        Bearing::from_radians(radians),
+        SIGMA,
+    )
+    .unwrap()
 }
 
 /// Bearings from some places, one a second, each of the source that `whose` draws, or an outlier if it draws none.
@@ -200,8 +206,9 @@ fn two_sources_are_told_apart() {
     const OUTLIERS: f32 = 0.1;
     type Whose = fn(f32, usize) -> Option<usize>;
     let alternating: Whose = |kind, i| (kind >= OUTLIERS).then_some(i % 2);
-    let four_to_one: Whose =
-        |kind, _| (kind >= OUTLIERS).then_some(usize::from(kind > OUTLIERS + 0.8 * (1.0 - OUTLIERS)));
+    let four_to_one: Whose = |kind, _| {
+        (kind >= OUTLIERS).then_some(usize::from(kind > OUTLIERS + 0.8 * (1.0 - OUTLIERS)))
+    };
     for (name, whose) in [("1:1", alternating), ("4:1", four_to_one)] {
         const RUNS: u64 = 200;
         let (mut found, mut inside, mut clean) = ([0; 2], [0; 2], 0);
@@ -352,9 +359,8 @@ fn a_refused_bearing_changes_nothing() {
     let (late, rest): (Vec<_>, Vec<_>) = (0..100).partition(|i| [70, 71].contains(i));
     let on_time: Vec<Observation> = rest.iter().map(|i| sights[*i]).collect();
     run(&mut sources, &on_time, 2);
-    let bearings = |sources: &Locator<Three>| -> u32 {
-        all(sources).iter().map(|one| one.fix.bearings).sum()
-    };
+    let bearings =
+        |sources: &Locator<Three>| -> u32 { all(sources).iter().map(|one| one.fix.bearings).sum() };
     let before = bearings(&sources);
     for i in late {
         sources.push(&sights[i], &mut rng).unwrap();
@@ -416,8 +422,7 @@ fn more_sources_than_tracks_are_left_out() {
 #[test]
 fn anything_that_is_an_observation_is_taken() {
     let mut rng = generator(9);
-    let mut sources =
-        Locator::<MultiTarget<2, Robust<32, 8>, 4>>::new(Config::DEFAULT).unwrap();
+    let mut sources = Locator::<MultiTarget<2, Robust<32, 8>, 4>>::new(Config::DEFAULT).unwrap();
     let mut time_ms = 0u32;
     for i in 0..3000 {
         let mut draw = || 2.0 * uniform(&mut rng) - 1.0;

@@ -10,8 +10,8 @@ mod nmea;
 pub mod ublox;
 
 pub use agrelo::Agrelo;
-pub(super) use format::{Motion, Pose, Reading, Sentence, Set};
 pub use format::Formats;
+pub(super) use format::{Motion, Pose, Reading, Sentence, Set};
 pub use kraken::{Kraken, KrakenSpectrum};
 pub use nmea::Nmea;
 pub use ublox::Ublox;

@@ -4,12 +4,11 @@ use super::format::{Format, Layout, Reading, Sentence};
 use super::{Config as All, Finder, Sense};
 use crate::ConfigError;
 use crate::gateway::decimal::fixed;
-use crate::gateway::sentence::columns;
 use crate::gateway::outcome::Rejected;
+use crate::gateway::sentence::columns;
 use crate::gateway::sigma::{self, SigmaTable};
 
-pub(super) const EXAMPLE: &str =
-    "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"CCF9579B21AE\",\"\",1129320";
+pub(super) const EXAMPLE: &str = "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"CCF9579B21AE\",\"\",1129320";
 
 /// The event `+UUDF:` of u-connectLocate: tag, RSSI, azimuth, elevation, RSSI of the other polarisation, channel,
 /// "anchor", "text", milliseconds since the board was switched on, and in later versions a counter.

@@ -176,7 +176,8 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
             }
             Sentence::Other => Event::Other,
             of_receiver => {
-                self.navigation.sentence(of_receiver, config.min_speed_m_s)?;
+                self.navigation
+                    .sentence(of_receiver, config.min_speed_m_s)?;
                 Event::Used
             }
         })
@@ -225,7 +226,9 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
             None => observe(reading.degrees, sigma_rad(reading, config))?,
         };
         let mut alternatives = Vec::<Alternative, 3>::new();
-        if F::SPECTRA && let Some([best, second, third]) = peaks {
+        if F::SPECTRA
+            && let Some([best, second, third]) = peaks
+        {
             for peak in [second, third, best].into_iter().flatten() {
                 let seen = of_peak(peak).map(|seen| Alternative::new(seen, peak.share));
                 if let Ok(Ok(alternative)) = seen {
@@ -322,14 +325,14 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Gateway<L, F, R, 
         self.vehicle.push(port, byte, &self.config)
     }
 
-    /// Forgets the source and the origin: see [`Vehicle::restart`].
-    pub fn restart(&mut self) {
-        self.vehicle.restart();
-    }
-
     /// The state, with reports, counts and the locator.
     pub const fn vehicle(&self) -> &Vehicle<L, F, R, PORTS> {
         &self.vehicle
+    }
+
+    /// The state, to restart or restore it.
+    pub const fn vehicle_mut(&mut self) -> &mut Vehicle<L, F, R, PORTS> {
+        &mut self.vehicle
     }
 
     /// The configuration.

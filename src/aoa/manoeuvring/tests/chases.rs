@@ -131,7 +131,8 @@ fn a_source_that_turns_round_is_found_again() {
 #[test]
 fn a_stationary_source_is_seldom_said_to_move() {
     // Outliers; errors that are correlated as the configuration says.
-    for (outliers, correlated, speed) in [(0.1, false, 12.0), (0.3, false, 12.0), (0.1, true, 3.0)] {
+    for (outliers, correlated, speed) in [(0.1, false, 12.0), (0.3, false, 12.0), (0.1, true, 3.0)]
+    {
         let runs = follow_some(40, false, |chase| {
             chase.departure = f32::INFINITY;
             (chase.outliers, chase.correlated) = (outliers, correlated);

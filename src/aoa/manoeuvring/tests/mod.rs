@@ -9,8 +9,8 @@ mod stationary;
 use core::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};
 
 use super::*;
-use crate::aoa::{Bearing, Locate, Locator, Robust, robust};
 use crate::aoa::testing::{at, is_zero};
+use crate::aoa::{Bearing, Locate, Locator, Robust, robust};
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
 use crate::resample::{Scheme, resample};
 use crate::weights;
@@ -122,7 +122,12 @@ fn a_late_bearing_goes_to_the_stationary_explanation() {
     let bearings = Chase::random(&mut generator(5)).bearings(5);
     let (mut locator, mut rng) = (subject(), generator(5));
     let take = |i: usize| i % 10 != 5;
-    for (_, step) in bearings.iter().enumerate().filter(|(i, _)| take(*i)).take(90) {
+    for (_, step) in bearings
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| take(*i))
+        .take(90)
+    {
         locator.push(&step.observation, &mut rng).unwrap();
     }
     let before = locator.fix().unwrap();
@@ -181,7 +186,10 @@ fn anything_that_is_an_observation_is_taken() {
             }
             if let Some(motion) = locator.state().motion() {
                 assert!((0.0..=1.0).contains(&motion.moving), "{motion:?}");
-                assert!(motion.velocity_m_s.iter().all(|v| v.is_finite()), "{motion:?}");
+                assert!(
+                    motion.velocity_m_s.iter().all(|v| v.is_finite()),
+                    "{motion:?}"
+                );
                 assert!(motion.sigma_m_s.is_finite(), "{motion:?}");
             }
         }

@@ -21,9 +21,8 @@ fn a_source_without_a_fix_is_still_the_one_reported() {
             }
             unknown += 1;
             let said = (answer, several.hypotheses().next(), several.advice());
-            let one = tracks().find(|track| {
-                (track.answer(), track.hypothesis(0), track.advice(&CONFIG)) == said
-            });
+            let one = tracks()
+                .find(|track| (track.answer(), track.hypothesis(0), track.advice(&CONFIG)) == said);
             let one = one.expect("what is said is of one of the tracks");
             assert_eq!(several.bias(), one.bias(&CONFIG));
             assert_eq!(several.rates(), one.rates(&CONFIG));

@@ -39,7 +39,10 @@ fn a_source_that_never_moves_is_located_as_well() {
                 let observation = at(2000 * i, observation);
                 wrapped.push(&observation, &mut rng).unwrap();
                 alone.push(&observation, &mut rng).unwrap();
-                alarm |= wrapped.state().motion().is_some_and(|motion| motion.moving > 0.5);
+                alarm |= wrapped
+                    .state()
+                    .motion()
+                    .is_some_and(|motion| motion.moving > 0.5);
             }
             alarms += u32::from(alarm);
             score(wrapped.answer(), track.source(), &mut scores[0]);

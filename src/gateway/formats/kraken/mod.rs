@@ -10,8 +10,8 @@ use crate::aoa::spectrum::{Spectrum, Temper};
 use crate::config::require;
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::decimal::{decimal, fixed};
-use crate::gateway::sentence::columns;
 use crate::gateway::outcome::Rejected;
+use crate::gateway::sentence::columns;
 use crate::gateway::sigma::{self, SigmaTable};
 use spectrum::SpectrumReader;
 
