@@ -16,4 +16,4 @@
 use foxhunt::gateway::beacon::Framing;
 use foxhunt_gateways::tunnel::{Gateway, gateway};
 
-foxhunt_emulated::firmware!(Gateway = gateway(Framing::Lines));
+foxhunt_emulated::firmware!(Gateway = gateway(Framing::Lines), Gateway::push);

@@ -21,9 +21,7 @@ const SOURCE: [f32; 2] = [1200.0, 800.0];
 /// Standard deviation of a bearing, in radians.
 const BEARING_SIGMA_RAD: f32 = 0.0195;
 /// A metre after one second: two normal samples for each particle and step.
-const DYNAMICS: RandomWalk<2> = RandomWalk {
-    deviation: [1.0, 1.0],
-};
+const DYNAMICS: RandomWalk<2> = RandomWalk { sigma: [1.0, 1.0] };
 
 /// A filter that tracks the source by bearings from a vehicle, which drives east at 25 m/s.
 struct Track<const N: usize> {
@@ -92,9 +90,7 @@ mod target {
     use foxhunt::{
         aoa::robust::{self, RobustLocator},
         model::Likelihood,
-        refine::{
-            Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Memory, Refinement,
-        },
+        refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Memory, Refinement},
     };
     use foxhunt_emulated::region::region;
 
@@ -167,22 +163,40 @@ mod target {
     /// One iteration of each refinement, by a density that costs next to nothing, and of the school by a bearing as well.
     fn refinements() {
         // So far a fish sees a dozen mates on average.
-        let school = FishSchool::new(Lengths::Relative, 0.22, 0.3).expect("lengths are positive");
+        let school = FishSchool {
+            perception: 0.22,
+            ..FishSchool::DEFAULT
+        };
         refinement::<1000>("m4f.refine.fish.n1000", &school, &bowl);
         let likelihood = Track::<1>::new().likelihood();
         refinement::<1000>("m4f.refine.fish.n1000.bearing", &school, &likelihood);
-        let metropolis = school.acceptance(Acceptance::Metropolis);
+        let metropolis = FishSchool {
+            acceptance: Acceptance::Metropolis,
+            ..school
+        };
         refinement::<N>("m4f.refine.fish.metropolis", &metropolis, &bowl);
 
-        let standard = Firefly::standard(Lengths::Relative, 1.0, 0.3).expect("in range");
+        let flutter = 0.3;
+        let standard = Firefly {
+            flutter,
+            ..Firefly::STANDARD
+        };
         refinement::<80>("m4f.refine.firefly.standard", &standard, &bowl);
-        let improved = Firefly::improved(Lengths::Relative, 1.0, 0.3).expect("in range");
+        let improved = Firefly {
+            flutter,
+            ..Firefly::DEFAULT
+        };
         refinement::<80>("m4f.refine.firefly.improved", &improved, &bowl);
 
-        let evolution = DifferentialEvolution::new().generations(1);
-        let evolution = evolution.expect("not none");
+        let evolution = DifferentialEvolution {
+            generations: 1,
+            ..DifferentialEvolution::DEFAULT
+        };
         refinement::<N>("m4f.refine.evolution.greedy", &evolution, &bowl);
-        let metropolis = evolution.acceptance(Acceptance::Metropolis);
+        let metropolis = DifferentialEvolution {
+            acceptance: Acceptance::Metropolis,
+            ..evolution
+        };
         refinement::<N>("m4f.refine.evolution.metropolis", &metropolis, &bowl);
     }
 

@@ -7,6 +7,7 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use foxhunt_gateways::fish::{Gateway, gateway};
+use foxhunt_gateways::fish::{CONFIG, Gateway};
 
-foxhunt_emulated::firmware!(Gateway = gateway());
+foxhunt_emulated::firmware!(Gateway = Gateway::EMPTY, |gateway, byte| gateway
+    .push(0, byte, &CONFIG));

@@ -8,7 +8,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use foxhunt::gateway::Event;
 use foxhunt::snapshot::{Error, Keeper};
-use foxhunt_gateways::kept::{self, Gateway as Vehicle};
+use foxhunt_gateways::kept::{CONFIG, Gateway as Vehicle};
 
 type Buffers = [[u8; Keeper::<Vehicle>::BYTES]; 2];
 
@@ -43,20 +43,18 @@ pub struct Gateway {
     is_awake: bool,
 }
 
-pub const fn gateway() -> Gateway {
-    Gateway {
-        vehicle: kept::gateway(),
+impl Gateway {
+    pub const EMPTY: Self = Self {
+        vehicle: Vehicle::EMPTY,
         keeper: None,
         is_awake: false,
-    }
-}
+    };
 
-impl Gateway {
     pub fn push(&mut self, byte: u8) -> Option<Event> {
         if !self.is_awake {
             self.wake();
         }
-        let event = self.vehicle.push(byte)?;
+        let event = self.vehicle.push(0, byte, &CONFIG)?;
         if let Event::Fix(_) | Event::NotObservable(_) | Event::Restarted = event
             && let Some(keeper) = &mut self.keeper
         {

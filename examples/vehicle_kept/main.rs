@@ -9,6 +9,6 @@
 
 mod keep;
 
-use keep::{Gateway, gateway};
+use keep::Gateway;
 
-foxhunt_emulated::firmware!(Gateway = gateway());
+foxhunt_emulated::firmware!(Gateway = Gateway::EMPTY, Gateway::push);

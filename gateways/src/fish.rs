@@ -1,27 +1,17 @@
 //! The gateway of a vehicle whose particles are moved by a school of fish, with the posterior kept exact.
 
 use foxhunt::{
-    aoa::locator::{self, Locator},
-    gateway::{Settings, Vehicle},
-    refine::{Acceptance, FishSchool, Lengths},
+    aoa::{Clean, clean},
+    gateway::{Config, Vehicle},
+    refine::FishSchool,
 };
 
 /// Two hundred fish, a memory of 64 bearings.
-pub type Gateway = Vehicle<Locator<200, 64, FishSchool>>;
+pub type Gateway = Vehicle<Clean<200, 64, FishSchool>>;
 
-/// The gateway before its first byte.
-///
 /// Each fish is offered four places: steps of up to three sigmas of the cloud, and past the centre of four mates.
-pub const fn gateway() -> Gateway {
-    let Ok(school) = FishSchool::new(Lengths::Relative, 1.0, 3.0) else {
-        panic!("lengths are positive");
-    };
-    let Ok(school) = school.iterations(2) else {
-        panic!("two are some");
-    };
-    let locator = Locator::with_refinement(
-        locator::Settings::new(),
-        school.acceptance(Acceptance::Metropolis),
-    );
-    Vehicle::new(Settings::new(), locator)
-}
+const MOVES: FishSchool = FishSchool::METROPOLIS;
+
+/// The defaults, for a car, with these moves.
+pub const CONFIG: Config<clean::Config<FishSchool>> =
+    Config::new(clean::Config::with_refinement(MOVES));

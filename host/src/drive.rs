@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Write};
 
-use foxhunt::gateway::Settings;
+use foxhunt_gateways::plain;
 use rand::{Rng, RngExt};
 
 use crate::{
@@ -187,7 +187,7 @@ fn quality(rng: &mut impl Rng) -> f64 {
 
 /// Standard deviation of a bearing of this quality, in degrees, as the gateway takes it to be.
 pub(crate) fn sigma_degrees(quality: f64) -> f64 {
-    f64::from(Settings::default().deviation_rad(quality as f32)).to_degrees()
+    f64::from(plain::CONFIG.sigma_rad(quality as f32)).to_degrees()
 }
 
 #[cfg(test)]

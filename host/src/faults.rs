@@ -66,6 +66,7 @@ impl Stationary {
                 });
                 error = common * error + (1.0 - common * common).sqrt() * normal(rng);
                 sights.push(Sight {
+                    time_ms: 1000 * sights.len() as u32,
                     position,
                     bearing: wrap(direction(position, track.source) + track.sigma * error),
                     sigma: track.sigma,

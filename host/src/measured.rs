@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use foxhunt::gateway::Settings;
+use foxhunt_gateways::plain;
 use serde::Deserialize;
 
 use crate::{
@@ -100,13 +100,13 @@ impl Measured {
 }
 
 fn quality(sigma_degrees: f64) -> Result<f64> {
-    let settings = Settings::default();
-    let degrees = |quality| f64::from(settings.deviation_rad(quality)).to_degrees();
-    let (best, worst) = (degrees(100.0), degrees(settings.minimum_quality()));
+    let config = plain::CONFIG;
+    let degrees = |quality| f64::from(config.sigma_rad(quality)).to_degrees();
+    let (best, worst) = (degrees(100.0), degrees(config.min_quality));
     ensure!(
         (best..=worst).contains(&sigma_degrees),
         "the gateway takes sigmas from {best:.1} to {worst:.1} degrees"
     );
-    let slope = (worst - best) / f64::from(100.0 - settings.minimum_quality());
+    let slope = (worst - best) / f64::from(100.0 - config.min_quality);
     Ok(100.0 - (sigma_degrees - best) / slope)
 }

@@ -1,12 +1,9 @@
 //! A stream of bytes through the gateway of the firmware, on the host.
 
 use foxhunt::{
-    aoa::{
-        Cloud, Locate,
-        geodesy::LocalPlane,
-        locator::{self, Answer, Fix, Locator},
-    },
-    gateway::{Event, LONG_REPORT, Settings, Vehicle},
+    ConfigError,
+    aoa::{Cloud, Fix, Locate, geodesy::LocalPlane},
+    gateway::{Config, Event, FullReport, Gateway, ReportForm, ShortReport, Vehicle, formats::All},
     random::{SeedableRng, Xoshiro128PlusPlus},
     resample::{Scheme, resample},
 };
@@ -17,8 +14,8 @@ use crate::Sight;
 
 /// A gateway and all that it has said so far.
 #[derive(Debug)]
-pub struct Replay<L = plain::Locator> {
-    gateway: Box<Vehicle<L, LONG_REPORT>>,
+pub struct Replay<L: Locate = plain::Locator, R = ShortReport> {
+    gateway: Box<Gateway<L, All, R>>,
     plane: Option<LocalPlane>,
     output: Vec<u8>,
     events: Vec<Event>,
@@ -29,14 +26,14 @@ pub struct Replay<L = plain::Locator> {
 pub(crate) const SOURCES: usize = 16;
 
 impl Default for Replay {
-    /// With the settings of the firmware.
+    /// The gateway of the firmware `vehicle`.
     fn default() -> Self {
-        Self::new(Settings::new(), Locator::new(locator::Settings::new()))
+        Self::new(plain::CONFIG).expect("the firmware's own configuration")
     }
 }
 
 impl Replay {
-    /// What `bytes` lead to with the settings of the firmware.
+    /// What `bytes` lead to in the firmware `vehicle`.
     pub fn of(bytes: &[u8]) -> Self {
         let mut replay = Self::default();
         replay.push(bytes);
@@ -44,16 +41,22 @@ impl Replay {
     }
 }
 
-impl<L: Locate> Replay<L> {
-    /// A gateway that has read nothing yet, with a locator that knows nothing yet.
-    pub fn new(settings: Settings, locator: L) -> Self {
-        Self {
-            gateway: Box::new(Vehicle::new(settings, locator)),
+/// A gateway whose reports say all that its locator knows.
+pub type FullReplay<L> = Replay<L, FullReport>;
+
+impl<L: Locate, R: ReportForm> Replay<L, R> {
+    /// A gateway that has read nothing yet.
+    ///
+    /// # Errors
+    /// Names the field of the configuration that is out of range.
+    pub fn new(config: Config<L::Config>) -> Result<Self, ConfigError> {
+        Ok(Self {
+            gateway: Box::new(Gateway::new(config)?),
             plane: None,
             output: Vec::new(),
             events: Vec::new(),
             sights: Vec::new(),
-        }
+        })
     }
 
     /// Lets the gateway read on.
@@ -65,11 +68,11 @@ impl<L: Locate> Replay<L> {
 
     /// Lets the gateway read one byte, and says what it led to.
     pub fn step(&mut self, byte: u8) -> Option<Event> {
-        let event = self.gateway.push(byte)?;
-        self.output
-            .extend_from_slice(self.gateway.report().as_bytes());
+        let event = self.gateway.push(0, byte)?;
+        let vehicle = self.gateway.vehicle();
+        self.output.extend_from_slice(vehicle.report().as_bytes());
         self.events.push(event);
-        let plane = self.gateway.plane().copied();
+        let plane = vehicle.plane().copied();
         if plane != self.plane {
             // A new search, with an origin of its own.
             self.plane = plane;
@@ -77,14 +80,19 @@ impl<L: Locate> Replay<L> {
         }
         if let Event::Fix(_) | Event::NotObservable(_) = event {
             self.sights
-                .extend(self.gateway.observation().as_ref().map(Sight::from));
+                .extend(vehicle.observation().as_ref().map(Sight::from));
         }
         Some(event)
     }
 
     /// The gateway, with its counters and its plane.
-    pub fn gateway(&self) -> &Vehicle<L, LONG_REPORT> {
-        &self.gateway
+    pub fn gateway(&self) -> &Vehicle<L, All, R> {
+        self.gateway.vehicle()
+    }
+
+    /// What the locator was told.
+    pub fn config(&self) -> &L::Config {
+        &self.gateway.config().locator
     }
 
     /// The reports: to the last byte what the firmware sends.
@@ -104,10 +112,7 @@ impl<L: Locate> Replay<L> {
 
     /// Where the source is, if that is known by now; the best known, where there are several.
     pub fn fix(&self) -> Option<Fix> {
-        match self.gateway.locator().answer() {
-            Answer::Fix(fix) => Some(fix),
-            Answer::NotObservable(_) => None,
-        }
+        self.gateway().locator().fix()
     }
 
     /// The clouds of all sources, in metres east and north of the origin; none before the first fix. Resampled: each
@@ -118,7 +123,7 @@ impl<L: Locate> Replay<L> {
 
     /// The cloud of each source that has a fix.
     pub fn clouds(&self) -> impl Iterator<Item = Cloud<'_>> {
-        (0..SOURCES).map_while(|index| self.gateway.locator().cloud(index))
+        (0..SOURCES).map_while(|index| self.gateway().locator().cloud(index))
     }
 }
 

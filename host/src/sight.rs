@@ -7,6 +7,8 @@ use foxhunt::aoa::{Bearing, Observation, ObservationError};
 /// What [`Observation`] is to the library: one bearing and where it was taken, in f64.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sight {
+    /// When it was taken, in milliseconds.
+    pub time_ms: u32,
     /// Where it was taken, in metres east and north of the origin.
     pub position: [f64; 2],
     /// Direction of the source, in radians counter-clockwise from east.
@@ -27,6 +29,7 @@ impl TryFrom<Sight> for Observation {
 
     fn try_from(sight: Sight) -> Result<Self, ObservationError> {
         Self::new(
+            sight.time_ms,
             sight.position.map(|v| v as f32),
             Bearing::from_radians(sight.bearing as f32),
             sight.sigma as f32,
@@ -37,9 +40,10 @@ impl TryFrom<Sight> for Observation {
 impl From<&Observation> for Sight {
     fn from(observation: &Observation) -> Self {
         Self {
+            time_ms: observation.time_ms(),
             position: observation.position().map(f64::from),
             bearing: f64::from(observation.bearing().radians()),
-            sigma: f64::from(observation.deviation()),
+            sigma: f64::from(observation.sigma_rad()),
         }
     }
 }

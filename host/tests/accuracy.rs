@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use foxhunt::aoa::gauss_newton::{self, Errors, Solution};
-use foxhunt::aoa::locator::{Answer, Fix, Locator, Settings};
-use foxhunt::aoa::{Bearing, Observation};
+use foxhunt::aoa::{Bearing, Clean, Locator, Observation, clean};
 use foxhunt::filter::ParticleFilter;
 use foxhunt::model::ConstantVelocity;
 use foxhunt::problems::growth::{Growth, Measurement, START};
@@ -65,7 +64,7 @@ mod linear {
         let mut simulation = simulate::generator(seed, 0);
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
         let dynamics = ConstantVelocity {
-            acceleration: [ACCELERATION as f32; 2],
+            sigma_m_s2: [ACCELERATION as f32; 2],
         };
         let mut truth = Vector4::from(START.map(|s| s * simulate::normal(&mut simulation)));
         let variances = START.map(|s| s * s);
@@ -202,13 +201,6 @@ fn growth_model_is_as_good_as_particles_can_be() {
     assert!(ours < 1.015 * floor);
 }
 
-fn fix(answer: Answer) -> Fix {
-    match answer {
-        Answer::Fix(fix) => fix,
-        Answer::NotObservable(reason) => panic!("{reason:?}"),
-    }
-}
-
 #[test]
 fn locator_is_nearly_exact_on_the_published_tracks() {
     const RUNS: u64 = 200;
@@ -217,11 +209,12 @@ fn locator_is_nearly_exact_on_the_published_tracks() {
         for run in 0..RUNS {
             let sights = simulate::bearings(&track, &mut simulate::generator(12, run));
             let mut rng = Xoshiro128PlusPlus::seed_from_u64(run);
-            let mut locator = Locator::<100>::new(Settings::default());
+            let mut locator = Locator::<Clean<100>>::new(clean::Config::DEFAULT).unwrap();
             for sight in &sights {
-                locator.push((*sight).try_into().unwrap(), &mut rng);
+                let observation = (*sight).try_into().unwrap();
+                locator.push(&observation, &mut rng).unwrap();
             }
-            let fix = fix(locator.answer());
+            let fix = locator.fix().unwrap();
             let posterior = Posterior::new(&sights).unwrap();
             let position = fix.position.map(f64::from);
             let between = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
@@ -275,9 +268,11 @@ fn lenths_bearings_give_his_estimates() {
     let read = |name: &str| csv::Reader::from_path(data.join("lenth").join(name)).unwrap();
     let all: Vec<Observation> = read("bearings.csv")
         .deserialize::<[f32; 3]>()
-        .map(|row| {
+        .zip(0..)
+        .map(|(row, time_ms)| {
             let [x, y, degrees] = row.unwrap();
-            Observation::new([x, y], Bearing::from_compass_degrees(degrees), 0.1).unwrap()
+            let bearing = Bearing::from_compass_degrees(degrees);
+            Observation::new(time_ms, [x, y], bearing, 0.1).unwrap()
         })
         .collect();
     let without_sixth: Vec<Observation> = all

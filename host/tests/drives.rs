@@ -2,7 +2,7 @@
 
 use foxhunt::aoa::{Locate, Source};
 use foxhunt::gateway::{Event, Rejected};
-use foxhunt_gateways::robust::{Gateway, gateway};
+use foxhunt_gateways::robust::{CONFIG, Gateway};
 use foxhunt_host::{
     geodesy::Place,
     scripts::{Scene, Script},
@@ -24,15 +24,19 @@ struct Outcome {
 
 fn run(script: Script, seed: u64) -> Outcome {
     let scene = script.scene(seed);
-    let mut gateway = Box::new(gateway());
+    let mut gateway = Box::new(Gateway::EMPTY);
     let mut steps = Vec::new();
     // A bearing a second, and nothing else that gives events.
     let mut seconds = 0.0;
     for &byte in scene.drive.bytes() {
-        let Some(event) = gateway.push(byte) else {
+        let Some(event) = gateway.push(0, byte, &CONFIG) else {
             continue;
         };
-        if matches!(event, Event::Rejected(Rejected::NoFix) | Event::Other) {
+        let is_of_receiver = matches!(
+            event,
+            Event::Used | Event::Other | Event::Rejected(Rejected::NoFix)
+        );
+        if is_of_receiver {
             continue;
         }
         let sources = (0..).map_while(|index| gateway.locator().source(index));

@@ -1,8 +1,8 @@
 //! The robust locator beside the exact posterior of outliers, mirrored and biased bearings. Seeds are fixed; each limit says
 //! how often another seed would miss it.
 
-use foxhunt::aoa::locator::{Answer, Fix};
-use foxhunt::aoa::robust::{Errors, RobustLocator, Settings};
+use foxhunt::aoa::robust::{Config, Correlation, Errors};
+use foxhunt::aoa::{Fix, Locate, Robust};
 use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
 use foxhunt_host::faults::{Faults, Stationary};
 use foxhunt_host::reference::{Posterior, cramer_rao_of_biased};
@@ -12,15 +12,20 @@ use rayon::prelude::*;
 
 const RUNS: u64 = 100;
 
-fn last_fix(settings: Settings, sights: &[Sight], run: u64) -> Option<Fix> {
+fn last_fix(config: &Config, sights: &[Sight], run: u64) -> Option<Fix> {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(run);
-    let mut locator = Box::new(RobustLocator::<256, 64>::new(settings));
+    let mut locator = Box::new(Robust::<256, 64>::EMPTY);
     for sight in sights {
-        locator.push((*sight).try_into().unwrap(), &mut rng);
+        let observation = (*sight).try_into().unwrap();
+        locator.push(&observation, config, &mut rng).unwrap();
     }
-    match locator.answer() {
-        Answer::Fix(fix) => Some(fix),
-        Answer::NotObservable(_) => None,
+    locator.fix()
+}
+
+fn with_errors(errors: Errors) -> Config {
+    Config {
+        errors,
+        ..Config::DEFAULT
     }
 }
 
@@ -35,10 +40,10 @@ struct Outcome {
 }
 
 fn run(track: &Track, faults: &Faults) -> Outcome {
-    let errors = Errors::new()
-        .bias_deviation(faults.bias_sigma as f32)
-        .unwrap();
-    let settings = Settings::new(errors);
+    let config = with_errors(Errors {
+        bias_sigma_rad: faults.bias_sigma as f32,
+        ..Errors::DEFAULT
+    });
     let off = |[x, y]: [f64; 2]| (x - track.source[0]).hypot(y - track.source[1]);
     let runs: Vec<[f64; 4]> = (0..RUNS)
         .into_par_iter()
@@ -46,7 +51,7 @@ fn run(track: &Track, faults: &Faults) -> Outcome {
             let mut sights = simulate::bearings(track, &mut simulate::generator(81, run));
             let bound = cramer_rao_of_biased(&sights, track.source, faults.bias_sigma).unwrap();
             faults.spoil(&mut sights, &mut simulate::generator(82, run));
-            let fix = last_fix(settings, &sights, run).expect("a fix");
+            let fix = last_fix(&config, &sights, run).expect("a fix");
             let exact = off(Posterior::with_faults(&sights, faults).unwrap().mean);
             let ours = off(fix.position.map(f64::from));
             let covered = fix.ellipse(0.95).contains(track.source.map(|v| v as f32));
@@ -85,7 +90,7 @@ fn clean_bearings_cost_nothing() {
 }
 
 #[test]
-fn a_tenth_of_wild_bearings() {
+fn a_tenth_of_outliers() {
     check(Faults {
         outlier_rate: 0.1,
         ..Faults::default()
@@ -93,7 +98,7 @@ fn a_tenth_of_wild_bearings() {
 }
 
 #[test]
-fn three_tenths_of_wild_bearings() {
+fn three_tenths_of_outliers() {
     check(Faults {
         outlier_rate: 0.3,
         ..Faults::default()
@@ -127,13 +132,19 @@ fn a_stationary_vehicle_is_as_sure_as_it_may_be() {
         distance: 20.0,
     };
     let covered = |at_rest| {
-        let errors = Errors::new().correlation(at_rest, 20.0, f32::INFINITY);
-        let settings = Settings::new(errors.unwrap());
+        let config = with_errors(Errors {
+            correlation: Correlation {
+                at_rest,
+                distance_m: 20.0,
+                time_s: f32::INFINITY,
+            },
+            ..Errors::DEFAULT
+        });
         (0..RUNS)
             .into_par_iter()
             .filter(|&run| {
                 let sights = stationary.bearings(&track, &mut simulate::generator(83, run));
-                let fix = last_fix(settings, &sights, run).expect("a fix");
+                let fix = last_fix(&config, &sights, run).expect("a fix");
                 fix.ellipse(0.95).contains(track.source.map(|v| v as f32))
             })
             .count()

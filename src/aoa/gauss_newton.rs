@@ -6,6 +6,7 @@
 use core::fmt;
 
 use super::Observation;
+use crate::estimate::Symmetric2;
 use crate::math::{atan2, sin_cos, sqrt, wrap};
 
 /// How the errors of bearings are distributed.
@@ -26,7 +27,7 @@ pub struct Solution {
     /// Metres east and north.
     pub position: [f32; 2],
     /// Square metres; the inverse of the information in the bearings.
-    pub covariance: [[f32; 2]; 2],
+    pub covariance: Symmetric2,
 }
 
 /// Why there is no solution.
@@ -63,36 +64,6 @@ const SETTLED: f32 = 1e-6;
 /// ... or when what a step would gain is lost in the rounding of the cost, of which this is a share.
 const ROUNDING: f32 = 1e-5;
 
-/// A symmetric matrix of two dimensions: xx, xy, yy.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Symmetric {
-    xx: f32,
-    xy: f32,
-    yy: f32,
-}
-
-impl Symmetric {
-    /// Inverse, or `None` if it is not positive definite as far as f32 can tell.
-    fn inverse(self) -> Option<Self> {
-        let determinant = self.xx * self.yy - self.xy * self.xy;
-        // The determinant of a product of rounded numbers is worth no more than this.
-        let sure = determinant > 1e-6 * self.xx * self.yy && determinant.is_normal();
-        sure.then(|| Self {
-            xx: self.yy / determinant,
-            xy: -self.xy / determinant,
-            yy: self.xx / determinant,
-        })
-    }
-
-    fn times(self, [x, y]: [f32; 2]) -> [f32; 2] {
-        [self.xx * x + self.xy * y, self.xy * x + self.yy * y]
-    }
-
-    fn rows(self) -> [[f32; 2]; 2] {
-        [[self.xx, self.xy], [self.xy, self.yy]]
-    }
-}
-
 /// What one bearing says about a position: its error there, and the derivative of its direction.
 pub(super) struct Linearised {
     /// Measured less expected direction, in radians.
@@ -124,16 +95,16 @@ pub(super) fn linearise(observation: &Observation, position: [f32; 2]) -> Linear
 /// Sums over all bearings at one position.
 #[derive(Default)]
 struct Normal {
-    matrix: Symmetric,
+    matrix: Symmetric2,
     gradient: [f32; 2],
     /// What is minimised.
     cost: f32,
 }
 
 impl Normal {
-    fn at(observations: &[Observation], errors: Errors, position: [f32; 2]) -> Self {
+    fn at(observations: &[impl AsRef<Observation>], errors: Errors, position: [f32; 2]) -> Self {
         let mut sums = Self::default();
-        for observation in observations {
+        for observation in observations.iter().map(AsRef::as_ref) {
             let Linearised {
                 residual,
                 gradient: [gx, gy],
@@ -164,7 +135,7 @@ impl Normal {
 /// # Errors
 /// When there are too few bearings, they are parallel, or the search does not settle; see [`SolveError`].
 pub fn solve(
-    observations: &[Observation],
+    observations: &[impl AsRef<Observation>],
     errors: Errors,
     start: [f32; 2],
 ) -> Result<Solution, SolveError> {
@@ -180,7 +151,7 @@ pub fn solve(
     // Levenberg's damping: a share of the diagonal, which shortens a step that made things worse.
     let mut damping = 0.0;
     for _ in 0..MAX_STEPS {
-        let damped = Symmetric {
+        let damped = Symmetric2 {
             xx: here.matrix.xx * (1.0 + damping),
             yy: here.matrix.yy * (1.0 + damping),
             ..here.matrix
@@ -203,7 +174,7 @@ pub fn solve(
         }
         if decrement < SETTLED || (!better && decrement < ROUNDING * here.cost) {
             let covariance = match errors {
-                Errors::Gaussian => here.matrix.inverse().ok_or(SolveError::Parallel)?.rows(),
+                Errors::Gaussian => here.matrix.inverse().ok_or(SolveError::Parallel)?,
                 Errors::VonMises => von_mises_covariance(observations, position)?,
             };
             return Ok(Solution {
@@ -217,14 +188,14 @@ pub fn solve(
 
 /// Lenth (1981), the asymptotic covariance of the maximum-likelihood estimate.
 fn von_mises_covariance(
-    observations: &[Observation],
+    observations: &[impl AsRef<Observation>],
     position: [f32; 2],
-) -> Result<[[f32; 2]; 2], SolveError> {
-    let mut matrix = Symmetric::default();
+) -> Result<Symmetric2, SolveError> {
+    let mut matrix = Symmetric2::default();
     let mut weights = 0.0;
     // One less the mean cosine of the residuals, by half angles, which keep the digits of small ones.
     let mut shortfall = 0.0;
-    for observation in observations {
+    for observation in observations.iter().map(AsRef::as_ref) {
         let Linearised {
             residual,
             gradient: [gx, gy],
@@ -248,12 +219,7 @@ fn von_mises_covariance(
     let mean_information = weights / observations.len() as f32;
     let scale = spread * mean_information;
     let inverse = matrix.inverse().ok_or(SolveError::Parallel)?;
-    Ok(Symmetric {
-        xx: scale * inverse.xx,
-        xy: scale * inverse.xy,
-        yy: scale * inverse.yy,
-    }
-    .rows())
+    Ok(inverse.scaled(scale))
 }
 
 #[cfg(test)]
@@ -294,7 +260,7 @@ mod tests {
             towards([0.0, -1000.0], [0.0, 0.0], 0.0),
         ];
         let solution = solve(&observations, Errors::Gaussian, [50.0, 50.0]).unwrap();
-        let [[xx, xy], [_, yy]] = solution.covariance;
+        let Symmetric2 { xx, xy, yy } = solution.covariance;
         assert!((xx - 400.0).abs() < 0.1 && (yy - 400.0).abs() < 0.1 && xy.abs() < 0.1);
     }
 
@@ -308,7 +274,7 @@ mod tests {
             });
             let solution = solve(&observations, Errors::VonMises, [900.0, 700.0]).unwrap();
             let normal = solve(&observations, Errors::Gaussian, [900.0, 700.0]).unwrap();
-            let ratio = solution.covariance[0][0] / normal.covariance[0][0];
+            let ratio = solution.covariance.xx / normal.covariance.xx;
             let expected = (sigma / 0.02) * (sigma / 0.02);
             // The fit takes up a part of the errors.
             assert!(

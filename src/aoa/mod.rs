@@ -7,6 +7,7 @@
 //! [`Locate`], and [`advice`] is where to drive. A direction finder that gives the whole circle has a [`spectrum`].
 
 pub mod clean;
+mod core;
 pub mod correction;
 pub mod gauss_newton;
 pub mod geodesy;

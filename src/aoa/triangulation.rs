@@ -51,7 +51,7 @@ pub(super) fn crossing(a: &Observation, b: &Observation, least_sine: f32) -> Opt
 ///
 /// Pairs are drawn until their rays meet at an angle whose sine is at least `least_sine`, at most 32 times.
 pub fn random_intersection<R: Rng + ?Sized>(
-    observations: &[Observation],
+    observations: &[impl AsRef<Observation>],
     least_sine: f32,
     rng: &mut R,
 ) -> Option<[f32; 2]> {
@@ -61,7 +61,7 @@ pub fn random_intersection<R: Rng + ?Sized>(
         let a = observations.get((uniform(rng) * n) as usize);
         let b = observations.get((uniform(rng) * n) as usize);
         if let Some((a, b)) = a.zip(b)
-            && let Some(point) = intersection(a, b, least_sine)
+            && let Some(point) = intersection(a.as_ref(), b.as_ref(), least_sine)
         {
             return Some(point);
         }
@@ -119,6 +119,6 @@ mod tests {
             assert!((x - 250.0).abs() < 0.01 && (y - 200.0).abs() < 0.01);
         }
         assert_eq!(random_intersection(&all[..1], 0.02, &mut rng), None);
-        assert_eq!(random_intersection(&[], 0.02, &mut rng), None);
+        assert_eq!(random_intersection(&all[..0], 0.02, &mut rng), None);
     }
 }

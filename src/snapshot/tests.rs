@@ -14,7 +14,7 @@ use crate::filter::ParticleFilter;
 use crate::math::atan2;
 use crate::model::RandomWalk;
 use crate::random::{Rng, SeedableRng, Xoshiro128PlusPlus, normal};
-use crate::refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths};
+use crate::refine::{DifferentialEvolution, Firefly, FishSchool};
 
 const SOURCE: [f32; 2] = [1200.0, 800.0];
 
@@ -124,11 +124,9 @@ fn so_does_one_with_any_moves() {
         let config = clean::Config::with_refinement(refinement);
         goes_on(&config, false, |a, b| assert_eq!(state(a), state(b)));
     }
-    let fish = FishSchool::new(Lengths::Relative, 1.0, 3.0).unwrap();
-    refined(fish.acceptance(Acceptance::Metropolis));
-    let fireflies = Firefly::improved(Lengths::Relative, 0.1, 4.0).unwrap();
-    refined(fireflies.acceptance(Acceptance::Metropolis));
-    refined(DifferentialEvolution::new().acceptance(Acceptance::Metropolis));
+    refined(FishSchool::METROPOLIS);
+    refined(Firefly::METROPOLIS);
+    refined(DifferentialEvolution::METROPOLIS);
 }
 
 #[test]
@@ -157,9 +155,7 @@ fn so_does_a_robust_one() {
 
 #[test]
 fn so_does_a_filter() {
-    let walk = RandomWalk {
-        deviation: [1.0; 2],
-    };
+    let walk = RandomWalk { sigma: [1.0; 2] };
     let step = |(filter, rng): &mut (ParticleFilter<2, 50>, Xoshiro128PlusPlus), x: f32| {
         filter.predict(&walk, 1.0, rng);
         let fits = |&[a, b]: &[f32; 2]| -0.5 * ((a - x).powi(2) + (b - x).powi(2));
@@ -267,8 +263,8 @@ fn other_shapes_are_refused() {
 }
 
 /// Where the parts of a snapshot of [`small`] begin.
-const LIST: usize = HEADER + 9;
-const ANSWER: usize = LIST + 4 + 3 * 16 + 17 + 4 + 4 * 5 * 4 + 8;
+const LIST: usize = HEADER;
+const ANSWER: usize = LIST + 4 + 3 * 37 + 22 + 4 + 4 * 5 * 4 + 8;
 
 #[test]
 fn values_that_no_state_has_are_refused() {
@@ -286,12 +282,12 @@ fn values_that_no_state_has_are_refused() {
         put(LIST, &u32::MAX.to_le_bytes()),
         // Another list than the rest stands for.
         put(LIST, &2u32.to_le_bytes()),
-        put(first, &nan),
-        put(first, &2e6f32.to_le_bytes()),
-        put(first + 8, &nan),
-        put(first + 8, &3.2f32.to_le_bytes()),
+        put(first + 4, &nan),
+        put(first + 4, &2e6f32.to_le_bytes()),
         put(first + 12, &nan),
-        put(first + 12, &0f32.to_le_bytes()),
+        put(first + 12, &3.2f32.to_le_bytes()),
+        put(first + 16, &nan),
+        put(first + 16, &0f32.to_le_bytes()),
         put(ANSWER, &[4]),
         put(snapshot.len() - CHECKSUM - 16, &[0; 16]),
         sealed(snapshot.clone(), |all| all.push(0)),
@@ -302,7 +298,7 @@ fn values_that_no_state_has_are_refused() {
     }
     // So that the places above are what they are taken for.
     assert_eq!(snapshot[LIST..LIST + 4], [3, 0, 0, 0]);
-    assert_eq!(snapshot[ANSWER], 0);
+    assert_eq!(snapshot[ANSWER], 1);
 }
 
 #[test]

@@ -1,13 +1,12 @@
 use foxhunt::{
     aoa::{
-        Alternative, Bearing, Locate, Observation,
+        Alternative, Bearing, Clean, Locator, Manoeuvring, MultiTarget, Observation, Robust,
+        clean::{self, Moves},
         correction::{Correction, Pull},
         gauss_newton::{Errors, solve},
         geodesy::{Geodetic, LocalPlane},
-        locator::{Answer, Locator, Settings},
-        pursuit::{self, Pursuit},
-        robust::{self, Errors as Faulty, RobustLocator, Tails},
-        sources::{self, Sources},
+        manoeuvring, multi,
+        robust::{self, Errors as Faulty, Tails},
         spectrum::{Spectrum, SpectrumLikelihood, Temper},
     },
     math,
@@ -57,8 +56,14 @@ pub fn drive() -> [Observation; 40] {
         let east = 50.0 * i as f32;
         let direction = math::atan2(SOURCE[1], SOURCE[0] - east) + 0.035 * normal(&mut rng);
         let bearing = Bearing::from_radians(direction);
-        Observation::new([east, 0.0], bearing, 0.035).expect("all is in range")
+        Observation::new(1000 * i as u32, [east, 0.0], bearing, 0.035).expect("all is in range")
     })
+}
+
+/// The same place and time with another bearing.
+fn turned(observation: &Observation, radians: f32) -> Observation {
+    let (time_ms, bearing) = (observation.time_ms(), Bearing::from_radians(radians));
+    Observation::new(time_ms, observation.position(), bearing, 0.035).expect("in range")
 }
 
 fn is_near([x, y]: [f32; 2], metres: f32) -> bool {
@@ -67,31 +72,42 @@ fn is_near([x, y]: [f32; 2], metres: f32) -> bool {
 
 fn locator_finds_the_source() -> Digest {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
-    let mut locator = Locator::<100, 64>::new(Settings::new());
+    let mut locator = Locator::<Clean<100, 64>>::new(clean::Config::DEFAULT).expect("in range");
     let mut digest = Digest::new();
     for observation in drive() {
-        if let Answer::Fix(fix) = locator.push(observation, &mut rng) {
+        if let Some(fix) = locator
+            .push(&observation, &mut rng)
+            .expect("in order")
+            .fix()
+        {
             digest.add(&fix.position);
-            digest.add(fix.covariance.as_flattened());
+            digest.add(fix.covariance.rows().as_flattened());
             digest.add(&[fix.effective_sample_size]);
         }
     }
-    let Answer::Fix(fix) = locator.answer() else {
-        panic!("no fix")
-    };
+    let fix = locator.fix().expect("a fix");
     assert!(is_near(fix.position, 40.0), "{:?}", fix.position);
     assert!(fix.ellipse(0.999).contains(SOURCE));
     digest
+}
+
+fn robust<const B: usize>(errors: Faulty) -> Locator<Robust<128, B>> {
+    let config = robust::Config {
+        errors,
+        ..robust::Config::DEFAULT
+    };
+    Locator::new(config).expect("in range")
 }
 
 /// A third of the bearings outliers or mirrored, all of them biased; through a small buffer, with either kind of tails.
 fn robust_locator_finds_the_source() -> Digest {
     let mut digest = Digest::new();
     for tails in [Tails::Normal, Tails::Student { freedom: 5 }] {
-        let errors = Faulty::new().tails(tails);
-        let errors = errors.and_then(|errors| errors.bias_deviation(0.05));
-        let mut locator =
-            RobustLocator::<128, 32>::new(robust::Settings::new(errors.expect("in range")));
+        let mut locator = robust::<32>(Faulty {
+            tails,
+            bias_sigma_rad: 0.05,
+            ..Faulty::DEFAULT
+        });
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
         for (i, observation) in drive().into_iter().enumerate() {
             let turn = match i % 6 {
@@ -99,23 +115,23 @@ fn robust_locator_finds_the_source() -> Digest {
                 4 => i as f32,
                 _ => 0.0,
             };
-            let bearing = Bearing::from_radians(observation.bearing().radians() + turn + 0.03);
-            let spoilt = Observation::new(observation.position(), bearing, observation.deviation());
-            if let Answer::Fix(fix) = locator.push(spoilt.expect("in range"), &mut rng) {
+            let spoilt = turned(&observation, observation.bearing().radians() + turn + 0.03);
+            if let Some(fix) = locator.push(&spoilt, &mut rng).expect("in order").fix() {
                 digest.add(&fix.position);
-                digest.add(fix.covariance.as_flattened());
+                digest.add(fix.covariance.rows().as_flattened());
             }
         }
-        let Answer::Fix(fix) = locator.answer() else {
-            panic!("no fix")
-        };
+        let fix = locator.fix().expect("a fix");
         assert!(is_near(fix.position, 100.0), "{:?}", fix.position);
         assert!(fix.ellipse(0.999).contains(SOURCE));
-        let (bias, shares) = (locator.bias().expect("a fix"), locator.shares());
-        digest.add(&[bias.mean, bias.deviation, shares.wild, shares.mirror]);
+        let (bias, rates) = (
+            locator.bias().expect("a fix"),
+            locator.rates().expect("some"),
+        );
+        digest.add(&[bias.mean_rad, bias.sigma_rad, rates.outlier, rates.mirrored]);
         for hypothesis in locator.hypotheses() {
             digest.add(&hypothesis.position);
-            digest.add(&[hypothesis.mass]);
+            digest.add(&[hypothesis.probability]);
         }
     }
     digest
@@ -124,8 +140,7 @@ fn robust_locator_finds_the_source() -> Digest {
 /// Every reading with a reflection, which is as high.
 fn robust_locator_with_spectra() -> Digest {
     let temper = Temper::new(0.2).expect("in range");
-    let settings = robust::Settings::new(Faulty::new());
-    let mut locator = RobustLocator::<128, 64>::new(settings);
+    let mut locator = robust::<64>(Faulty::DEFAULT);
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
     let mut digest = Digest::new();
     for (i, observation) in drive().into_iter().enumerate() {
@@ -142,42 +157,44 @@ fn robust_locator_with_spectra() -> Digest {
         for peak in spectrum.peaks(temper).into_iter().rev().flatten() {
             digest.add(&[peak.angle, peak.deviation, peak.share]);
             let bearing = Bearing::from_radians(peak.angle);
-            let seen = Observation::new(observation.position(), bearing, peak.deviation);
+            let (time_ms, place) = (observation.time_ms(), observation.position());
+            let seen = Observation::new(time_ms, place, bearing, peak.deviation);
             let seen = Alternative::new(seen.expect("in range"), peak.share);
             alternatives.push(seen.expect("in range")).expect("three");
         }
-        locator.push_alternatives(&alternatives, 0.0, &mut rng);
+        locator
+            .push_alternatives(&alternatives, &mut rng)
+            .expect("in order");
         let axis = Bearing::from_radians(0.3);
         let likelihood = SpectrumLikelihood::new(&spectrum, [0.0; 2], axis, temper);
         digest.add(&[likelihood.log_likelihood(&SOURCE)]);
-        if let Answer::Fix(fix) = locator.answer() {
+        if let Some(fix) = locator.fix() {
             digest.add(&fix.position);
         }
     }
-    let Answer::Fix(fix) = locator.answer() else {
-        panic!("no fix")
-    };
+    let fix = locator.fix().expect("a fix");
     assert!(is_near(fix.position, 100.0), "{:?}", fix.position);
     digest
 }
 
 /// From places that are off by ten metres.
 fn robust_locator_of_inexact_places() -> Digest {
-    let errors = Faulty::new().position_deviation(10.0).expect("in range");
-    let mut locator = RobustLocator::<128, 32>::new(robust::Settings::new(errors));
+    let mut locator = robust::<32>(Faulty {
+        position_sigma_m: 10.0,
+        ..Faulty::DEFAULT
+    });
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
     let mut digest = Digest::new();
     for observation in drive() {
         let place = observation.position().map(|x| x + 10.0 * normal(&mut rng));
-        let moved = Observation::new(place, observation.bearing(), observation.deviation());
-        if let Answer::Fix(fix) = locator.push(moved.expect("in range"), &mut rng) {
+        let (time_ms, bearing) = (observation.time_ms(), observation.bearing());
+        let moved = Observation::new(time_ms, place, bearing, 0.035).expect("in range");
+        if let Some(fix) = locator.push(&moved, &mut rng).expect("in order").fix() {
             digest.add(&fix.position);
-            digest.add(fix.covariance.as_flattened());
+            digest.add(fix.covariance.rows().as_flattened());
         }
     }
-    let Answer::Fix(fix) = locator.answer() else {
-        panic!("no fix")
-    };
+    let fix = locator.fix().expect("a fix");
     assert!(is_near(fix.position, 100.0), "{:?}", fix.position);
     digest
 }
@@ -186,9 +203,8 @@ fn robust_locator_of_inexact_places() -> Digest {
 fn two_sources_are_found() -> Digest {
     const OTHER: [f32; 2] = [700.0, -900.0];
     let mut digest = Digest::new();
-    let settings = robust::Settings::default();
-    let tracks = [0; 2].map(|_| RobustLocator::<128, 32>::new(settings));
-    let mut sources = Sources::<2, _, 32>::new(sources::Settings::new(), tracks);
+    let mut locator = Locator::<MultiTarget<2, Robust<128, 32>, 32>>::new(multi::Config::DEFAULT)
+        .expect("in range");
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(4);
     for (i, observation) in drive().into_iter().chain(drive()).enumerate() {
         let [x, y] = observation.position();
@@ -198,15 +214,16 @@ fn two_sources_are_found() -> Digest {
             _ => observation.bearing().radians(),
         };
         let bearing = Bearing::from_radians(radians);
-        let observation = Observation::new([x, y], bearing, observation.deviation());
-        sources.push_after(observation.expect("in range"), 2.0, &mut rng);
-        for source in (0..).map_while(|index| sources.source(index)) {
+        let observation = Observation::new(2000 * i as u32, [x, y], bearing, 0.035);
+        let answer = locator.push(&observation.expect("in range"), &mut rng);
+        answer.expect("in order");
+        for source in (0..).map_while(|index| locator.source(index)) {
             digest.add(&source.fix.position);
-            digest.add(source.fix.covariance.as_flattened());
+            digest.add(source.fix.covariance.rows().as_flattened());
             digest.add(&[f32::from(source.identity)]);
         }
     }
-    let [a, b] = [0, 1].map(|index| sources.source(index).expect("two sources").fix);
+    let [a, b] = [0, 1].map(|index| locator.source(index).expect("two sources").fix);
     assert!(a.ellipse(0.999).contains(SOURCE) && b.ellipse(0.999).contains(OTHER));
     digest
 }
@@ -215,7 +232,8 @@ fn two_sources_are_found() -> Digest {
 fn a_manoeuvring_source_is_followed() -> Digest {
     let mut digest = Digest::new();
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(3);
-    let mut pursuit = Pursuit::<128, 32>::new(pursuit::Settings::default());
+    let mut locator = Locator::<Manoeuvring<Robust<128, 32>>>::new(manoeuvring::Config::DEFAULT)
+        .expect("in range");
     let (mut source, mut moved) = ([0.0f32; 2], false);
     for second in 0..200u16 {
         match second {
@@ -227,52 +245,63 @@ fn a_manoeuvring_source_is_followed() -> Digest {
         let place = [source[0] + 300.0 * cos, source[1] + 300.0 * sin];
         let error = 0.04 * normal(&mut rng) + if second % 8 == 3 { 2.0 } else { 0.0 };
         let direction = math::atan2(source[1] - place[1], source[0] - place[0]) + error;
-        let observation = Observation::new(place, Bearing::from_radians(direction), 0.04);
-        let answer = pursuit.push_after(observation.expect("in range"), 1.0, &mut rng);
-        if let Answer::Fix(fix) = answer {
+        let (time_ms, bearing) = (1000 * u32::from(second), Bearing::from_radians(direction));
+        let observation = Observation::new(time_ms, place, bearing, 0.04).expect("in range");
+        if let Some(fix) = locator
+            .push(&observation, &mut rng)
+            .expect("in order")
+            .fix()
+        {
             digest.add(&fix.position);
-            digest.add(fix.covariance.as_flattened());
+            digest.add(fix.covariance.rows().as_flattened());
         }
-        if let Some(motion) = pursuit.motion() {
-            digest.add(&[motion.moving, motion.deviation]);
-            digest.add(&motion.velocity);
+        if let Some(motion) = locator.state().motion() {
+            digest.add(&[motion.moving, motion.sigma_m_s]);
+            digest.add(&motion.velocity_m_s);
             moved |= motion.moving > 0.9;
         }
     }
-    let Answer::Fix(fix) = pursuit.answer() else {
-        panic!("no fix")
-    };
+    let fix = locator.fix().expect("a fix");
     let [dx, dy] = [fix.position[0] - source[0], fix.position[1] - source[1]];
     assert!(moved && dx.abs() < 30.0 && dy.abs() < 30.0, "{:?}", fix);
     digest
 }
 
 /// Both forms of a refinement; the greedy one after every bearing.
-fn refined<F: Refinement<2>>(metropolis: F, greedy: F) -> Digest {
-    let always = Settings::new().resample_share(1.0).expect("a fraction");
+fn refined<F: Refinement<2> + Moves<100>>(metropolis: F, greedy: F) -> Digest {
+    let greedy = clean::Config {
+        resample_below: 1.0,
+        ..clean::Config::with_refinement(greedy)
+    };
     let mut digest = Digest::new();
-    for (settings, refinement) in [(Settings::new(), metropolis), (always, greedy)] {
+    for config in [clean::Config::with_refinement(metropolis), greedy] {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
-        let mut locator = Locator::<100, 64, F>::with_refinement(settings, refinement);
+        let mut locator = Locator::<Clean<100, 64, F>>::new(config).expect("in range");
         for observation in drive() {
-            if let Answer::Fix(fix) = locator.push(observation, &mut rng) {
+            if let Some(fix) = locator
+                .push(&observation, &mut rng)
+                .expect("in order")
+                .fix()
+            {
                 digest.add(&fix.position);
-                digest.add(fix.covariance.as_flattened());
+                digest.add(fix.covariance.rows().as_flattened());
             }
         }
-        let Answer::Fix(fix) = locator.answer() else {
-            panic!("no fix")
-        };
+        let fix = locator.fix().expect("a fix");
         assert!(is_near(fix.position, 50.0), "{:?}", fix.position);
     }
     digest
 }
 
 fn locator_with_fish() -> Digest {
-    let school = |lengths, step, acceptance| {
-        let school = FishSchool::new(lengths, 2.0 * step, step).and_then(|school| school.tries(5));
-        let school = school.and_then(|school| school.iterations(2));
-        school.expect("in range").acceptance(acceptance)
+    let school = |lengths, step, acceptance| FishSchool {
+        lengths,
+        perception: 2.0 * step,
+        step,
+        tries: 5,
+        iterations: 2,
+        acceptance,
+        ..FishSchool::DEFAULT
     };
     refined(
         school(Lengths::Relative, 3.0, Acceptance::Metropolis),
@@ -281,10 +310,13 @@ fn locator_with_fish() -> Digest {
 }
 
 fn locator_with_fireflies() -> Digest {
-    let swarm = |lengths, absorption, flutter, acceptance| {
-        let swarm = Firefly::improved(lengths, absorption, flutter);
-        let swarm = swarm.and_then(|swarm| swarm.iterations(3));
-        swarm.expect("in range").acceptance(acceptance)
+    let swarm = |lengths, absorption, flutter, acceptance| Firefly {
+        lengths,
+        absorption,
+        flutter,
+        iterations: 3,
+        acceptance,
+        ..Firefly::DEFAULT
     };
     refined(
         swarm(Lengths::Relative, 0.1, 4.0, Acceptance::Metropolis),
@@ -293,11 +325,11 @@ fn locator_with_fireflies() -> Digest {
 }
 
 fn locator_with_evolution() -> Digest {
-    let evolution = DifferentialEvolution::new().generations(4).expect("some");
-    refined(
-        evolution.acceptance(Acceptance::Metropolis),
-        evolution.acceptance(Acceptance::Greedy),
-    )
+    let greedy = DifferentialEvolution {
+        generations: 4,
+        ..DifferentialEvolution::DEFAULT
+    };
+    refined(DifferentialEvolution::METROPOLIS, greedy)
 }
 
 fn gauss_newton_finds_the_source() -> Digest {
@@ -306,7 +338,7 @@ fn gauss_newton_finds_the_source() -> Digest {
         let solution = solve(&drive(), errors, [1000.0, 500.0]).expect("the bearings meet");
         assert!(is_near(solution.position, 40.0), "{:?}", solution.position);
         digest.add(&solution.position);
-        digest.add(solution.covariance.as_flattened());
+        digest.add(solution.covariance.rows().as_flattened());
     }
     digest
 }

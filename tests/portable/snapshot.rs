@@ -1,8 +1,7 @@
 use foxhunt::{
     aoa::{
-        Bearing, Locate, Observation,
-        locator::{self, Answer, Locator},
-        robust::{self, RobustLocator, Tails},
+        Bearing, Clean, Locate, Observation, Robust, clean,
+        robust::{self, Errors, Tails},
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
     snapshot::{Persist, restore, save},
@@ -16,9 +15,9 @@ pub const CASES: &[Case] = &[
 ];
 
 /// Snapshots from before a fix, and from after; with a fix, through a restored one.
-fn taken<L: Locate + Persist>(new: impl Fn() -> L) -> Digest {
+fn taken<L: Locate + Persist>(config: &L::Config) -> Digest {
     let mut digest = Digest::new();
-    let mut going = (new(), Xoshiro128PlusPlus::seed_from_u64(2));
+    let mut going = (L::EMPTY, Xoshiro128PlusPlus::seed_from_u64(2));
     let mut buffer = [0; 4096];
     for (i, observation) in drive().into_iter().enumerate() {
         // Every seventh is mirrored.
@@ -28,28 +27,33 @@ fn taken<L: Locate + Persist>(new: impl Fn() -> L) -> Digest {
             0.0
         };
         let bearing = Bearing::from_radians(observation.bearing().radians() + turn);
-        let spoilt = Observation::new(observation.position(), bearing, observation.deviation());
-        going
-            .0
-            .push_after(spoilt.expect("in range"), 1.0, &mut going.1);
+        let (time_ms, place) = (observation.time_ms(), observation.position());
+        let spoilt = Observation::new(time_ms, place, bearing, 0.035).expect("in range");
+        let answer = going.0.push(&spoilt, config, &mut going.1);
+        answer.expect("in order");
         let bytes = save(&going, &mut buffer).expect("it is large enough");
         digest.add_bytes(bytes);
-        let mut restored = (new(), Xoshiro128PlusPlus::seed_from_u64(3));
+        let mut restored = (L::EMPTY, Xoshiro128PlusPlus::seed_from_u64(3));
         restore(&mut restored, bytes).expect("it is one of these");
         assert_eq!(restored.0.answer(), going.0.answer());
         going = restored;
     }
-    assert!(matches!(going.0.answer(), Answer::Fix(_)));
+    assert!(going.0.fix().is_some());
     digest
 }
 
 fn locator() -> Digest {
-    taken(|| Locator::<40, 16>::new(locator::Settings::new()))
+    taken::<Clean<40, 16>>(&clean::Config::DEFAULT)
 }
 
 fn robust_locator() -> Digest {
-    let errors = robust::Errors::new().tails(Tails::Student { freedom: 5 });
-    let errors = errors.and_then(|errors| errors.bias_deviation(0.05));
-    let settings = robust::Settings::new(errors.expect("in range"));
-    taken(|| RobustLocator::<60, 16>::new(settings))
+    let errors = Errors {
+        tails: Tails::Student { freedom: 5 },
+        bias_sigma_rad: 0.05,
+        ..Errors::DEFAULT
+    };
+    taken::<Robust<60, 16>>(&robust::Config {
+        errors,
+        ..robust::Config::DEFAULT
+    })
 }

@@ -26,19 +26,19 @@ mod watchdog;
 #[cfg(target_os = "none")]
 pub use cortex_m_rt::{entry, exception};
 
-/// Makes a firmware of a gateway: `firmware!(Type = value)`, with a value that is constant.
+/// Makes a firmware of a gateway: `firmware!(Type = EMPTY, push)`, with a constant state, and a function or closure that
+/// gives the state a byte.
 ///
-/// The type has `push(&mut self, u8) -> Option<Event>` and `report(&self) -> &str`. On the host, the same gateway reads a
-/// file or the standard input.
+/// The type has `report(&self) -> &str`. On the host, the same gateway reads a file or the standard input.
 #[macro_export]
 macro_rules! firmware {
-    ($gateway:ty = $new:expr) => {
+    ($gateway:ty = $empty:expr, $push:expr $(,)?) => {
         #[cfg(target_os = "none")]
         #[$crate::entry]
         fn main() -> ! {
-            static mut GATEWAY: $gateway = $new;
+            static mut GATEWAY: $gateway = $empty;
             static mut QUEUES: $crate::main_loop::Queues = $crate::main_loop::Queues::new();
-            $crate::main_loop::run(GATEWAY, <$gateway>::push, <$gateway>::report, QUEUES)
+            $crate::main_loop::run(GATEWAY, $push, <$gateway>::report, QUEUES)
         }
 
         #[cfg(target_os = "none")]
@@ -66,7 +66,7 @@ macro_rules! firmware {
 
         #[cfg(not(target_os = "none"))]
         fn main() -> std::io::Result<()> {
-            $crate::host::run($new, <$gateway>::push, <$gateway>::report)
+            $crate::host::run($empty, $push, <$gateway>::report)
         }
     };
 }

@@ -31,7 +31,7 @@ impl Archive {
             densities: self.densities.clone(),
             particles: self.particles.clone(),
             hypotheses: (self.hypotheses.iter())
-                .map(|hypothesis| (hypothesis.ellipse(0.95), hypothesis.mass.into()))
+                .map(|hypothesis| (hypothesis.ellipse(0.95), hypothesis.probability.into()))
                 .collect(),
             ellipses: (last.sources.iter())
                 .map(|source| source.fix.ellipse(0.95))

@@ -66,7 +66,7 @@ impl Archive {
             features.push(feature(
                 GeometryValue::new_polygon([polygon]),
                 json!({
-                    "layer": "hypothesis", "probability": rounded(hypothesis.mass, 4), "stroke": "#5e35b1",
+                    "layer": "hypothesis", "probability": rounded(hypothesis.probability, 4), "stroke": "#5e35b1",
                     "stroke-width": 1.5, "fill-opacity": 0.0,
                 }),
             ));
@@ -159,7 +159,7 @@ impl Archive {
         let places = self
             .last_bearings()
             .map(|taken| taken.observation.position());
-        let best = (self.hypotheses.iter()).max_by(|a, b| a.mass.total_cmp(&b.mass));
+        let best = (self.hypotheses.iter()).max_by(|a, b| a.probability.total_cmp(&b.probability));
         let targets = places.clone().chain(best.map(|best| best.position));
         let first = places.clone().next().unwrap_or_default();
         let farthest = targets

@@ -20,11 +20,8 @@ use std::{
 
 use anyhow::{Context, Result};
 use foxhunt::aoa::{
-    Observation, Source,
-    advice::Advice,
+    Advice, Answer, Bias, Hypothesis, Mixture, Observation, Source,
     geodesy::{Geodetic, LocalPlane},
-    locator::Answer,
-    robust::{Bias, Hypothesis, Shares},
 };
 use serde::{Deserialize, Serialize};
 
@@ -69,10 +66,10 @@ pub struct Answered {
     pub answer: Answer,
     /// The sources that have a fix, the best known first.
     pub sources: Vec<Source>,
-    /// What all bearings are off by alike.
+    /// The common error of all bearings.
     pub bias: Option<Bias>,
-    /// What bearings are.
-    pub shares: Option<Shares>,
+    /// The rates of direct, mirrored and outlier bearings.
+    pub rates: Option<Mixture>,
 }
 
 /// A bearing that was used.
@@ -89,7 +86,7 @@ pub struct Taken {
     /// What it probably is, by all that is known at the end of the log; `None` without a fix, and for a locator that
     /// takes every bearing for direct. In a search before the last, or of a source that has moved on since or is not known
     /// any more, by what was known when it was taken.
-    pub chances: Option<Shares>,
+    pub chances: Option<Mixture>,
     /// Whether it is of a source that has moved on since or is not known any more.
     pub past: bool,
     /// The source that it fits best, and how far it is off the direction of that, in radians counter-clockwise: less the
@@ -114,16 +111,16 @@ pub enum Kind {
 impl Taken {
     /// What it is most probably.
     pub fn kind(&self) -> Option<Kind> {
-        let Shares {
+        let Mixture {
             direct,
-            mirror,
-            wild,
+            mirrored,
+            outlier,
         } = self.chances?;
         Some(if self.past {
             Kind::Past
-        } else if wild > direct.max(mirror) {
+        } else if outlier > direct.max(mirrored) {
             Kind::Outlier
-        } else if mirror > direct {
+        } else if mirrored > direct {
             Kind::Mirrored
         } else {
             Kind::Direct

@@ -4,14 +4,15 @@ use std::f64::consts::PI;
 
 use anyhow::{Context, Result};
 use foxhunt::{
-    aoa::{Locate, Observation, Source, geodesy::Geodetic, robust::Shares},
-    gateway::{Event, Settings},
+    ConfigError,
+    aoa::{Locate, Mixture, Observation, Source, geodesy::Geodetic},
+    gateway::{Config, Event},
 };
 
 use super::{Answered, Archive, Kind, PROBABILITIES, Taken};
 use crate::{
     Sight, density, drive,
-    replay::{Replay, SOURCES},
+    replay::{FullReplay, SOURCES},
     sight::wrap,
 };
 
@@ -22,8 +23,8 @@ const SMALLEST: f32 = 1e-3;
 
 /// Reads a log, and notes what every bearing led to.
 #[derive(Debug)]
-pub struct Recorder<L> {
-    replay: Replay<L>,
+pub struct Recorder<L: Locate> {
+    replay: FullReplay<L>,
     track: Vec<Geodetic>,
     answers: Vec<Answered>,
     taken: Vec<Taken>,
@@ -35,19 +36,22 @@ pub struct Recorder<L> {
 const BEGINNING: usize = 64 * SOURCES;
 
 impl<L: Locate> Recorder<L> {
-    /// Has read nothing yet; nor should the locator know anything.
-    pub fn new(settings: Settings, locator: L) -> Self {
-        Self {
-            replay: Replay::new(settings, locator),
+    /// A recorder that has read nothing yet.
+    ///
+    /// # Errors
+    /// Names the field of the configuration that is out of range.
+    pub fn new(config: Config<L::Config>) -> Result<Self, ConfigError> {
+        Ok(Self {
+            replay: FullReplay::new(config)?,
             track: Vec::new(),
             answers: Vec::new(),
             taken: Vec::new(),
             beginning: Vec::new(),
-        }
+        })
     }
 
     /// The gateway and what it said.
-    pub fn replay(&self) -> &Replay<L> {
+    pub fn replay(&self) -> &FullReplay<L> {
         &self.replay
     }
 
@@ -84,7 +88,7 @@ impl<L: Locate> Recorder<L> {
         let bearings = self.replay.sights().len() as u32;
         let last = self.answers.last().map_or(0, |last| last.search);
         let search = last + u32::from(bearings == 1);
-        let locator = gateway.locator();
+        let (locator, config) = (gateway.locator(), self.replay.config());
         let known = Answered {
             time_ms,
             search,
@@ -94,8 +98,8 @@ impl<L: Locate> Recorder<L> {
             sources: (0..SOURCES)
                 .map_while(|index| locator.source(index))
                 .collect(),
-            bias: locator.bias(),
-            shares: locator.shares(),
+            bias: locator.bias(config),
+            rates: locator.rates(config),
         };
         let taken = Taken {
             time_ms,
@@ -106,7 +110,7 @@ impl<L: Locate> Recorder<L> {
             past: false,
             fits: None,
         };
-        self.taken.push(judged(taken, &known, locator));
+        self.taken.push(judged(taken, &known, locator, config));
         self.answers.push(known);
     }
 
@@ -116,13 +120,13 @@ impl<L: Locate> Recorder<L> {
     /// If no bearing was used yet.
     pub fn archive(&self) -> Result<Archive> {
         let last = self.answers.last().context("no bearing was used")?;
-        let locator = self.replay.gateway().locator();
+        let (locator, config) = (self.replay.gateway().locator(), self.replay.config());
         let now = |then: &Taken| {
             // Of a search before the last it is known what it was when it was taken.
             if then.search != last.search {
                 return *then;
             }
-            let now = judged(*then, last, locator);
+            let now = judged(*then, last, locator, config);
             let has_left = |(source, _): &(Source, f64)| {
                 let same = |other: &&Source| other.identity == source.identity;
                 let found = last.sources.iter().find(same);
@@ -147,21 +151,21 @@ impl<L: Locate> Recorder<L> {
             bearings,
             hypotheses: (0..HYPOTHESES)
                 .map_while(|index| locator.hypothesis(index))
-                .filter(|hypothesis| hypothesis.mass >= SMALLEST)
+                .filter(|hypothesis| hypothesis.probability >= SMALLEST)
                 .collect(),
             particles: self.replay.particles(),
             densities: (self.replay.clouds())
                 .map(|cloud| density::regions(&cloud, &PROBABILITIES))
                 .collect(),
-            advice: locator.advice(),
+            advice: locator.advice(config),
             truths: drive::truths(&self.beginning).collect(),
         })
     }
 }
 
 /// The bearing with what it is by what a locator knows.
-fn judged<L: Locate>(taken: Taken, known: &Answered, locator: &L) -> Taken {
-    let chances = locator.classify(&taken.observation);
+fn judged<L: Locate>(taken: Taken, known: &Answered, locator: &L, config: &L::Config) -> Taken {
+    let chances = locator.classify(&taken.observation, config);
     Taken {
         chances,
         fits: fits(known, &taken.observation, chances),
@@ -173,10 +177,10 @@ fn judged<L: Locate>(taken: Taken, known: &Answered, locator: &L) -> Taken {
 fn fits(
     known: &Answered,
     observation: &Observation,
-    chances: Option<Shares>,
+    chances: Option<Mixture>,
 ) -> Option<(Source, f64)> {
-    let bias = known.bias.map_or(0.0, |bias| f64::from(bias.mean));
-    let mirrored = chances.is_some_and(|chances| chances.mirror > chances.direct);
+    let bias = known.bias.map_or(0.0, |bias| f64::from(bias.mean_rad));
+    let mirrored = chances.is_some_and(|chances| chances.mirrored > chances.direct);
     let turn = bias + if mirrored { PI } else { 0.0 };
     let sight = Sight::from(observation);
     (known.sources.iter())

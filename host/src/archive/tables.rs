@@ -1,11 +1,7 @@
 //! The tables.
 
 use anyhow::Result;
-use foxhunt::aoa::{
-    Source,
-    locator::{Answer, NotObservable},
-    robust::Shares,
-};
+use foxhunt::aoa::{Answer, Mixture, NotObservable, Source};
 use serde::{Deserialize, Serialize};
 
 use super::coordinates::{axis, clock, compass, coordinates, rounded};
@@ -135,16 +131,16 @@ impl FixRow {
     }
 
     fn common(known: &Answered) -> Self {
-        let rate = |of: fn(&Shares) -> f32| known.shares.as_ref().map(|s| probability(of(s)));
+        let rate = |of: fn(&Mixture) -> f32| known.rates.as_ref().map(|s| probability(of(s)));
         Self {
             time: clock(known.time_ms),
             search: known.search,
             bearings: known.bearings,
-            bias_degrees: known.bias.map(|bias| angle(-bias.mean)),
-            bias_sigma_degrees: known.bias.map(|bias| angle(bias.deviation)),
+            bias_degrees: known.bias.map(|bias| angle(-bias.mean_rad)),
+            bias_sigma_degrees: known.bias.map(|bias| angle(bias.sigma_rad)),
             direct_rate: rate(|rates| rates.direct),
-            mirrored_rate: rate(|rates| rates.mirror),
-            outlier_rate: rate(|rates| rates.wild),
+            mirrored_rate: rate(|rates| rates.mirrored),
+            outlier_rate: rate(|rates| rates.outlier),
             ..Self::default()
         }
     }
@@ -152,7 +148,10 @@ impl FixRow {
     fn without_fix(self, reason: NotObservable) -> Self {
         let (reason, angles) = match reason {
             NotObservable::TooFewBearings { .. } => ("few", None),
-            NotObservable::CrossingAngle { radians, needed } => ("angle", Some((radians, needed))),
+            NotObservable::CrossingAngle {
+                have_rad,
+                needed_rad,
+            } => ("angle", Some((have_rad, needed_rad))),
             NotObservable::NoIntersection => ("apart", None),
             _ => ("other", None),
         };
@@ -169,7 +168,7 @@ impl FixRow {
         let ellipse = source.fix.ellipse(0.95);
         let place = coordinates(&known.plane, source.fix.position);
         let motion = source.motion;
-        let velocity = motion.map(|motion| motion.velocity.map(f64::from));
+        let velocity = motion.map(|motion| motion.velocity_m_s.map(f64::from));
         Self {
             kind: "fix".into(),
             reason: place.is_none().then(|| "range".into()),
@@ -184,7 +183,7 @@ impl FixRow {
             moving_probability: motion.map(|motion| probability(motion.moving)),
             speed_m_s: velocity.map(|[east, north]| rounded(east.hypot(north), 2)),
             course_degrees: velocity.map(|[east, north]| compass(north.atan2(east))),
-            velocity_sigma_m_s: motion.map(|motion| rounded(motion.deviation, 2)),
+            velocity_sigma_m_s: motion.map(|motion| rounded(motion.sigma_m_s, 2)),
             ..self
         }
     }
@@ -193,7 +192,7 @@ impl FixRow {
 impl BearingRow {
     pub(super) fn of(taken: &Taken) -> Self {
         let place = coordinates(&taken.plane, taken.observation.position());
-        let chance = |of: fn(&Shares) -> f32| taken.chances.as_ref().map(|c| probability(of(c)));
+        let chance = |of: fn(&Mixture) -> f32| taken.chances.as_ref().map(|c| probability(of(c)));
         let bearing = f64::from(taken.observation.bearing().radians());
         Self {
             time: clock(taken.time_ms),
@@ -201,11 +200,11 @@ impl BearingRow {
             latitude: place.map(|[_, latitude]| latitude),
             longitude: place.map(|[longitude, _]| longitude),
             bearing_degrees: compass(bearing),
-            sigma_degrees: angle(taken.observation.deviation()),
+            sigma_degrees: angle(taken.observation.sigma_rad()),
             kind: taken.kind(),
             direct_probability: chance(|chances| chances.direct),
-            mirrored_probability: chance(|chances| chances.mirror),
-            outlier_probability: chance(|chances| chances.wild),
+            mirrored_probability: chance(|chances| chances.mirrored),
+            outlier_probability: chance(|chances| chances.outlier),
             source: taken.fits.map(|(source, _)| source.identity),
             residual_degrees: taken.fits.map(|(_, off)| rounded(-off.to_degrees(), 2)),
         }

@@ -1,27 +1,24 @@
 use std::fs;
 
 use foxhunt::{
-    aoa::{
-        locator::Answer,
-        pursuit::{self, Pursuit},
-        robust::{Errors, RobustLocator, Settings as Robust},
-        sources::{self, Sources},
-    },
-    gateway::Settings,
+    aoa::{Answer, Locate, Manoeuvring, MultiTarget, Robust, manoeuvring, multi, robust},
+    gateway::Config,
 };
 use geojson::{FeatureCollection, GeoJson, GeometryValue};
 
 use super::*;
-use crate::{drive, replay::Replay, scripts::Script};
+use crate::{drive, replay::FullReplay, scripts::Script};
 
-type Locator = RobustLocator<256, 64>;
+type Locator = Robust<256, 64>;
 
-fn robust() -> Locator {
-    RobustLocator::new(Robust::new(Errors::new()))
-}
+const CONFIG: Config<robust::Config> = Config::new(robust::Config::DEFAULT);
 
 fn recorder(bytes: &[u8]) -> Recorder<Locator> {
-    let mut recorder = Recorder::new(Settings::new(), robust());
+    recorder_with(CONFIG, bytes)
+}
+
+fn recorder_with<L: Locate>(config: Config<L::Config>, bytes: &[u8]) -> Recorder<L> {
+    let mut recorder = Recorder::new(config).unwrap();
     recorder.push(bytes);
     recorder
 }
@@ -51,7 +48,7 @@ fn layer<'a>(
 fn the_recorder_says_what_the_gateway_says() {
     let drive = drive::example(1);
     let recorder = recorder(drive.bytes());
-    let mut replay = Replay::new(Settings::new(), robust());
+    let mut replay = FullReplay::<Locator>::new(CONFIG).unwrap();
     replay.push(drive.bytes());
     assert_eq!(recorder.replay().output(), replay.output());
 
@@ -167,10 +164,8 @@ fn a_map_has_all_parts_and_its_polygons_are_wound_right() {
 #[test]
 fn each_of_two_sources_has_its_parts() {
     let scene = Script::TwoSources.scene(1);
-    let tracks = [(); 3].map(|()| robust());
-    let locator = Sources::<3, _, 64>::new(sources::Settings::new(), tracks);
-    let mut recorder = Recorder::new(Settings::new(), locator);
-    recorder.push(scene.drive.bytes());
+    let config = Config::new(multi::Config::DEFAULT);
+    let recorder = recorder_with::<MultiTarget<3, Locator>>(config, scene.drive.bytes());
     let archive = recorder.archive().unwrap();
     let found = &archive.last().sources;
     assert_eq!(found.len(), 2);
@@ -225,9 +220,8 @@ fn each_of_two_sources_has_its_parts() {
 #[test]
 fn bearings_of_the_past_are_not_rejected() {
     let scene = Script::Departure.scene(1);
-    let settings = pursuit::Settings::new(Robust::new(Errors::new()));
-    let mut recorder = Recorder::new(Settings::new(), Pursuit::<256, 64>::new(settings));
-    recorder.push(scene.drive.bytes());
+    let config = Config::new(manoeuvring::Config::DEFAULT);
+    let recorder = recorder_with::<Manoeuvring<Locator>>(config, scene.drive.bytes());
     let archive = recorder.archive().unwrap();
     let count = |kind| {
         archive
@@ -255,7 +249,7 @@ fn bearings_of_the_past_are_not_rejected() {
 fn a_log_without_a_fix_keeps_its_bearings() {
     let drive = drive::example(1);
     let lines = drive.bytes().split_inclusive(|byte| *byte == b'\n');
-    let mut recorder = Recorder::new(Settings::new(), robust());
+    let mut recorder = Recorder::<Locator>::new(CONFIG).unwrap();
     for line in lines {
         recorder.push(line);
         if recorder.answers().len() == 2 {

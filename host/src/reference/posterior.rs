@@ -178,6 +178,7 @@ mod tests {
     #[test]
     fn parallel_bearings_have_no_posterior() {
         let sight = |x| Sight {
+            time_ms: 1000 * x as u32,
             position: [x, 0.0],
             bearing: 0.0,
             sigma: 0.02,

@@ -12,12 +12,12 @@
 //!   2001): those of [`ModeMoves`], or of any [`Refinement`](crate::refine::Refinement) of the [configuration](Config::with_refinement).
 //! * When the buffer is full, the two bearings that say most nearly the same are averaged: none is forgotten.
 
-mod evidence;
-mod moves;
+mod posterior;
+mod proposal;
 mod rejuvenation;
+mod track;
 
-use core::fmt::Debug;
-
+use super::core::{Buffer, Crossing, Entry, is_depleted, sweep};
 use super::triangulation::random_intersection;
 use super::words::Belief;
 use super::{
@@ -26,14 +26,13 @@ use super::{
 };
 use crate::ConfigError;
 use crate::config::require;
-use crate::estimate::largest_variance;
 use crate::filter::ParticleFilter;
 use crate::math::sqrt;
 use crate::persist;
 use crate::random::Rng;
 use crate::resample::Scheme;
-use evidence::Evidence;
-use moves::Proposal;
+use posterior::{Agreement, Posterior, misfit, misfit_at_infinity, mode};
+use proposal::ModeProposal;
 pub use rejuvenation::{ModeMoves, Moves};
 
 /// What a [`Clean`] locator can be told. `M` moves the particles.
@@ -61,11 +60,10 @@ impl<M> Config<M> {
     ///
     /// ```
     /// use foxhunt::aoa::{Clean, Locator, clean::Config};
-    /// use foxhunt::refine::{Acceptance, FishSchool, Lengths, fish};
+    /// use foxhunt::refine::FishSchool;
     ///
-    /// let school = FishSchool::new(Lengths::Relative, 1.0, 3.0)?.iterations(2)?.acceptance(Acceptance::Metropolis);
+    /// let school = FishSchool::METROPOLIS;
     /// let locator = Locator::<Clean<100, 64, FishSchool>>::new(Config::with_refinement(school));
-    /// # Ok::<(), fish::ConfigurationError>(())
     /// ```
     ///
     /// With [`Acceptance::Metropolis`](crate::refine::Acceptance::Metropolis), as here, the posterior stays exact and so
@@ -86,7 +84,7 @@ impl<M> Config<M> {
         }
     }
 
-    /// Checks the fields, but not the refinement.
+    /// Checks the fields, but not the refinement, which has a check of its own.
     ///
     /// # Errors
     /// Names the field that is out of range.
@@ -119,7 +117,7 @@ impl Default for Config {
 /// more. See [`Locator`](super::Locator) for an example.
 #[derive(Debug, Clone)]
 pub struct Clean<const N: usize, const B: usize = 64, M: Moves<N> = ModeMoves> {
-    evidence: Evidence<B>,
+    bearings: Buffer<B>,
     filter: ParticleFilter<2, N>,
     answer: Answer,
     memory: M::Memory,
@@ -134,20 +132,19 @@ const LEAST_SINE: f32 = 0.02;
 /// Moves of every particle before the first fix, at least.
 const START_MOVES: u8 = 8;
 
-impl<const N: usize, const B: usize, M: Moves<N> + Copy + PartialEq + Debug> Locate
-    for Clean<N, B, M>
-{
+impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
     type Config = Config<M>;
 
     const EMPTY: Self = Self {
-        evidence: Evidence::EMPTY,
-        filter: ParticleFilter::new(),
+        bearings: Buffer::EMPTY,
+        filter: ParticleFilter::EMPTY,
         answer: Answer::NOTHING,
         memory: M::EMPTY,
     };
 
     fn check(config: &Config<M>) -> Result<(), ConfigError> {
-        config.check()
+        config.check()?;
+        config.refinement.check()
     }
 
     /// Evaluates `N` likelihoods when no particle needs to move, `N (1 + B (moves + 1))` when they do, `10 N B` for the
@@ -160,23 +157,19 @@ impl<const N: usize, const B: usize, M: Moves<N> + Copy + PartialEq + Debug> Loc
         config: &Config<M>,
         rng: &mut R,
     ) -> Result<Answer, PushError> {
-        self.evidence.admit(observation)?;
-        if let Answer::Fix(fix) = self.answer {
-            self.evidence.push(observation, Some(fix.position));
+        self.bearings.admit(observation)?;
+        self.bearings.note(&(*observation).into());
+        let source = self.answer.fix().map(|fix| fix.position);
+        let new = Entry::new(*observation, 1.0);
+        self.bearings.add(new, &Agreement { source });
+        self.answer = if source.is_some() {
             // A normal likelihood is never zero, so the update cannot fail.
             let _ = self.filter.update(&BearingLikelihood::new(observation));
             self.rejuvenate(config, rng);
-            self.answer = Answer::Fix(self.cloud_fix());
+            Answer::Fix(self.cloud_fix())
         } else {
-            self.evidence.push(observation, None);
-            self.answer = match self.observe(config, rng) {
-                Err(reason) => Answer::NotObservable(reason),
-                Ok(start) => {
-                    self.start(start, config, rng);
-                    Answer::Fix(self.cloud_fix())
-                }
-            };
-        }
+            self.first_answer(config, rng)
+        };
         Ok(self.answer)
     }
 
@@ -187,10 +180,7 @@ impl<const N: usize, const B: usize, M: Moves<N> + Copy + PartialEq + Debug> Loc
         config: &Config<M>,
         rng: &mut R,
     ) -> Result<Answer, PushError> {
-        let by_probability =
-            |a: &&Alternative, b: &&Alternative| a.probability().total_cmp(&b.probability());
-        let best = alternatives.iter().max_by(by_probability);
-        self.push(best.ok_or(PushError::Empty)?.observation(), config, rng)
+        self.push(Alternative::most_probable(alternatives)?, config, rng)
     }
 
     fn answer(&self) -> Answer {
@@ -198,13 +188,13 @@ impl<const N: usize, const B: usize, M: Moves<N> + Copy + PartialEq + Debug> Loc
     }
 
     fn reset(&mut self) {
-        self.evidence.clear();
+        self.bearings.clear();
         self.answer = Answer::NOTHING;
     }
 
     #[inline(never)]
     fn advice(&self, _: &Config<M>) -> Option<Advice> {
-        let latest = self.evidence.latest()?;
+        let latest = self.bearings.latest()?;
         let belief = match self.answer {
             Answer::Fix(_) => Belief::of_particles(self.columns(), self.weights()),
             Answer::NotObservable(_) => Belief::of_ray(latest, RANGE_M),
@@ -243,91 +233,91 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
     }
 
     /// The bearings in the buffer, in no particular order; some are averages once it is full.
-    pub fn observations(&self) -> &[Observation] {
-        self.evidence.observations()
+    pub fn observations(&self) -> impl ExactSizeIterator<Item = &Observation> {
+        self.bearings.observations()
+    }
+
+    /// What is known before there is a fix, which may be the first one.
+    fn first_answer<R: Rng + ?Sized>(&mut self, config: &Config<M>, rng: &mut R) -> Answer {
+        match self.observe(config, rng) {
+            Err(reason) => Answer::NotObservable(reason),
+            Ok(start) => {
+                self.start(start, config, rng);
+                Answer::Fix(self.cloud_fix())
+            }
+        }
     }
 
     /// Whether the bearings make a fix: the normal distribution about their intersection, or the reason why not.
-    ///
-    /// They do if they rule out that they are parallel, that the source is anywhere up to infinity: by the
-    /// likelihood ratio, because the curvature of the likelihood alone is deceived by the intersections that
-    /// errors make of parallel bearings, among the vehicle's own places.
     #[inline(never)]
     fn observe<R: Rng + ?Sized>(
         &self,
         config: &Config<M>,
         rng: &mut R,
-    ) -> Result<Proposal, NotObservable> {
-        /// The best of this many random intersections starts the search.
+    ) -> Result<ModeProposal, NotObservable> {
+        /// The best of this many random intersections starts the search: enough that one is near the source.
         const CANDIDATES: u32 = 8;
-        let observations = self.evidence.observations();
-        let have = observations.len();
+        let bearings = self.bearings.entries();
+        let have = bearings.len();
         if have < 2 {
             return Err(NotObservable::TooFewBearings { have: have as u32 });
         }
-        let (misfit_at_infinity, information) = self.evidence.misfit_at_infinity();
-        let limit = config.relative_range_sigma;
-        // Two halves of the bearings that differ by this angle have a likelihood ratio of 1 / (2 limit^2).
-        let needed_rad = 2.0 / (limit * sqrt(information));
-        let crossing = |have_rad| NotObservable::CrossingAngle {
-            have_rad,
-            needed_rad,
+        let (misfit_at_infinity, information) = misfit_at_infinity(&self.bearings);
+        let crossing = |gain| Crossing {
+            gain,
+            information,
+            limit: config.relative_range_sigma,
         };
 
         let mut best = None;
         for _ in 0..CANDIDATES {
-            if let Some(point) = random_intersection(observations, LEAST_SINE, rng) {
-                let misfit = self.evidence.misfit(point);
+            if let Some(point) = random_intersection(bearings, LEAST_SINE, rng) {
+                let misfit = misfit(&self.bearings, point);
                 if best.is_none_or(|(_, least)| misfit < least) {
                     best = Some((point, misfit));
                 }
             }
         }
-        let Some(mode) = best.and_then(|(start, _)| self.evidence.mode(start).ok()) else {
+        let Some(mode) = best.and_then(|(start, _)| mode(&self.bearings, start).ok()) else {
             // Are they as parallel as their errors let them be? Beyond four sigmas of chi-squared they part.
             let freedom = have as f32 - 1.0;
             let parallel = misfit_at_infinity < freedom + 4.0 * sqrt(2.0 * freedom);
             return Err(if parallel {
-                crossing(0.0)
+                crossing(0.0).reason()
             } else {
                 NotObservable::NoIntersection
             });
         };
-        let gain = misfit_at_infinity - self.evidence.misfit(mode.mean());
-        let gain = if gain > 0.0 { gain } else { 0.0 };
-        let relative_error = sqrt(largest_variance(&mode.covariance()))
-            / self.evidence.distance_to_latest(mode.mean());
-        if gain * limit * limit < 1.0 || relative_error > limit {
-            return Err(crossing(2.0 * sqrt(gain / information)));
-        }
+        let gain = misfit_at_infinity - misfit(&self.bearings, mode.mean());
+        let variance = mode.covariance().largest_eigenvalue();
+        crossing(gain).check(variance, self.bearings.range_squared(mode.mean()))?;
         Ok(mode)
     }
 
     /// Starts the particles from intersections of pairs of bearings.
     #[inline(never)]
-    fn start<R: Rng + ?Sized>(&mut self, mode: Proposal, config: &Config<M>, rng: &mut R) {
-        let evidence = &self.evidence;
+    fn start<R: Rng + ?Sized>(&mut self, mode: ModeProposal, config: &Config<M>, rng: &mut R) {
+        let bearings = self.bearings.entries();
         self.filter.initialise(rng, |rng| {
-            random_intersection(evidence.observations(), LEAST_SINE, rng)
-                .unwrap_or_else(|| mode.draw(rng))
+            random_intersection(bearings, LEAST_SINE, rng)
+                .unwrap_or_else(|| mode.step(mode.mean(), 1.0, rng))
         });
-        let _ = self.filter.update(evidence);
+        let posterior = Posterior::new(&self.bearings);
+        let _ = self.filter.update(&posterior);
         self.filter.resample(Scheme::Systematic, rng);
         // Intersections are not drawn from the posterior: it takes more moves than usual to forget that.
         let moves = config.moves.max(START_MOVES);
-        moves::sweep(self.filter.columns_mut(), evidence, &mode, moves, rng);
+        sweep(self.filter.columns_mut(), &posterior, &mode, moves, rng);
     }
 
     /// Resamples and moves the particles if they are worth too few.
     #[inline(never)]
     fn rejuvenate<R: Rng + ?Sized>(&mut self, config: &Config<M>, rng: &mut R) {
-        // A single particle that is left has no covariance to say so.
-        let needed = config.resample_below * N as f32;
-        let needed = if needed > 2.0 { needed } else { 2.0 };
-        if self.filter.effective_sample_size() < needed {
+        let worth = self.filter.effective_sample_size();
+        if is_depleted(worth, N, config.resample_below) {
             let (filter, memory) = (&mut self.filter, &mut self.memory);
-            let refinement = &config.refinement;
-            refinement.rejuvenate(filter, &self.evidence, config.moves, memory, rng);
+            let (refinement, posterior) = (&config.refinement, Posterior::new(&self.bearings));
+            refinement.rejuvenate(filter, &posterior, config.moves, memory, rng);
         }
     }
 
@@ -337,7 +327,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
             self.filter.mean(),
             self.filter.covariance(),
             n,
-            self.evidence.count(),
+            self.bearings.count(),
         )
     }
 }
@@ -345,7 +335,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
 // What moves the particles is not in a snapshot: they are drawn from the same posterior whatever it is, and one that goes
 // on with other moves is as right, if not the same.
 persist!(impl[const N: usize, const B: usize, M: Moves<N>] Clean<N, B, M> as "Clean"(N, B) {
-    evidence, filter, answer
+    bearings, filter, answer
 } without { memory });
 
 #[cfg(test)]

@@ -2,8 +2,10 @@
 
 use core::fmt::Debug;
 
-use super::evidence::Evidence;
-use super::moves::{Proposal, sweep};
+use super::posterior::{Posterior, mode};
+use super::proposal::ModeProposal;
+use crate::ConfigError;
+use crate::aoa::core::sweep;
 use crate::filter::ParticleFilter;
 use crate::random::Rng;
 use crate::refine::{Memory, Refinement};
@@ -16,9 +18,9 @@ use crate::resample::Scheme;
 pub struct ModeMoves;
 
 /// What may move the particles of a locator: [`ModeMoves`], or any [`Refinement`] of a position.
-pub trait Moves<const N: usize>: Rejuvenate<N> {}
+pub trait Moves<const N: usize>: Rejuvenate<N> + Copy + PartialEq + Debug {}
 
-impl<const N: usize, M: Rejuvenate<N>> Moves<N> for M {}
+impl<const N: usize, M: Rejuvenate<N> + Copy + PartialEq + Debug> Moves<N> for M {}
 
 /// Sealed implementation detail.
 pub trait Rejuvenate<const N: usize> {
@@ -28,11 +30,14 @@ pub trait Rejuvenate<const N: usize> {
     /// An unused memory.
     const EMPTY: Self::Memory;
 
+    /// Checks the configuration.
+    fn check(&self) -> Result<(), ConfigError>;
+
     /// Resamples the particles and moves them by what the bearings say.
     fn rejuvenate<const B: usize, R: Rng + ?Sized>(
         &self,
         filter: &mut ParticleFilter<2, N>,
-        evidence: &Evidence<B>,
+        posterior: &Posterior<'_, B>,
         moves: u8,
         memory: &mut Self::Memory,
         rng: &mut R,
@@ -44,22 +49,25 @@ impl<const N: usize> Rejuvenate<N> for ModeMoves {
 
     const EMPTY: () = ();
 
+    fn check(&self) -> Result<(), ConfigError> {
+        Ok(())
+    }
+
     fn rejuvenate<const B: usize, R: Rng + ?Sized>(
         &self,
         filter: &mut ParticleFilter<2, N>,
-        evidence: &Evidence<B>,
+        posterior: &Posterior<'_, B>,
         moves: u8,
         (): &mut (),
         rng: &mut R,
     ) {
         let mean = filter.mean();
-        let proposal = evidence
-            .mode(mean)
+        let proposal = mode(posterior.bearings(), mean)
             .ok()
-            .or_else(|| Proposal::new(mean, filter.covariance()));
+            .or_else(|| ModeProposal::new(mean, filter.covariance()));
         filter.resample(Scheme::Systematic, rng);
         if let Some(proposal) = proposal {
-            sweep(filter.columns_mut(), evidence, &proposal, moves, rng);
+            sweep(filter.columns_mut(), posterior, &proposal, moves, rng);
         }
     }
 }
@@ -71,21 +79,25 @@ const COMPANY: f32 = 8.0;
 impl<const N: usize, F: Refinement<2>> Rejuvenate<N> for F {
     type Memory = Memory<2, N>;
 
-    const EMPTY: Self::Memory = Memory::new();
+    const EMPTY: Self::Memory = Memory::EMPTY;
+
+    fn check(&self) -> Result<(), ConfigError> {
+        Refinement::check(self)
+    }
 
     fn rejuvenate<const B: usize, R: Rng + ?Sized>(
         &self,
         filter: &mut ParticleFilter<2, N>,
-        evidence: &Evidence<B>,
+        posterior: &Posterior<'_, B>,
         moves: u8,
         memory: &mut Self::Memory,
         rng: &mut R,
     ) {
         if filter.effective_sample_size() < COMPANY {
-            ModeMoves.rejuvenate(filter, evidence, moves, &mut (), rng);
+            ModeMoves.rejuvenate(filter, posterior, moves, &mut (), rng);
         } else {
             filter.resample(Scheme::Systematic, rng);
         }
-        filter.refine(self, evidence, memory, rng);
+        filter.refine(self, posterior, memory, rng);
     }
 }

@@ -1,7 +1,9 @@
 extern crate std;
 use super::*;
 use crate::aoa::testing::Clocked;
+use crate::aoa::track::{Stationary, Track as _};
 use crate::aoa::{Bearing, PushError};
+use crate::estimate::Symmetric2;
 use crate::problems::bearings::Track;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 use crate::refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths};
@@ -99,11 +101,11 @@ fn a_small_buffer_forgets_nothing() {
         };
         assert_eq!((whole.bearings, small.bearings), (60, 60));
         for axis in 0..2 {
-            let sigma = whole.covariance[axis][axis].sqrt();
+            let sigma = whole.covariance.rows()[axis][axis].sqrt();
             // The two clouds have their own noise of about a twelfth of a sigma.
             let off = (whole.position[axis] - small.position[axis]).abs() / sigma;
             assert!(off < 0.4, "seed {seed}: {off}");
-            let ratio = small.covariance[axis][axis].sqrt() / sigma;
+            let ratio = small.covariance.rows()[axis][axis].sqrt() / sigma;
             assert!((0.7..1.4).contains(&ratio), "seed {seed}: {ratio}");
         }
     }
@@ -183,10 +185,59 @@ fn late_bearings_and_duplicates_have_stated_outcomes() {
 }
 
 #[test]
+fn a_bearing_of_another_source_has_low_odds() {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(55);
+    let mut locator = Clocked::<Clean<100>>::new(Config::DEFAULT);
+    drive(&mut locator, 60, &mut rng);
+    let (own, other) = (observe([700.0, 0.0], 0.0), observe([700.0, 0.0], 0.3));
+    let odds = |locator: &Clocked<Clean<100>>, o| locator.state().odds(o, locator.config());
+    let expected = odds(&locator, &own);
+    assert!(expected > 100.0 && odds(&locator, &other) < 0.01);
+    // The evidence of a push is that of the odds before it.
+    locator.push(own, &mut rng);
+    let evidence = locator.state().evidence();
+    assert!(
+        (evidence / (1.0 + expected) - 1.0).abs() < 1e-3,
+        "{evidence}"
+    );
+    locator.push(other, &mut rng);
+    assert!(locator.state().evidence() < 1.01);
+}
+
+#[test]
+fn a_source_among_the_bearings_of_two_is_taken_over() {
+    let config = Config::DEFAULT;
+    let beliefs = Clean::<100>::beliefs(&config);
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(56);
+    let mut candidates = crate::aoa::robust::Candidates::<64>::EMPTY;
+    for i in 0..20 {
+        let place = [75.0 * i as f32, 0.0];
+        let own = observe(place, SIGMA * normal(&mut rng));
+        let towards = (-700.0_f32).atan2(400.0 - place[0]);
+        let other = Observation::new(0, place, Bearing::from_radians(towards), SIGMA).unwrap();
+        for (k, observation) in [(0, own), (1, other)] {
+            let clocked = crate::aoa::testing::at(1000 * i + 500 * k, &observation);
+            candidates.push(&clocked, &beliefs, &mut rng).unwrap();
+        }
+    }
+    let mut near = [0; 2];
+    for rank in 0..2 {
+        let candidate = candidates.candidate(rank, 5.0, &beliefs).unwrap();
+        let mut track = Clean::<100>::new();
+        let fix = track.initiate(&candidate, &config, &mut rng).fix().unwrap();
+        for (near, source) in near.iter_mut().zip([SOURCE, [400.0, -700.0]]) {
+            let off = (fix.position[0] - source[0]).hypot(fix.position[1] - source[1]);
+            *near += u32::from(off < 30.0);
+        }
+        assert!((15..=25).contains(&fix.bearings), "{}", fix.bearings);
+    }
+    assert_eq!(near, [1, 1]);
+}
+
+#[test]
 fn an_empty_state_is_all_zero() {
-    // Until the filter of equal weights is, its weights are not.
-    assert!(crate::aoa::testing::is_zero::<Evidence<8>>(|place| {
-        place.write(Evidence::EMPTY);
+    assert!(crate::aoa::testing::is_zero::<Clean<8, 4>>(|place| {
+        place.write(Clean::EMPTY);
     }));
     assert!(crate::aoa::testing::is_zero::<Answer>(|place| {
         place.write(Answer::NOTHING);
@@ -195,19 +246,34 @@ fn an_empty_state_is_all_zero() {
 
 /// Refinements of as many moves as the portable tests and the firmwares have.
 fn school(lengths: Lengths, step: f32, acceptance: Acceptance) -> FishSchool {
-    let school = FishSchool::new(lengths, 2.0 * step, step).and_then(|s| s.tries(5));
-    let school = school.and_then(|s| s.iterations(2)).unwrap();
-    school.acceptance(acceptance)
+    FishSchool {
+        lengths,
+        perception: 2.0 * step,
+        step,
+        tries: 5,
+        iterations: 2,
+        acceptance,
+        ..FishSchool::DEFAULT
+    }
 }
 
 fn fireflies(lengths: Lengths, absorption: f32, flutter: f32, acceptance: Acceptance) -> Firefly {
-    let swarm = Firefly::improved(lengths, absorption, flutter).and_then(|s| s.iterations(4));
-    swarm.unwrap().acceptance(acceptance)
+    Firefly {
+        lengths,
+        absorption,
+        flutter,
+        iterations: 4,
+        acceptance,
+        ..Firefly::DEFAULT
+    }
 }
 
 fn evolution(acceptance: Acceptance) -> DifferentialEvolution {
-    let evolution = DifferentialEvolution::new().generations(4);
-    evolution.unwrap().acceptance(acceptance)
+    DifferentialEvolution {
+        generations: 4,
+        acceptance,
+        ..DifferentialEvolution::DEFAULT
+    }
 }
 
 /// How the fixes of many drives compare with those of many particles, which stand for the posterior.
@@ -237,9 +303,7 @@ impl std::fmt::Display for Comparison {
 const DRIVES: u64 = 200;
 
 /// The last fix of each drive along track A2.
-fn fixes<const N: usize, M: Moves<N> + Copy + PartialEq + Debug>(
-    new: impl Fn() -> Clocked<Clean<N, 64, M>>,
-) -> Vec<Fix> {
+fn fixes<const N: usize, M: Moves<N>>(new: impl Fn() -> Clocked<Clean<N, 64, M>>) -> Vec<Fix> {
     let fix = |run| {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1000 + run);
         let mut locator = new();
@@ -255,15 +319,18 @@ fn fixes<const N: usize, M: Moves<N> + Copy + PartialEq + Debug>(
 }
 
 fn compare(fixes: &[Fix], posterior: &[Fix]) -> Comparison {
-    let determinant = |[[a, b], [_, c]]: [[f32; 2]; 2]| a * c - b * b;
     let (mut squares, mut logs, mut covered) = (0.0, 0.0, 0.0);
     for (fix, posterior) in fixes.iter().zip(posterior) {
         let [x, y] = [0, 1].map(|d| fix.position[d] - posterior.position[d]);
-        let [[a, b], [_, c]] = posterior.covariance;
-        let whole = determinant(posterior.covariance);
+        let Symmetric2 {
+            xx: a,
+            xy: b,
+            yy: c,
+        } = posterior.covariance;
+        let whole = posterior.covariance.determinant();
         squares += (c * x * x - 2.0 * b * x * y + a * y * y) / whole;
         // A cloud that has become a point has a logarithm, too.
-        let area = determinant(fix.covariance).max(1e-12);
+        let area = fix.covariance.determinant().max(1e-12);
         logs += 0.5 * (area / whole).ln();
         if fix.ellipse(0.95).contains(Track::A2.source()) {
             covered += 1.0;
@@ -360,7 +427,7 @@ fn a_refinement_is_not_left_with_copies() {
         let Answer::Fix(wide) = second else {
             panic!("{second:?}")
         };
-        assert!(wide.covariance[0][0] > 100.0 && wide.covariance[1][1] > 100.0);
+        assert!(wide.covariance.xx > 100.0 && wide.covariance.yy > 100.0);
 
         // One so good that it leaves a particle or two: a sigma is 1.1 m at the source, to the north-west.
         let sharp = Bearing::from_radians(2.356_194_5);
@@ -369,7 +436,11 @@ fn a_refinement_is_not_left_with_copies() {
         let Answer::Fix(narrow) = third else {
             panic!("{third:?}")
         };
-        let [[a, b], [_, c]] = narrow.covariance;
+        let Symmetric2 {
+            xx: a,
+            xy: b,
+            yy: c,
+        } = narrow.covariance;
         let [across, along] = [b, -b].map(|b| (0.5 * (a + 2.0 * b + c)).sqrt());
         assert!(
             (0.6..2.5).contains(&across) && along > 5.0,

@@ -7,7 +7,7 @@ use super::config::Config;
 use super::drive::Drive;
 use crate::aoa::Observation;
 use crate::aoa::track::Stationary;
-use crate::estimate::largest_variance;
+use crate::estimate::Symmetric2;
 use crate::math::{sin_cos, sqrt};
 use crate::random::{Rng, normal};
 use crate::snapshot::value;
@@ -73,7 +73,7 @@ impl<L: Stationary> Manoeuvring<L> {
         let ray = Ray {
             observation,
             about: seen.position,
-            sigma_m: sqrt(largest_variance(&seen.covariance))
+            sigma_m: sqrt(seen.covariance.largest_eigenvalue())
                 + config.speed_m_s * (self.lost.seconds + MEMORY * drive.seconds),
         };
         let count = SEARCHING * COMPONENTS as f32;
@@ -103,11 +103,7 @@ impl Ray<'_> {
         let (along, across) = (along * along, across * across);
         Component::stationary(
             [px + range * cos, py + range * sin],
-            [
-                along * cos * cos + across * sin * sin,
-                (along - across) * sin * cos,
-                along * sin * sin + across * cos * cos,
-            ],
+            Symmetric2::isotropic(across).plus_outer(along - across, [cos, sin]),
         )
     }
 }

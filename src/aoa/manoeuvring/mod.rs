@@ -110,25 +110,15 @@ impl<L: Stationary> Manoeuvring<L> {
         let elapsed_ms =
             (self.stationary.latest()).map_or(0, |latest| observation.since_ms(latest.time_ms()));
         let (place, had_fix) = (self.stationary.moments(), self.stationary.fix().is_some());
-        let odds = if self.cloud.is_alive() && !had_fix {
-            self.stationary.odds(observation, &config.track)
-        } else {
-            0.0
-        };
         self.stationary.push(observation, &config.track, rng)?;
         self.bearings = self.bearings.saturating_add(1);
         if elapsed_ms >= 0 {
             let errors = self.errors(config);
             let fresh = self.remember(observation, &errors);
             if had_fix || self.cloud.is_alive() {
-                let evidence = if had_fix {
-                    self.stationary.evidence()
-                } else {
-                    1.0 + odds
-                };
                 let drive = Drive::new(config, seconds(elapsed_ms));
                 self.let_time_pass(&drive, &place, rng);
-                self.weigh(&fresh, evidence, &errors);
+                self.weigh(&fresh, &place, &errors);
                 self.search(&fresh, &drive, config, rng);
             }
         }

@@ -446,7 +446,7 @@ fn configurations_are_checked() {
         let mut config = Config::DEFAULT;
         change(&mut config, value);
         let result = config.check();
-        assert_eq!(result, Three::check(&config));
+        assert_eq!(result, <Three as Locate>::check(&config));
         result.err().map(|error| error.field())
     };
     for wrong in [0.0, 0.6, f32::NAN] {

@@ -1,45 +1,16 @@
 //! Unassigned bearings, and the sources that may be found among them.
 
 use super::density::Density;
-use super::errors::Errors;
-use super::evidence::{Evidence, explains};
-use super::merge::Entry;
+use super::evidence::{Candidate, Evidence};
 use super::mode::{MODES, Mode, Modes, best};
 use super::search::search;
-use super::term::Term;
-use super::{Config, crossing, hypotheses, plane};
+use super::{Config, crossing, hypotheses, plane, position};
+use crate::aoa::core::is_narrow;
 use crate::aoa::words::Belief;
 use crate::aoa::{Advice, Answer, Hypothesis, Mixture, NotObservable, Observation, PushError};
-use crate::estimate::largest_variance;
 use crate::math::ln;
 use crate::persist;
 use crate::random::Rng;
-
-/// Bearings that are likely to be one source's, and where it may be: what a track of it starts from.
-#[derive(Debug, Clone, Copy)]
-pub struct Candidate<'a> {
-    pub(super) entries: &'a [Entry],
-    /// Of the entries, in the same order.
-    pub(super) terms: &'a [Term],
-    pub(super) mode: &'a Mode,
-    pub(super) modes: &'a Modes,
-    pub(super) errors: &'a Errors,
-    pub(super) latest: Option<&'a Observation>,
-}
-
-impl Candidate<'_> {
-    /// The bearings, some of which may stand for several.
-    pub fn observations(&self) -> impl Iterator<Item = &Observation> {
-        self.own().map(|entry| &entry.observation)
-    }
-
-    pub(super) fn own(&self) -> impl Iterator<Item = &Entry> {
-        let entries = self.entries.iter().zip(self.terms);
-        entries
-            .filter(|(_, term)| explains(self.mode, term, self.errors))
-            .map(|(entry, _)| entry)
-    }
-}
 
 /// The unassigned bearings, and the modes of their posterior.
 ///
@@ -75,18 +46,16 @@ impl<const B: usize> Candidates<B> {
         rng: &mut R,
     ) -> Result<(), PushError> {
         let errors = &config.errors;
-        self.evidence.admit(observation)?;
+        self.evidence.bearings.admit(observation)?;
         self.evidence.push(&(*observation).into(), None, errors);
         // What is expected of a source that is new does not depend on where the first one was heard.
         self.evidence
             .centre_on(observation.position(), config.range_m);
         if self.evidence.entries().len() > 1 {
-            self.modes = search(&self.evidence, config, &self.modes, rng);
-            // Errors of places count by the range.
-            if errors.position_sigma_m > 0.0
-                && let Some(best) = best(&self.modes)
-            {
-                self.evidence.refresh(errors, &best.mean);
+            let terms = self.evidence.terms(errors);
+            self.modes = search(&self.evidence, &terms, config, &self.modes, rng);
+            if let Some(best) = best(&self.modes) {
+                self.evidence.set_source(&best.mean);
             }
         }
         Ok(())
@@ -101,13 +70,14 @@ impl<const B: usize> Candidates<B> {
         config: &'a Config,
     ) -> Option<Candidate<'a>> {
         let mode = self.modes.get(self.place(rank)?)?;
-        let limit = config.relative_range_sigma;
-        let range = self.evidence.range_squared(mode.mean[0], mode.mean[1]);
-        let variance = largest_variance(&plane(&mode.covariance.matrix()));
-        let density = self.evidence.density(config);
-        (variance <= limit * limit * range
-            && log_odds_of_source(&density, mode, &config.errors.rates) > log_odds)
-            .then(|| self.evidence.candidate(mode, &self.modes, &config.errors))
+        let range = (self.evidence.bearings).range_squared(position(&mode.mean));
+        let variance = plane(&mode.covariance.matrix()).largest_eigenvalue();
+        let found = is_narrow(variance, range, config.relative_range_sigma) && {
+            let terms = self.evidence.terms(&config.errors);
+            let density = self.evidence.density(&terms, config);
+            log_odds_of_source(&density, mode, &config.errors.rates) > log_odds
+        };
+        found.then(|| self.evidence.candidate(mode, &self.modes, &config.errors))
     }
 
     /// Forgets the bearings of a candidate.
@@ -138,7 +108,7 @@ impl<const B: usize> Candidates<B> {
 
     /// Where to drive to find the first source.
     pub(in crate::aoa) fn advice(&self, reason: NotObservable, config: &Config) -> Option<Advice> {
-        let latest = self.evidence.latest()?;
+        let latest = self.evidence.bearings.latest()?;
         let belief = if self.modes.is_empty() {
             Belief::of_ray(latest, config.range_m)
         } else {
@@ -149,11 +119,12 @@ impl<const B: usize> Candidates<B> {
 
     /// Why there is no fix yet.
     pub(in crate::aoa) fn reason(&self, config: &Config) -> NotObservable {
-        let have = self.evidence.count();
+        let have = self.evidence.bearings.count();
         if self.evidence.entries().len() < 2 {
             return NotObservable::TooFewBearings { have };
         }
-        match crossing(&self.evidence, &self.modes, config) {
+        let terms = self.evidence.terms(&config.errors);
+        match crossing(&self.evidence, &terms, &self.modes, config) {
             Err(reason) => reason,
             Ok(()) => NotObservable::NoIntersection,
         }

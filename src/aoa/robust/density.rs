@@ -3,6 +3,7 @@
 use super::errors;
 use super::term::{State, Term};
 use crate::aoa::Mixture;
+use crate::aoa::core::{BLOCK, Block, Target};
 use crate::math::ln;
 
 /// Where a source may be before any bearing: a density of 1 / (1 + r^2 / R^2)^2 about the first receiver.
@@ -43,9 +44,6 @@ pub(super) struct Density<'a> {
     pub(super) bias_sigma_rad: f32,
 }
 
-/// Particles that are evaluated together.
-pub(super) const BLOCK: usize = 16;
-
 /// As many odds as can be multiplied without overflow before the logarithm is taken.
 const PRODUCTS: usize = 3;
 
@@ -56,23 +54,6 @@ impl Density<'_> {
         let bias = self.bias_sigma_rad * state[2];
         let one = |term: &Term| term.log_likelihood(state, bias);
         self.terms.iter().map(one).sum::<f32>() + self.region.log_density(state)
-    }
-
-    /// Log-densities of several states up to the same constant.
-    #[inline(never)]
-    pub(super) fn log_densities(&self, states: &[State; BLOCK]) -> [f32; BLOCK] {
-        let biases = states.map(|state| self.bias_sigma_rad * state[2]);
-        let mut sums = states.map(|state| self.region.log_density(&state));
-        for terms in self.terms.chunks(PRODUCTS) {
-            let mut products = [1.0; BLOCK];
-            for term in terms {
-                term.multiply(states, &biases, &mut products);
-            }
-            for (sum, product) in sums.iter_mut().zip(products) {
-                *sum += ln(product);
-            }
-        }
-        sums
     }
 
     /// Adds, `weight` times, how many bearings are direct, mirrored and outliers if the source is at `state`.
@@ -90,5 +71,26 @@ impl Density<'_> {
             errors::count(counts, &reading, weight);
             counts.outlier -= weight * (1.0 - portion);
         }
+    }
+}
+
+impl Target<3> for Density<'_> {
+    #[inline(never)]
+    fn log_densities(&self, states: &Block<3>) -> [f32; BLOCK] {
+        let biases = states[2].map(|bias| self.bias_sigma_rad * bias);
+        let mut sums = core::array::from_fn(|i| {
+            let [x, y, bias] = states.each_ref().map(|column| column[i]);
+            self.region.log_density(&[x, y, bias])
+        });
+        for terms in self.terms.chunks(PRODUCTS) {
+            let mut products = [1.0; BLOCK];
+            for term in terms {
+                term.multiply(states, &biases, &mut products);
+            }
+            for (sum, product) in sums.iter_mut().zip(products) {
+                *sum += ln(product);
+            }
+        }
+        sums
     }
 }

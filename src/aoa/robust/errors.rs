@@ -2,7 +2,7 @@
 
 use core::f32::consts::{PI, TAU};
 
-use super::term::{Reading, State};
+use super::term::Reading;
 use crate::ConfigError;
 use crate::aoa::{Mixture, Observation};
 use crate::config::{require, require_all};
@@ -182,17 +182,17 @@ impl Errors {
     }
 
     /// Of the error of a bearing, in square radians, with that of its place, if the bearing is worth so many independent
-    /// ones, on a source thought to be at a state.
+    /// ones, on a source thought to be at a place.
     pub(super) fn variance(
         &self,
         observation: &Observation,
         worth: f32,
-        source: Option<&State>,
+        source: Option<[f32; 2]>,
     ) -> f32 {
         let own = observation.sigma_rad() * observation.sigma_rad();
         let square = self.position_sigma_m * self.position_sigma_m;
         match source {
-            Some(&[x, y, _]) if square > 0.0 => {
+            Some([x, y]) if square > 0.0 => {
                 let [px, py] = observation.position();
                 let range = worth * ((x - px) * (x - px) + (y - py) * (y - py));
                 // No more than a radian, about the source itself.

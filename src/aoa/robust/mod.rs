@@ -29,16 +29,16 @@ mod candidates;
 mod density;
 mod errors;
 mod evidence;
-mod merge;
 mod mode;
-mod moves;
 pub(super) mod outside;
+mod proposal;
 mod search;
 mod term;
 mod track;
 
 use core::f32::consts::LN_2;
 
+use super::core::{Crossing, Proposal, is_depleted, is_narrow, sweep};
 use super::words::Belief;
 use super::{
     Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
@@ -46,21 +46,21 @@ use super::{
 };
 use crate::ConfigError;
 use crate::config::{require, require_all};
-use crate::estimate::largest_variance;
+use crate::estimate::Symmetric2;
 use crate::filter::ParticleFilter;
 use crate::math::{exp, sqrt};
 use crate::particles::read;
 use crate::persist;
 use crate::random::Rng;
 use crate::resample::Scheme;
-pub use candidates::Candidate;
 pub(super) use candidates::Candidates;
 pub use errors::{Correlation, Errors, Tails};
+pub use evidence::Candidate;
 use evidence::{Change, Evidence};
 use mode::{Mode, Modes};
-use moves::Proposal;
+use proposal::MixtureProposal;
 use search::search;
-use term::State;
+use term::{State, Term};
 
 /// What a [`Robust`] locator can be told.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,8 +89,7 @@ impl Config {
         moves: 2,
     };
 
-    /// For a direction finder on a vehicle in a city: an array that may be turned by three degrees, on places of an ordinary
-    /// receiver.
+    /// For a vehicle in a city: its array is mounted 3 degrees off, and satellites place it to 3 m.
     pub const CITY: Self = Self {
         errors: Errors {
             bias_sigma_rad: 0.05,
@@ -159,19 +158,18 @@ pub struct Robust<const N: usize, const B: usize = 64> {
     filter: ParticleFilter<3, N>,
     modes: Modes,
     answer: Answer,
+    /// Mean and covariance of the particles.
+    moments: (State, [State; 3]),
     /// As learned so far; all zero until then.
     rates: Mixture,
     /// Bearings since the last search for modes.
     since_search: u32,
     /// Outliers that were removed upstream for each bearing.
     outliers_removed: f32,
-    /// Logarithm of how well the latest bearing fitted.
-    log_evidence: f32,
 }
 
 persist!(impl[const N: usize, const B: usize] Robust<N, B> as "Robust"(N, B) {
-    evidence, filter, modes, answer, rates, since_search, outliers_removed,
-    log_evidence
+    evidence, filter, modes, answer, moments, rates, since_search, outliers_removed
 });
 
 /// Moves of every particle for the first fix.
@@ -185,13 +183,13 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
 
     const EMPTY: Self = Self {
         evidence: Evidence::EMPTY,
-        filter: ParticleFilter::new(),
+        filter: ParticleFilter::EMPTY,
         modes: Modes::new(),
         answer: Answer::NOTHING,
+        moments: ([0.0; 3], [[0.0; 3]; 3]),
         rates: errors::NONE,
         since_search: 0,
         outliers_removed: 0.0,
-        log_evidence: 0.0,
     };
 
     fn check(config: &Config) -> Result<(), ConfigError> {
@@ -208,14 +206,14 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
         rng: &mut R,
     ) -> Result<Answer, PushError> {
         let first = alternatives.first().ok_or(PushError::Empty)?;
-        self.evidence.admit(first.observation())?;
+        self.evidence.bearings.admit(first.observation())?;
         let believed = self.believed(config);
         let fixed = matches!(self.answer, Answer::Fix(_));
-        let source = fixed.then(|| self.filter.mean());
+        let source = fixed.then_some(self.moments.0);
         let mut surprising = false;
         for alternative in alternatives {
             let errors = &believed.errors;
-            let change = self.evidence.push(alternative, source.as_ref(), errors);
+            let change = self.evidence.push(alternative, source, errors);
             if fixed {
                 surprising |= self.weigh(&change, errors.bias_sigma_rad);
             }
@@ -225,10 +223,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
             // When hypotheses have come apart there is no fix until they separate: by some hysteresis.
             self.credible_fix(2.0, config)
         } else {
-            self.observe(&believed, rng).and_then(|()| {
-                self.start(&believed, rng);
-                self.credible_fix(1.0, config)
-            })
+            self.observe(&believed, rng)
         };
         self.answer = match answer {
             Ok(fix) => Answer::Fix(fix),
@@ -245,6 +240,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
         self.evidence.clear();
         self.modes.clear();
         self.answer = Answer::NOTHING;
+        self.moments = Self::EMPTY.moments;
         self.rates = errors::NONE;
         self.since_search = 0;
         self.outliers_removed = 0.0;
@@ -256,7 +252,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
 
     fn bias(&self, config: &Config) -> Option<Bias> {
         self.answer.fix()?;
-        let (mean, [_, _, [_, _, variance]]) = (self.filter.mean(), self.filter.covariance());
+        let (mean, [_, _, [_, _, variance]]) = self.moments;
         let scale = config.errors.bias_sigma_rad;
         Some(Bias {
             mean_rad: scale * mean[2],
@@ -270,7 +266,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
 
     #[inline(never)]
     fn advice(&self, config: &Config) -> Option<Advice> {
-        let latest = self.evidence.latest()?;
+        let latest = self.evidence.bearings.latest()?;
         let belief = match self.answer {
             Answer::Fix(_) => {
                 let [east, north, _] = self.columns();
@@ -330,7 +326,7 @@ impl<const N: usize, const B: usize> Robust<N, B> {
 
     /// The bearings in the buffer, in no particular order; some stand for several.
     pub fn observations(&self) -> impl ExactSizeIterator<Item = &Observation> {
-        self.evidence.observations()
+        self.evidence.bearings.observations()
     }
 
     /// The configuration with the rates as learned so far.
@@ -350,66 +346,73 @@ impl<const N: usize, const B: usize> Robust<N, B> {
             change.new.log_likelihood(state, bias) - old
         };
         // The likelihood is finite, so the update cannot fail. As an evidence it is the mean of 1 + odds.
-        self.log_evidence = self.filter.update(&likelihood).unwrap_or(0.0);
+        let evidence = self.filter.update(&likelihood).unwrap_or(0.0);
         self.since_search += 1;
-        change.likely && change.old.is_none() && self.log_evidence < LN_2
+        change.likely && change.old.is_none() && evidence < LN_2
     }
 
     /// Moves the particles if a bearing was surprising, if few are left, or if they have not moved for long.
+    #[inline(never)]
     fn rejuvenate<R: Rng + ?Sized>(&mut self, surprising: bool, config: &Config, rng: &mut R) {
-        let needed = config.resample_below * N as f32;
-        let needed = if needed > 2.0 { needed } else { 2.0 };
+        let worth = self.filter.effective_sample_size();
         if surprising
-            || self.filter.effective_sample_size() < needed
+            || is_depleted(worth, N, config.resample_below)
             || self.since_search >= AT_LEAST_EVERY
         {
-            self.find_modes(&self.believed(config), rng);
-            self.learn(config);
+            let believed = self.believed(config);
+            let mut terms = self.evidence.terms(&believed.errors);
+            self.find_modes(&terms, &believed, rng);
+            self.learn(&terms, config);
+            self.evidence.set_source(&self.filter.mean());
+            let believed = self.believed(config);
+            terms = self.evidence.terms(&believed.errors);
             self.filter.resample(Scheme::Systematic, rng);
-            self.sweep(config.moves, &self.believed(config), rng);
+            self.sweep(&terms, config.moves, &believed, rng);
         }
     }
 
-    /// Whether the bearings make a fix, by their best mode; or the reason why not.
+    /// The first fix, if the bearings make one by their best mode; or the reason why not.
     #[inline(never)]
     fn observe<R: Rng + ?Sized>(
         &mut self,
         believed: &Config,
         rng: &mut R,
-    ) -> Result<(), NotObservable> {
-        let have = self.evidence.entries().len();
-        if have < 2 {
-            let have = self.evidence.count();
+    ) -> Result<Fix, NotObservable> {
+        if self.evidence.entries().len() < 2 {
+            let have = self.evidence.bearings.count();
             return Err(NotObservable::TooFewBearings { have });
         }
-        self.find_modes(believed, rng);
+        let mut terms = self.evidence.terms(&believed.errors);
+        self.find_modes(&terms, believed, rng);
         if believed.errors.position_sigma_m > 0.0
             && let Some(best) = mode::best(&self.modes)
         {
-            self.evidence.refresh(&believed.errors, &best.mean);
+            self.evidence.set_source(&best.mean);
+            terms = self.evidence.terms(&believed.errors);
         }
-        crossing(&self.evidence, &self.modes, believed)
+        crossing(&self.evidence, &terms, &self.modes, believed)?;
+        self.start(&terms, believed, rng);
+        self.credible_fix(1.0, believed)
     }
 
     /// Starts the particles from all modes.
     #[inline(never)]
-    fn start<R: Rng + ?Sized>(&mut self, believed: &Config, rng: &mut R) {
-        let proposal = Proposal::new(&self.modes, self.evidence.region(believed));
+    fn start<R: Rng + ?Sized>(&mut self, terms: &[Term], believed: &Config, rng: &mut R) {
+        let proposal = MixtureProposal::new(&self.modes, self.evidence.region(believed));
         self.filter.initialise(rng, |rng| proposal.draw(rng));
-        self.sweep(START_MOVES, believed, rng);
+        self.sweep(terms, START_MOVES, believed, rng);
     }
 
-    #[inline(never)]
-    fn find_modes<R: Rng + ?Sized>(&mut self, believed: &Config, rng: &mut R) {
-        self.modes = search(&self.evidence, believed, &self.modes, rng);
+    fn find_modes<R: Rng + ?Sized>(&mut self, terms: &[Term], believed: &Config, rng: &mut R) {
+        self.modes = search(&self.evidence, terms, believed, &self.modes, rng);
         self.since_search = 0;
     }
 
     /// One step of expectation maximisation. Not before there is a fix: a chance crossing of two would teach that all
     /// other bearings are outliers.
-    fn learn(&mut self, config: &Config) {
+    fn learn(&mut self, terms: &[Term], config: &Config) {
         let mut counts = errors::NONE;
-        let density = self.evidence.density(config);
+        let density = self.evidence.density(terms, config);
         for mode in &self.modes {
             let portions = (self.evidence.entries().iter()).map(|entry| entry.probability);
             density.count(&mode.mean, mode.weight, portions, &mut counts);
@@ -423,29 +426,32 @@ impl<const N: usize, const B: usize> Robust<N, B> {
         if let Some(rates) = config.errors.learned(&counts) {
             self.rates = rates;
         }
-        let believed = self.believed(config);
-        self.evidence.refresh(&believed.errors, &self.filter.mean());
     }
 
-    fn sweep<R: Rng + ?Sized>(&mut self, moves: u8, believed: &Config, rng: &mut R) {
-        let density = self.evidence.density(believed);
-        let columns = self.filter.columns_mut();
-        moves::sweep(columns, &density, &self.modes, moves, rng);
+    fn sweep<R: Rng + ?Sized>(
+        &mut self,
+        terms: &[Term],
+        moves: u8,
+        believed: &Config,
+        rng: &mut R,
+    ) {
+        let density = self.evidence.density(terms, believed);
+        let proposal = MixtureProposal::new(&self.modes, self.evidence.region(believed));
+        sweep(self.filter.columns_mut(), &density, &proposal, moves, rng);
     }
 
     /// The fix, if the cloud is small beside its range: its sigma at most `slack` times as large as it may be.
-    fn credible_fix(&self, slack: f32, config: &Config) -> Result<Fix, NotObservable> {
-        let limit = slack * config.relative_range_sigma;
+    fn credible_fix(&mut self, slack: f32, config: &Config) -> Result<Fix, NotObservable> {
+        self.moments = (self.filter.mean(), self.filter.covariance());
         let fix = Fix::of_cloud(
-            position(&self.filter.mean()),
-            plane(&self.filter.covariance()),
+            position(&self.moments.0),
+            plane(&self.moments.1),
             self.filter.effective_sample_size(),
-            self.evidence.count(),
+            self.evidence.bearings.count(),
         );
-        let range = self
-            .evidence
-            .range_squared(fix.position[0], fix.position[1]);
-        if largest_variance(&fix.covariance) <= limit * limit * range {
+        let range = self.evidence.bearings.range_squared(fix.position);
+        let limit = slack * config.relative_range_sigma;
+        if is_narrow(fix.covariance.largest_eigenvalue(), range, limit) {
             Ok(fix)
         } else {
             Err(NotObservable::NoIntersection)
@@ -453,31 +459,26 @@ impl<const N: usize, const B: usize> Robust<N, B> {
     }
 }
 
-/// Whether bearings make a fix by their best mode: if they rule out that the source is anywhere up to infinity, by the
-/// likelihood ratio, under the same mixture.
+/// Whether bearings make a fix by their best mode, under the same mixture as all else.
 #[inline(never)]
 fn crossing<const B: usize>(
     evidence: &Evidence<B>,
+    terms: &[Term],
     modes: &Modes,
     config: &Config,
 ) -> Result<(), NotObservable> {
-    let (at_infinity, information) = evidence.at_infinity();
-    let limit = config.relative_range_sigma;
-    // Two halves of the bearings that differ by this angle have a likelihood ratio of 1 / (2 limit^2).
-    let needed_rad = 2.0 / (limit * sqrt(information));
-    let crossing = |have_rad| NotObservable::CrossingAngle {
-        have_rad,
-        needed_rad,
+    let (at_infinity, information) = evidence.at_infinity(terms);
+    let mut crossing = Crossing {
+        gain: 0.0,
+        information,
+        limit: config.relative_range_sigma,
     };
-    let best = mode::best(modes).ok_or(crossing(0.0))?;
-    let gain = evidence.density(config).log_density(&best.mean) - at_infinity;
-    let gain = if gain > 0.0 { 2.0 * gain } else { 0.0 };
-    let variance = largest_variance(&plane(&best.covariance.matrix()));
-    let range = evidence.range_squared(best.mean[0], best.mean[1]);
-    if gain * limit * limit < 1.0 || variance > limit * limit * range {
-        return Err(crossing(2.0 * sqrt(gain / information)));
-    }
-    Ok(())
+    let best = mode::best(modes).ok_or_else(|| crossing.reason())?;
+    let density = evidence.density(terms, config);
+    crossing.gain = 2.0 * (density.log_density(&best.mean) - at_infinity);
+    let variance = plane(&best.covariance.matrix()).largest_eigenvalue();
+    let range = evidence.bearings.range_squared(position(&best.mean));
+    crossing.check(variance, range)
 }
 
 fn hypotheses(modes: &Modes) -> impl Iterator<Item = Hypothesis> {
@@ -496,8 +497,8 @@ fn position(&[x, y, _]: &State) -> [f32; 2] {
 }
 
 /// Of place and bias, the part of the place.
-fn plane(&[[xx, xy, _], [yx, yy, _], _]: &[[f32; 3]; 3]) -> [[f32; 2]; 2] {
-    [[xx, xy], [yx, yy]]
+fn plane(&[[xx, xy, _], [_, yy, _], _]: &[State; 3]) -> Symmetric2 {
+    Symmetric2 { xx, xy, yy }
 }
 
 #[cfg(test)]

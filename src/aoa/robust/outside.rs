@@ -1,9 +1,9 @@
-//! What a locator that is built round this one needs of it.
+//! How one bearing looks to a locator that is built round this one.
 
 use super::errors::{Errors, Tails};
-use super::evidence::tempered;
-use super::merge::{Entry, similar};
+use super::evidence::{Lines, tempered};
 use super::term::{State, Term};
+use crate::aoa::core::{Comparison, Entry};
 use crate::aoa::{Mixture, Observation};
 use crate::math::{exp, ln, sqrt};
 
@@ -15,11 +15,15 @@ pub(in crate::aoa) fn independent<'a>(
 ) -> Observation {
     let [x, y] = observation.position();
     let new = Entry::new(*observation, 1.0);
+    let lines = Lines {
+        source: None,
+        errors,
+    };
     let mut least = f32::INFINITY;
     for (old, seconds) in earlier {
         let (dx, dy) = (old.position()[0] - x, old.position()[1] - y);
         let lengths = errors.correlation.lengths(sqrt(dx * dx + dy * dy), seconds);
-        if lengths < least && similar(&Entry::new(*old, 1.0), &new, None, errors) {
+        if lengths < least && lines.is_similar(&Entry::new(*old, 1.0), &new) {
             least = lengths;
         }
     }
@@ -64,7 +68,7 @@ impl LineError {
 }
 
 pub(in crate::aoa) fn read(observation: &Observation, errors: &Errors, state: &State) -> Line {
-    let variance = errors.variance(observation, 1.0, Some(state));
+    let variance = errors.variance(observation, 1.0, Some([state[0], state[1]]));
     let term = Term::new(observation, errors, variance);
     let reading = term.read(state, errors.bias_sigma_rad * state[2]);
     let [x, y] = term.gradient(state);

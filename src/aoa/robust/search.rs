@@ -3,10 +3,11 @@
 use heapless::Vec;
 
 use super::Config;
-use super::density::{BLOCK, Density};
-use super::evidence::Evidence;
+use super::density::Density;
+use super::evidence::{Evidence, Terms};
 use super::mode::{MODES, Mode, Modes, weigh};
 use super::term::{State, Term};
+use crate::aoa::core::{BLOCK, Entry, Target};
 use crate::aoa::triangulation::crossing;
 use crate::math::sqrt;
 use crate::random::{Rng, uniform};
@@ -42,27 +43,27 @@ struct Candidate {
 #[inline(never)]
 pub(super) fn search<R: Rng + ?Sized, const B: usize>(
     evidence: &Evidence<B>,
+    terms: &[Term],
     config: &Config,
     known: &Modes,
     rng: &mut R,
 ) -> Modes {
     let errors = &config.errors;
-    let density = evidence.density(config);
+    let density = evidence.density(terms, config);
     let mut modes = climb_again(&density, known);
-    let mut wide: Vec<Term, B> = Vec::new();
     let bias = errors.bias_sigma_rad;
-    for entry in evidence.entries() {
-        let deviation = WIDENING * sqrt(evidence.variance(entry, errors));
-        let variance = deviation * deviation + bias * bias;
-        let term = Term::new(&entry.observation, errors, variance);
-        let _ = wide.push(term.with_probability(entry.probability));
-    }
+    let widened = |entry: &Entry| {
+        let sigma = WIDENING * sqrt(evidence.variance(entry, errors));
+        let term = Term::new(&entry.observation, errors, sigma * sigma + bias * bias);
+        term.with_probability(entry.probability)
+    };
+    let wide: Terms<B> = evidence.entries().iter().map(widened).collect();
     let wide = Density {
         terms: &wide,
         bias_sigma_rad: 0.0,
         ..density
     };
-    let mut candidates = candidates(evidence, &wide, rng);
+    let mut candidates = candidates(evidence.entries(), &wide, rng);
     for _ in 0..CLIMBS {
         let Some(start) = take_best(&mut candidates, &modes, &wide) else {
             break;
@@ -89,18 +90,18 @@ pub(super) fn climb_again(density: &Density<'_>, known: &Modes) -> Modes {
 }
 
 /// Random crossings of the bearings as lines, for each of a pair may be mirrored.
-fn candidates<R: Rng + ?Sized, const B: usize>(
-    evidence: &Evidence<B>,
+fn candidates<R: Rng + ?Sized>(
+    entries: &[Entry],
     wide: &Density<'_>,
     rng: &mut R,
 ) -> Vec<Candidate, CANDIDATES> {
-    let entries = evidence.entries();
     let n = entries.len() as f32;
     let mut candidates = Vec::new();
     for _ in 0..BLOCKS {
-        let mut block = [[0.0; 3]; BLOCK];
+        let mut block = [[0.0; BLOCK]; 3];
         let mut valid = [false; BLOCK];
-        for (state, valid) in block.iter_mut().zip(&mut valid) {
+        let [xs, ys, _] = &mut block;
+        for ((x, y), valid) in xs.iter_mut().zip(ys).zip(&mut valid) {
             for _ in 0..TRIES {
                 let a = entries.get((uniform(rng) * n) as usize);
                 let b = entries.get((uniform(rng) * n) as usize);
@@ -108,15 +109,16 @@ fn candidates<R: Rng + ?Sized, const B: usize>(
                     && !a.excludes(b)
                     && let Some(meeting) = crossing(&a.observation, &b.observation, LEAST_SINE)
                 {
-                    let [x, y] = meeting.position;
-                    (*state, *valid) = ([x, y, 0.0], true);
+                    ([*x, *y], *valid) = (meeting.position, true);
                     break;
                 }
             }
         }
         let scores = wide.log_densities(&block);
-        for ((state, score), valid) in block.into_iter().zip(scores).zip(valid) {
+        let [xs, ys, _] = block;
+        for (((x, y), score), valid) in xs.into_iter().zip(ys).zip(scores).zip(valid) {
             if valid {
+                let state = [x, y, 0.0];
                 let _ = candidates.push(Candidate { state, score });
             }
         }

@@ -2,13 +2,12 @@
 
 use core::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use super::density::BLOCK;
 use super::errors::{Errors, Tails};
 use crate::aoa::Observation;
+use crate::aoa::core::{BLOCK, Block, Entry};
 use crate::math::{atan_coarse, exp_of_weight, ln, sin_cos, sqrt, wrap};
-use crate::snapshot::value;
 
-/// Metres east and north, and the bias of all bearings in its deviations.
+/// Metres east and north, and the bias of all bearings in its prior sigmas.
 pub(super) type State = [f32; 3];
 
 /// Odds of a bearing not being an outlier, which are its likelihood but for a factor and a summand that no place changes:
@@ -29,16 +28,6 @@ pub(super) struct Term {
     direct: f32,
     mirrored: f32,
 }
-
-value!(Term {
-    position,
-    sin,
-    cos,
-    curvature,
-    power,
-    direct,
-    mirrored,
-});
 
 /// Keeps the ratio finite for a particle that sits on the receiver.
 const TINY_M: f32 = 1e-7;
@@ -77,6 +66,12 @@ impl Term {
         }
     }
 
+    /// Of a bearing in the buffer, on a source thought to be at a place.
+    pub(super) fn of(entry: &Entry, errors: &Errors, source: Option<[f32; 2]>) -> Self {
+        let variance = errors.variance(&entry.observation, entry.worth, source);
+        Self::new(&entry.observation, errors, variance).with_probability(entry.probability)
+    }
+
     /// The same of a bearing that has alternatives: of those that lie apart, 1 + a + b is nearly (1 + a) (1 + b).
     pub(super) fn with_probability(mut self, probability: f32) -> Self {
         if probability < 1.0 {
@@ -90,7 +85,7 @@ impl Term {
     /// Error of the line and which of its sides the state is on, given its bias in radians. Exact up to half a turn,
     /// beyond which a large bias may push an error: the line's other side is as far then.
     #[inline(always)]
-    fn fold(&self, &[x, y, _]: &State, bias: f32) -> (f32, bool) {
+    fn fold(&self, [x, y]: [f32; 2], bias: f32) -> (f32, bool) {
         let (dx, dy) = (x - self.position[0], y - self.position[1]);
         let along = dx * self.cos + dy * self.sin;
         let across = dy * self.cos - dx * self.sin;
@@ -114,8 +109,8 @@ impl Term {
     }
 
     #[inline(always)]
-    fn odds<const STUDENT: bool>(&self, state: &State, bias: f32) -> f32 {
-        let (error, mirrored) = self.fold(state, bias);
+    fn odds<const STUDENT: bool>(&self, place: [f32; 2], bias: f32) -> f32 {
+        let (error, mirrored) = self.fold(place, bias);
         self.odds_of::<STUDENT>(error, mirrored)
     }
 
@@ -123,35 +118,33 @@ impl Term {
     #[inline(always)]
     pub(super) fn multiply(
         &self,
-        states: &[State; BLOCK],
+        [x, y, _]: &Block<3>,
         biases: &[f32; BLOCK],
         products: &mut [f32; BLOCK],
     ) {
         // The choice is made outside of the loop, which has no registers to spare.
-        let one = |((product, state), bias): ((&mut f32, &State), &f32)| {
-            *product *= 1.0 + self.odds::<false>(state, *bias);
-        };
-        let student = |((product, state), bias): ((&mut f32, &State), &f32)| {
-            *product *= 1.0 + self.odds::<true>(state, *bias);
-        };
-        let all = products.iter_mut().zip(states).zip(biases);
+        let all = products.iter_mut().zip(x.iter().zip(y).zip(biases));
         if self.power == 0.0 {
-            all.for_each(one);
+            all.for_each(|(product, ((x, y), bias))| {
+                *product *= 1.0 + self.odds::<false>([*x, *y], *bias);
+            });
         } else {
-            all.for_each(student);
+            all.for_each(|(product, ((x, y), bias))| {
+                *product *= 1.0 + self.odds::<true>([*x, *y], *bias);
+            });
         }
     }
 
     /// Up to a constant.
     #[inline(never)]
-    pub(super) fn log_likelihood(&self, state: &State, bias: f32) -> f32 {
-        let (error, mirrored) = self.fold(state, bias);
+    pub(super) fn log_likelihood(&self, &[x, y, _]: &State, bias: f32) -> f32 {
+        let (error, mirrored) = self.fold([x, y], bias);
         ln(1.0 + self.reading(error, mirrored).odds)
     }
 
     #[inline(never)]
-    pub(super) fn read(&self, state: &State, bias: f32) -> Reading {
-        let (error, mirrored) = self.fold(state, bias);
+    pub(super) fn read(&self, &[x, y, _]: &State, bias: f32) -> Reading {
+        let (error, mirrored) = self.fold([x, y], bias);
         self.reading(error, mirrored)
     }
 

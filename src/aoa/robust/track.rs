@@ -7,7 +7,6 @@ use super::term::State;
 use super::{Candidate, Config, Robust, crossing};
 use crate::aoa::track::{Stationary, Track};
 use crate::aoa::{Answer, Locate, Mixture, Observation};
-use crate::math::exp;
 use crate::random::Rng;
 
 impl<const N: usize, const B: usize> Track for Robust<N, B> {
@@ -20,7 +19,7 @@ impl<const N: usize, const B: usize> Track for Robust<N, B> {
     }
 
     fn latest(&self) -> Option<&Observation> {
-        self.evidence.latest()
+        self.evidence.bearings.latest()
     }
 
     /// Evaluates up to `5 N B` likelihoods of one bearing, and `50 B` before. A candidate of more than `B` bearings takes
@@ -33,10 +32,12 @@ impl<const N: usize, const B: usize> Track for Robust<N, B> {
     ) -> Answer {
         self.reset();
         self.evidence.adopt(candidate, &config.errors);
-        self.modes = climb_again(&self.evidence.density(config), candidate.modes);
+        let terms = self.evidence.terms(&config.errors);
+        self.modes = climb_again(&self.evidence.density(&terms, config), candidate.modes);
         weigh(&mut self.modes);
-        let fix = crossing(&self.evidence, &self.modes, config).and_then(|()| {
-            self.start(config, rng);
+        let crosses = crossing(&self.evidence, &terms, &self.modes, config);
+        let fix = crosses.and_then(|()| {
+            self.start(&terms, config, rng);
             self.credible_fix(1.0, config)
         });
         self.answer = match fix {
@@ -66,12 +67,7 @@ impl<const N: usize, const B: usize> Track for Robust<N, B> {
 
 impl<const N: usize, const B: usize> Stationary for Robust<N, B> {
     fn moments(&self) -> (State, [State; 3]) {
-        (self.filter.mean(), self.filter.covariance())
-    }
-
-    /// Of a bearing that was joined with former ones: how much better they fit together.
-    fn evidence(&self) -> f32 {
-        exp(self.log_evidence)
+        self.moments
     }
 
     fn restart(&mut self, rates: Mixture) {

@@ -84,7 +84,7 @@ impl Belief {
         const LONG: f32 = 0.5;
         let mut belief = Self::default();
         for hypothesis in hypotheses {
-            let ellipse = hypothesis.ellipse(Ellipse::ONE_SIGMA);
+            let ellipse = Ellipse::of_sigmas(hypothesis.position, hypothesis.covariance, 1.0);
             let (towards, distance) = sight(from, hypothesis.position);
             if ellipse.semi_major < LONG * distance {
                 let (sin, cos) = sin_cos(ellipse.orientation);
@@ -223,6 +223,7 @@ mod tests {
     use super::*;
     use crate::aoa::testing::Clocked;
     use crate::aoa::{Answer, Clean, Robust, clean, robust};
+    use crate::estimate::Symmetric2;
     use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 
     const SOURCE: [f32; 2] = [1_000.0, 2_000.0];
@@ -308,7 +309,11 @@ mod tests {
         // Long from north to south, seen from the south: by its near end, it is left and right that tell.
         let hypothesis = Hypothesis {
             position: [0.0, 1_000.0],
-            covariance: [[25.0, 0.0], [0.0, 90_000.0]],
+            covariance: Symmetric2 {
+                xx: 25.0,
+                xy: 0.0,
+                yy: 90_000.0,
+            },
             probability: 1.0,
         };
         let belief = Belief::of_hypotheses([hypothesis].into_iter(), [0.0; 2]);
@@ -316,7 +321,7 @@ mod tests {
         assert!((direction - 180.0).abs() > 60.0 && direction.min(360.0 - direction) > 60.0);
         // Once round it, there is less to learn than at the start.
         let round = Hypothesis {
-            covariance: [[25.0, 0.0], [0.0, 25.0]],
+            covariance: Symmetric2::isotropic(25.0),
             ..hypothesis
         };
         let round = Belief::of_hypotheses([round].into_iter(), [0.0; 2]);

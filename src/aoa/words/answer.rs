@@ -1,6 +1,6 @@
 //! What is known of a source.
 
-use crate::estimate::Ellipse;
+use crate::estimate::{Ellipse, Symmetric2};
 use crate::snapshot::{Error, Reader, Value, Writer, by_value, value};
 
 /// What a locator knows of the source.
@@ -74,7 +74,7 @@ pub struct Fix {
     /// Posterior mean, in metres east and north.
     pub position: [f32; 2],
     /// Posterior covariance, in square metres; includes the sampling error of the particles.
-    pub covariance: [[f32; 2]; 2],
+    pub covariance: Symmetric2,
     /// How many equally weighted particles the cloud is worth.
     pub effective_sample_size: f32,
     /// How many bearings the fix rests on.
@@ -85,7 +85,7 @@ impl Fix {
     /// From the moments of a cloud that is worth `n` equally weighted particles.
     pub(in crate::aoa) fn of_cloud(
         position: [f32; 2],
-        covariance: [[f32; 2]; 2],
+        covariance: impl Into<Symmetric2>,
         n: f32,
         bearings: u32,
     ) -> Self {
@@ -98,7 +98,7 @@ impl Fix {
         };
         Self {
             position,
-            covariance: covariance.map(|row| row.map(|entry| entry * sampling)),
+            covariance: covariance.into().scaled(sampling),
             effective_sample_size: n,
             bearings,
         }
@@ -117,7 +117,7 @@ pub struct Hypothesis {
     /// The mode, in metres east and north.
     pub position: [f32; 2],
     /// Inverse of the curvature at the mode, in square metres.
-    pub covariance: [[f32; 2]; 2],
+    pub covariance: Symmetric2,
     /// Probability of this hypothesis among all, by Laplace's approximation.
     pub probability: f32,
 }

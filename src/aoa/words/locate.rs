@@ -1,37 +1,12 @@
 //! What locators have in common.
 
-use core::fmt;
+use core::fmt::Debug;
 
 use super::advice::Advice;
 use super::answer::{Answer, Bias, Cloud, Fix, Hypothesis, Mixture, Source};
-use super::observation::{Alternative, Observation};
+use super::observation::{Alternative, Observation, PushError};
 use crate::ConfigError;
 use crate::random::Rng;
-
-/// Why a bearing was not taken. The locator is as before.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum PushError {
-    /// It was taken before all bearings that the locator still keeps: it comes too late.
-    TooOld,
-    /// A bearing of the same station and time has been taken already.
-    Duplicate,
-    /// A reading without a single bearing.
-    Empty,
-}
-
-impl fmt::Display for PushError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::TooOld => "the bearing is older than all that are kept",
-            Self::Duplicate => "a bearing of this station and time was taken already",
-            Self::Empty => "the reading holds no bearing",
-        })
-    }
-}
-
-impl core::error::Error for PushError {}
 
 /// The state of a locator: takes bearings, and says where sources are.
 ///
@@ -42,7 +17,7 @@ impl core::error::Error for PushError {}
 /// it is [`PushError::TooOld`]. The second of a station and time is a [`PushError::Duplicate`].
 pub trait Locate {
     /// What the locator can be told.
-    type Config: Copy + PartialEq + fmt::Debug;
+    type Config: Copy + PartialEq + Debug;
 
     /// Nothing is known. All bits are zero, so that a `static` takes no flash.
     const EMPTY: Self;

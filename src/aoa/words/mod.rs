@@ -10,5 +10,5 @@ pub(in crate::aoa) use advice::Belief;
 pub use advice::{Advice, DIRECTIONS, FARTHEST_M};
 pub use answer::{Answer, Bias, Cloud, Fix, Hypothesis, Mixture, Motion, NotObservable, Source};
 pub use bearing::Bearing;
-pub use locate::{Locate, Locator, PushError};
-pub use observation::{Alternative, Observation, ObservationError};
+pub use locate::{Locate, Locator};
+pub use observation::{Alternative, Observation, ObservationError, PushError};

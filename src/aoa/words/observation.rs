@@ -44,6 +44,31 @@ impl fmt::Display for ObservationError {
 
 impl core::error::Error for ObservationError {}
 
+/// Why a bearing was not taken. The locator is as before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum PushError {
+    /// It was taken before all bearings that the locator still keeps: it comes too late.
+    TooOld,
+    /// A bearing of the same station and time has been taken already.
+    Duplicate,
+    /// A reading without a single bearing.
+    Empty,
+}
+
+impl fmt::Display for PushError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::TooOld => "the bearing is older than all that are kept",
+            Self::Duplicate => "a bearing of this station and time was taken already",
+            Self::Empty => "the reading holds no bearing",
+        })
+    }
+}
+
+impl core::error::Error for PushError {}
+
 impl Observation {
     /// Largest coordinate, in metres: beyond it an f32 no longer resolves a decimetre.
     pub const MAX_COORDINATE_M: f32 = 1e6;
@@ -133,6 +158,12 @@ impl Observation {
     }
 }
 
+impl AsRef<Self> for Observation {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
 /// One of several bearings of one reading that exclude each other, like the peaks of a [spectrum](crate::aoa::spectrum).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -155,6 +186,15 @@ impl Alternative {
             observation,
             probability,
         })
+    }
+
+    /// The most probable bearing of a reading, for locators that take no more than one.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub(in crate::aoa) fn most_probable(reading: &[Self]) -> Result<&Observation, PushError> {
+        let best = (reading.iter()).max_by(|a, b| a.probability.total_cmp(&b.probability));
+        best.map(Self::observation).ok_or(PushError::Empty)
     }
 
     /// The bearing.

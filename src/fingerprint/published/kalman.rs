@@ -39,7 +39,7 @@ impl Model {
             [0.0, 0.0, 1.0, 0.0],
             [0.0, 0.0, 0.0, 1.0],
         ];
-        let [ax, ay] = self.motion.acceleration;
+        let [ax, ay] = self.motion.sigma_m_s2;
         let half = 0.5 * dt * dt;
         let mut noise = Covariance::ZERO;
         noise.add([half * ax, 0.0, dt * ax, 0.0]);

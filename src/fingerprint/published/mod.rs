@@ -113,7 +113,7 @@ impl Model {
         // The roots of 200 and 40.
         observation: Covariance::diagonal([14.142_136, 6.324_555_5]),
         motion: ConstantVelocity {
-            acceleration: [0.5, 0.1],
+            sigma_m_s2: [0.5, 0.1],
         },
         velocity: [1.5, 0.3],
     };
@@ -139,7 +139,9 @@ impl Model {
         if !are_deviations(acceleration) {
             return Err(ModelError::Acceleration);
         }
-        self.motion = ConstantVelocity { acceleration };
+        self.motion = ConstantVelocity {
+            sigma_m_s2: acceleration,
+        };
         Ok(self)
     }
 

@@ -44,7 +44,7 @@ fn many_particles_come_to_what_the_kalman_filter_says() {
                 variance[k] += cloud.covariance()[k][k] / 40.0;
             }
         }
-        for (k, deviation) in kalman.covariance.deviations().iter().enumerate() {
+        for (k, deviation) in kalman.covariance.sigmas().iter().enumerate() {
             assert!((mean[k] - kalman.mean[k]).abs() < 0.05 * deviation);
             assert!((variance[k].sqrt() / deviation - 1.0).abs() < 0.05);
         }

@@ -11,7 +11,7 @@ pub(super) type Report = Text<2560>;
 impl Report {
     /// `$PFOXT`
     pub fn tag(&mut self, tag: Tag, fix: &Fix) {
-        let ellipse = fix.ellipse(Ellipse::ONE_SIGMA);
+        let ellipse = Ellipse::of_sigmas(fix.position, fix.covariance, 1.0);
         self.begin("PFOXT");
         self.field(fix.time_ms);
         self.field(tag.0);

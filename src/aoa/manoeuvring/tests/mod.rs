@@ -64,7 +64,7 @@ fn configurations_are_checked() {
         let mut config = Config::DEFAULT;
         change(&mut config, value);
         let result = config.check();
-        assert_eq!(result, <Subject<256, 64>>::check(&config));
+        assert_eq!(result, <Subject<256, 64> as Locate>::check(&config));
         result.err().map(|error| error.field())
     };
     for wrong in [0.0, -1.0, 1e7, f32::NAN, f32::INFINITY] {
@@ -181,7 +181,8 @@ fn anything_that_is_an_observation_is_taken() {
             // Those of the same time are of other stations.
             let answer = locator.push(&observation.from_station(i as u8), &mut rng);
             if let Some(fix) = answer.unwrap().fix() {
-                let all = fix.position.iter().chain(fix.covariance.as_flattened());
+                let rows = fix.covariance.rows();
+                let all = fix.position.iter().chain(rows.as_flattened());
                 assert!(all.clone().all(|v| v.is_finite()), "{fix:?}");
             }
             if let Some(motion) = locator.state().motion() {

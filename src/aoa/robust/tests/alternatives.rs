@@ -151,7 +151,7 @@ fn what_becomes_one_has_the_mean_of_the_shares() {
         .collect();
     assert_eq!(rates.len(), 2);
     assert!((rates[0] - 0.5).abs() < 1e-6 && (rates[1] - 0.5).abs() < 1e-6);
-    assert_eq!(evidence.count(), 3);
+    assert_eq!(evidence.bearings.count(), 3);
     // One from a little further is worth less, not less likely.
     let further = towards([15.0, 0.0], SOURCE, 0.0, SIGMA);
     evidence.push(&part(further, 0.7), None, &errors);

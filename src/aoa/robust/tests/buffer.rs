@@ -22,9 +22,12 @@ fn readings_of_one_place_are_one_bearing() {
             &errors,
         );
     }
-    assert_eq!((evidence.entries().len(), evidence.count()), (1, 1000));
+    assert_eq!(
+        (evidence.entries().len(), evidence.bearings.count()),
+        (1, 1000)
+    );
     // The best estimate of the mean of an autoregression: its variance is (1 + r) / (n (1 - r) + 2 r).
-    let sigma = evidence.observations().next().unwrap().sigma_rad();
+    let sigma = evidence.bearings.observations().next().unwrap().sigma_rad();
     let exact = SIGMA * (1.9_f32 / (1000.0 * 0.1 + 1.8)).sqrt();
     assert!((sigma / exact - 1.0).abs() < 1e-3, "{sigma} {exact}");
     // One that contradicts is not joined; one from a little further counts for less than a new one.
@@ -37,7 +40,7 @@ fn readings_of_one_place_are_one_bearing() {
         &errors,
     );
     let r = 0.9 * (-1.0_f32).exp();
-    let tempered = evidence.observations().last().unwrap().sigma_rad();
+    let tempered = evidence.bearings.observations().last().unwrap().sigma_rad();
     let expected = SIGMA * ((1.0 + r) / (1.0 - r)).sqrt();
     assert!((tempered / expected - 1.0).abs() < 1e-3);
 }
@@ -58,7 +61,7 @@ fn correlation_may_end_with_time() {
             let observation = at(i * ms, &towards([0.0, 0.0], SOURCE, 0.0, SIGMA));
             evidence.push(&observation.into(), None, &errors);
         }
-        evidence.observations().next().unwrap().sigma_rad()
+        evidence.bearings.observations().next().unwrap().sigma_rad()
     };
     let r = 0.9 * (-0.5_f32).exp();
     let exact = SIGMA * ((1.0 + r) / (100.0 * (1.0 - r) + 2.0 * r)).sqrt();
@@ -78,12 +81,12 @@ fn a_full_buffer_never_averages_what_disagrees() {
         push(
             &mut evidence,
             towards([east, 0.0], SOURCE, 0.0, SIGMA),
-            Some(&source),
+            Some(source),
             &errors,
         );
-        push(&mut evidence, outlier(east + 1.0), Some(&source), &errors);
+        push(&mut evidence, outlier(east + 1.0), Some(source), &errors);
     }
-    for o in evidence.observations() {
+    for o in evidence.bearings.observations() {
         let [x, y] = o.position();
         let error = wrap(o.bearing().radians() - (SOURCE[1] - y).atan2(SOURCE[0] - x));
         let stray = wrap(o.bearing().radians() + core::f32::consts::FRAC_PI_2);
@@ -97,9 +100,9 @@ fn a_full_buffer_never_averages_what_disagrees() {
         towards([0.0, 0.0], SOURCE, 0.0, SIGMA),
         towards([900.0, 0.0], SOURCE, 0.0, SIGMA),
     ] {
-        push(&mut evidence, o, Some(&source), &errors);
+        push(&mut evidence, o, Some(source), &errors);
     }
-    let merged = evidence.observations().next().unwrap();
+    let merged = evidence.bearings.observations().next().unwrap();
     assert!((merged.sigma_rad() * 2f32.sqrt() / SIGMA - 1.0).abs() < 1e-3);
     let expected = (SOURCE[1]).atan2(SOURCE[0] - merged.position()[0]);
     assert!(wrap(merged.bearing().radians() - expected).abs() < 1e-3);
@@ -114,7 +117,11 @@ fn bearings_of_different_stations_are_never_merged() {
         let observation = towards([east, 0.0], SOURCE, 0.0, SIGMA).from_station(i % 3);
         push(&mut evidence, observation, None, &errors);
     }
-    let stations: Vec<u8> = evidence.observations().map(|o| o.station()).collect();
+    let stations: Vec<u8> = evidence
+        .bearings
+        .observations()
+        .map(|o| o.station())
+        .collect();
     assert_eq!(stations.len(), 4);
     assert!((0..3).all(|station| stations.contains(&station)));
     // With more stations than places, the bearing that was taken first goes.
@@ -122,7 +129,11 @@ fn bearings_of_different_stations_are_never_merged() {
         let observation = towards([0.0, 0.0], SOURCE, 0.0, SIGMA).from_station(10 + i);
         push(&mut evidence, observation, None, &errors);
     }
-    let mut stations: Vec<u8> = evidence.observations().map(|o| o.station()).collect();
+    let mut stations: Vec<u8> = evidence
+        .bearings
+        .observations()
+        .map(|o| o.station())
+        .collect();
     stations.sort_unstable();
     assert_eq!(stations, [14, 15, 16, 17]);
 }
@@ -144,8 +155,8 @@ fn a_late_bearing_is_joined_with_the_readings_of_its_time() {
             let observation = at(time_ms, &towards([0.0, 0.0], SOURCE, 0.0, SIGMA));
             evidence.push(&observation.into(), None, &errors);
         }
-        assert_eq!(evidence.latest().unwrap().time_ms(), 60_000);
-        evidence.observations().next().unwrap().sigma_rad()
+        assert_eq!(evidence.bearings.latest().unwrap().time_ms(), 60_000);
+        evidence.bearings.observations().next().unwrap().sigma_rad()
     };
     // A second before the first of them, or within their span, rather than a minute after.
     let (late, ordered) = (sigma([1_000, 60_000, 0]), sigma([0, 1_000, 60_000]));

@@ -2,8 +2,7 @@
 
 extern crate std;
 
-use super::density::{Density, Region};
-use super::mode::MODES;
+use super::density::Density;
 use super::term::Term;
 use super::*;
 use crate::aoa::Bearing;
@@ -75,10 +74,10 @@ fn locate<const B: usize>(
 fn push<const B: usize>(
     evidence: &mut Evidence<B>,
     observation: Observation,
-    source: Option<&State>,
+    source: Option<State>,
     errors: &Errors,
 ) -> Change {
-    let time_ms = evidence.latest().map_or(0, Observation::time_ms) + 1000;
+    let time_ms = evidence.bearings.latest().map_or(0, Observation::time_ms) + 1000;
     evidence.push(&at(time_ms, &observation).into(), source, errors)
 }
 

@@ -1,5 +1,7 @@
 //! The search for modes, and the moves between them.
 
+use super::super::density::Region;
+use super::super::mode::MODES;
 use super::super::search::add;
 use super::*;
 use crate::kalman::Covariance;
@@ -13,7 +15,7 @@ fn half_of_the_prior_is_within_the_range() {
         inverse_square: 1.0 / (500.0 * 500.0),
     };
     let modes = Modes::new();
-    let proposal = Proposal::new(&modes, region);
+    let proposal = MixtureProposal::new(&modes, region);
     let mut rng = generator(1);
     const N: usize = 100_000;
     let within = (0..N)
@@ -29,12 +31,14 @@ fn half_of_the_prior_is_within_the_range() {
 #[test]
 fn moves_leave_the_mixture_invariant() {
     let (config, evidence) = two_hypotheses();
-    let density = evidence.density(&config);
+    let terms = evidence.terms(&config.errors);
+    let density = evidence.density(&terms, &config);
     let mut rng = generator(2);
-    let modes = search(&evidence, &config, &Modes::new(), &mut rng);
+    let modes = search(&evidence, &terms, &config, &Modes::new(), &mut rng);
     assert!(modes.len() >= 2, "{modes:?}");
+    let proposal = MixtureProposal::new(&modes, density.region);
     let none = Modes::new();
-    let prior = Proposal::new(&none, density.region);
+    let prior = MixtureProposal::new(&none, density.region);
     let likelihood = |s: &State| density.log_density(s) - density.region.log_density(s);
     let peak = (modes.iter().map(|mode| likelihood(&mode.mean))).fold(0.0, f32::max) + 0.3;
 
@@ -54,7 +58,7 @@ fn moves_leave_the_mixture_invariant() {
     for moves in [1, 2, 5] {
         let mut moved = exact.clone();
         let columns = moved.each_mut().map(Vec::as_mut_slice);
-        moves::sweep(columns, &density, &modes, moves, &mut rng);
+        sweep(columns, &density, &proposal, moves, &mut rng);
         let crossed = (0..N).filter(|&i| (exact[1][i] > 0.0) != (moved[1][i] > 0.0));
         assert!(crossed.count() > N / 100);
         for (before, after) in exact.iter().zip(&mut moved) {
@@ -77,12 +81,14 @@ fn a_particle_in_a_mode_that_was_lost_leaves_it() {
     let observations = drive(Track::A2, 0.0, 0.0, 3);
     let evidence = evidence(&errors, &observations);
     let mut rng = generator(3);
-    let modes = search(&evidence, &with(errors), &Modes::new(), &mut rng);
+    let terms = evidence.terms(&errors);
+    let modes = search(&evidence, &terms, &with(errors), &Modes::new(), &mut rng);
     // All particles are a kilometre away, a hundred sigmas, where no mode is known of.
     let mut columns = [vec![200.0; 256], vec![700.0; 256], vec![0.0; 256]];
-    let density = evidence.density(&with(errors));
+    let density = evidence.density(&terms, &with(errors));
+    let proposal = MixtureProposal::new(&modes, density.region);
     let slices = columns.each_mut().map(Vec::as_mut_slice);
-    moves::sweep(slices, &density, &modes, 1, &mut rng);
+    sweep(slices, &density, &proposal, 1, &mut rng);
     let left = columns[0].iter().filter(|x| **x != 200.0).count();
     assert!(left > 200, "{left}");
 }
@@ -93,8 +99,10 @@ fn a_search_finds_the_source_among_outlier_bearings() {
     for seed in 0..100 {
         let track = if seed % 2 == 0 { Track::A1 } else { Track::A2 };
         let evidence = evidence(&errors, &drive(track, 0.1, 0.4, seed));
+        let terms = evidence.terms(&errors);
         let modes = search(
             &evidence,
+            &terms,
             &with(errors),
             &Modes::new(),
             &mut generator(seed),
@@ -133,8 +141,10 @@ fn a_search_finds_the_source_behind_a_bias() {
             })
             .collect();
         let evidence = evidence(&errors, &observations);
+        let terms = evidence.terms(&errors);
         let modes = search(
             &evidence,
+            &terms,
             &with(errors),
             &Modes::new(),
             &mut generator(seed),
@@ -150,9 +160,10 @@ fn a_search_finds_the_source_behind_a_bias() {
 #[test]
 fn a_mode_along_a_ray_does_not_swallow_what_lies_on_it() {
     let (config, evidence) = two_hypotheses();
-    let density = evidence.density(&config);
+    let terms = evidence.terms(&config.errors);
+    let density = evidence.density(&terms, &config);
     let mut rng = generator(4);
-    let modes = search(&evidence, &config, &Modes::new(), &mut rng);
+    let modes = search(&evidence, &terms, &config, &Modes::new(), &mut rng);
     let known = modes[0];
     let narrow = Covariance::diagonal([1.0, 1.0, 0.1]);
     let mut other = Mode {

@@ -3,6 +3,7 @@
 use core::f64::consts::{PI, TAU};
 
 use super::*;
+use crate::aoa::core::{BLOCK, Target};
 
 #[test]
 fn a_term_is_the_mixture_over_what_a_bearing_is() {
@@ -86,16 +87,18 @@ fn tails_have_an_area_of_one() {
 #[test]
 fn the_density_of_many_states_is_that_of_each() {
     let (config, evidence) = two_hypotheses();
-    let density: Density<'_> = evidence.density(&config);
+    let terms = evidence.terms(&config.errors);
+    let density: Density<'_> = evidence.density(&terms, &config);
     let mut rng = generator(14);
-    let states: [State; density::BLOCK] = core::array::from_fn(|_| {
+    let states: [State; BLOCK] = core::array::from_fn(|_| {
         [
             800.0 * normal(&mut rng),
             800.0 * normal(&mut rng),
             normal(&mut rng),
         ]
     });
-    for (state, log) in states.iter().zip(density.log_densities(&states)) {
+    let columns = core::array::from_fn(|d| states.map(|state| state[d]));
+    for (state, log) in states.iter().zip(density.log_densities(&columns)) {
         assert!((log - density.log_density(state)).abs() < 1e-4);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use foxhunt::aoa::locator::Fix;
+use foxhunt::aoa::Fix;
 use foxhunt_host::reference::mahalanobis;
 
 /// How far the true place is from a fix, in the standard deviations that the fix claims: its Mahalanobis

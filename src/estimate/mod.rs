@@ -1,8 +1,17 @@
-//! What a weighted cloud says: mean, covariance, quantiles, and the ellipse that holds the truth.
+//! Estimates from a weighted cloud: mean, covariance, quantiles, and the ellipse that holds the truth.
 //!
 //! Weights are those of [`crate::weights`]: they sum to one.
 
-use crate::math::{atan2, ln, sin_cos, sqrt};
+mod ellipse;
+mod symmetric;
+
+pub use ellipse::Ellipse;
+pub use symmetric::Symmetric2;
+
+/// The larger eigenvalue of a covariance by rows.
+pub(crate) fn largest_variance(covariance: &[[f32; 2]; 2]) -> f32 {
+    Symmetric2::from(*covariance).largest_eigenvalue()
+}
 
 /// Weighted mean of every column.
 pub fn mean<const D: usize>(columns: &[&[f32]; D], weights: &[f32]) -> [f32; D] {
@@ -120,67 +129,6 @@ pub fn quantile(column: &[f32], weights: &[f32], probability: f32) -> f32 {
     })
 }
 
-/// An ellipse in the plane, and the region of a given probability of a two-dimensional normal distribution.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Ellipse {
-    /// Its centre.
-    pub centre: [f32; 2],
-    /// Half of its longest diameter, in the unit of the centre.
-    pub semi_major: f32,
-    /// Half of its shortest diameter, in the unit of the centre.
-    pub semi_minor: f32,
-    /// Direction of the longest diameter: radians counter-clockwise from the first axis, in (-pi/2, pi/2].
-    pub orientation: f32,
-}
-
-/// The variance along the longest axis of a distribution: the larger eigenvalue of its covariance.
-pub(crate) fn largest_variance(&[[a, b], [_, c]]: &[[f32; 2]; 2]) -> f32 {
-    let half_difference = 0.5 * (a - c);
-    0.5 * (a + c) + sqrt(half_difference * half_difference + b * b)
-}
-
-impl Ellipse {
-    /// The probability of the ellipse whose semi-axes are one standard deviation: 1 - exp(-1/2).
-    pub const ONE_SIGMA: f32 = 0.393_469_34;
-
-    /// The smallest region that a normal distribution gives the probability `probability`: from 0, a point, up to
-    /// all but 1e-7.
-    ///
-    /// Its squared Mahalanobis radius is the quantile of the chi-squared distribution with two degrees of
-    /// freedom, `-2 ln(1 - probability)`: 5.99 for 95 %.
-    pub fn of_normal(centre: [f32; 2], covariance: [[f32; 2]; 2], probability: f32) -> Self {
-        let [[a, b], [_, c]] = covariance;
-        let radius_squared = -2.0 * ln(1.0 - probability.clamp(0.0, 1.0 - 1e-7));
-        // Rounding may push the small eigenvalue of a flat ellipse below zero; by the determinant it loses
-        // fewer digits than by the difference.
-        let major = largest_variance(&covariance);
-        let determinant = a * c - b * b;
-        let minor = if determinant > 0.0 {
-            determinant / major
-        } else {
-            0.0
-        };
-        Self {
-            centre,
-            semi_major: sqrt(radius_squared * major),
-            semi_minor: sqrt(radius_squared * minor),
-            orientation: 0.5 * atan2(b, 0.5 * (a - c)),
-        }
-    }
-
-    /// Whether `point` lies inside.
-    pub fn contains(&self, point: [f32; 2]) -> bool {
-        let (sin, cos) = sin_cos(self.orientation);
-        let (dx, dy) = (point[0] - self.centre[0], point[1] - self.centre[1]);
-        let (along, across) = (dx * cos + dy * sin, dy * cos - dx * sin);
-        // In products, because an axis of a flat ellipse is zero.
-        let (major, minor) = (self.semi_major, self.semi_minor);
-        let (u, v) = (along * minor, across * major);
-        along.abs() <= major && u * u + v * v <= (major * minor) * (major * minor)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     extern crate std;
@@ -238,50 +186,5 @@ mod tests {
         let equal = [1.0 / 200.0; 200];
         let ramp: Vec<f32> = (0..200).map(|i| i as f32).collect();
         assert_eq!(quantile(&ramp, &equal, 1.0), 199.0);
-    }
-
-    #[test]
-    fn ellipse_of_a_known_covariance() {
-        // Eigenvalues 9 and 4, the longer axis 30 degrees from the first.
-        let (sin, cos) = (0.5f32, 0.75f32.sqrt());
-        let covariance = [
-            [9.0 * cos * cos + 4.0 * sin * sin, 5.0 * sin * cos],
-            [5.0 * sin * cos, 9.0 * sin * sin + 4.0 * cos * cos],
-        ];
-        let ellipse = Ellipse::of_normal([10.0, 20.0], covariance, 0.95);
-        let radius = 5.991_465f32.sqrt();
-        assert!((ellipse.semi_major - 3.0 * radius).abs() < 1e-4);
-        assert!((ellipse.semi_minor - 2.0 * radius).abs() < 1e-4);
-        assert!((ellipse.orientation - core::f32::consts::FRAC_PI_6).abs() < 1e-5);
-        assert!(ellipse.contains([10.0 + 2.9 * radius * cos, 20.0 + 2.9 * radius * sin]));
-        assert!(!ellipse.contains([10.0 - 2.1 * radius * sin, 20.0 + 2.1 * radius * cos]));
-    }
-
-    #[test]
-    fn ellipse_holds_its_share_of_a_normal_cloud() {
-        // 100,000 points: three standard errors of the share are 0.2 %, 0.5 % and 0.4 %.
-        let mut rng = Xoshiro128PlusPlus::seed_from_u64(22);
-        for (probability, tolerance) in [(0.95, 0.0021), (0.5, 0.0048), (0.8, 0.0038)] {
-            let ellipse = Ellipse::of_normal([1.0, -2.0], [[4.0, 1.2], [1.2, 1.0]], probability);
-            let inside = (0..100_000)
-                .filter(|_| {
-                    let (u, v) = (normal(&mut rng), normal(&mut rng));
-                    ellipse.contains([1.0 + 2.0 * u, -2.0 + 0.6 * u + 0.8 * v])
-                })
-                .count();
-            assert!((inside as f32 / 1e5 - probability).abs() < tolerance);
-        }
-    }
-
-    #[test]
-    fn a_flat_ellipse_is_no_nan() {
-        let ellipse = Ellipse::of_normal([0.0, 0.0], [[1.0, 1.0], [1.0, 1.0]], 0.95);
-        assert_eq!(ellipse.semi_minor, 0.0);
-        assert!(ellipse.contains([0.0, 0.0]));
-        assert!(!ellipse.contains([1.0, -1.0]));
-        for probability in [0.0, 1.0, 7.0] {
-            let ellipse = Ellipse::of_normal([0.0, 0.0], [[1.0, 0.0], [0.0, 0.0]], probability);
-            assert!(ellipse.semi_major.is_finite() && ellipse.contains([0.0, 0.0]));
-        }
     }
 }

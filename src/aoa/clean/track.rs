@@ -1,0 +1,99 @@
+//! The locator for clean bearings as one that others build on.
+
+use core::f32::consts::TAU;
+
+use super::posterior::Agreement;
+use super::{Clean, Config, Moves, RANGE_M};
+use crate::aoa::core::Entry;
+use crate::aoa::robust::{self, Candidate, Correlation, Errors};
+use crate::aoa::track::{Stationary, Track};
+use crate::aoa::{Answer, BearingLikelihood, Locate, Mixture, Observation};
+use crate::math::exp;
+use crate::model::Likelihood;
+use crate::random::Rng;
+
+/// What is believed of bearings that may be those of other sources: a higher rate loses a source sooner, a lower one gives
+/// it more bearings of others.
+const ERRORS: Errors = Errors {
+    rates: Mixture::new(0.0, 0.02),
+    prior_bearings: f32::INFINITY,
+    correlation: Correlation::NONE,
+    ..Errors::DEFAULT
+};
+
+/// Odds of a bearing not being an outlier, if this is the logarithm of its density.
+fn odds(log_density: f32) -> f32 {
+    const SCALE: f32 = TAU * ERRORS.rates.direct / ERRORS.rates.outlier;
+    SCALE * exp(log_density)
+}
+
+impl<const N: usize, const B: usize, M: Moves<N>> Track for Clean<N, B, M> {
+    fn beliefs(config: &Config<M>) -> robust::Config {
+        robust::Config {
+            errors: ERRORS,
+            range_m: RANGE_M,
+            relative_range_sigma: config.relative_range_sigma,
+            resample_below: config.resample_below,
+            moves: config.moves,
+        }
+    }
+
+    fn errors(&self, _: &Config<M>) -> Errors {
+        ERRORS
+    }
+
+    fn latest(&self) -> Option<&Observation> {
+        self.bearings.latest()
+    }
+
+    /// Evaluates up to `10 N B` likelihoods of one bearing. A candidate of more than `B` bearings takes `B^2 / 2`
+    /// comparisons for each beyond.
+    fn initiate<R: Rng + ?Sized>(
+        &mut self,
+        candidate: &Candidate<'_>,
+        config: &Config<M>,
+        rng: &mut R,
+    ) -> Answer {
+        self.reset();
+        let agreement = Agreement {
+            source: Some(candidate.position()),
+        };
+        self.bearings
+            .adopt(candidate.entries(), candidate.latest(), &agreement);
+        self.answer = self.first_answer(config, rng);
+        self.answer
+    }
+
+    fn odds(&self, observation: &Observation, _: &Config<M>) -> f32 {
+        let likelihood = BearingLikelihood::new(observation);
+        let [x, y] = self.columns();
+        let particles = x.iter().zip(y).zip(self.weights());
+        particles
+            .map(|((x, y), weight)| weight * odds(likelihood.log_likelihood(&[*x, *y])))
+            .sum()
+    }
+
+    /// Outliers have a fixed rate here.
+    fn set_outliers_removed(&mut self, _: f32) {}
+}
+
+impl<const N: usize, const B: usize, M: Moves<N>> Stationary for Clean<N, B, M> {
+    fn moments(&self) -> ([f32; 3], [[f32; 3]; 3]) {
+        let [x, y] = self.filter.mean();
+        let [[xx, xy], [yx, yy]] = self.filter.covariance();
+        ([x, y, 0.0], [[xx, xy, 0.0], [yx, yy, 0.0], [0.0; 3]])
+    }
+
+    fn restart(&mut self, _: Mixture) {
+        self.reset();
+    }
+
+    /// The prior is flat whatever is known.
+    fn centre_prior(&mut self, _: [f32; 2], _: f32) {}
+
+    fn recall(&mut self, observation: &Observation, _: &Config<M>) {
+        self.bearings.note(&(*observation).into());
+        let new = Entry::new(*observation, 1.0);
+        self.bearings.add(new, &Agreement { source: None });
+    }
+}

@@ -1,0 +1,218 @@
+//! The bearings that a locator rests on, in a bounded buffer.
+
+use heapless::Vec;
+
+use super::entry::Entry;
+use crate::aoa::{Alternative, Observation, PushError};
+use crate::persist;
+
+/// A full buffer makes room by averaging the two bearings that say most nearly the same: a long drive thins out where it
+/// was far from the source, a stationary vehicle's readings become one, and nothing is forgotten. All bits of an empty one
+/// are zero.
+#[derive(Debug, Clone)]
+pub(in crate::aoa) struct Buffer<const B: usize> {
+    entries: Vec<Entry, B>,
+    latest: Option<Observation>,
+    /// Readings that went in, in which bearings that exclude each other are one.
+    count: f32,
+}
+
+persist!(impl[const B: usize] Buffer<B> as "Buffer"(B) { entries, latest, count });
+
+/// How the bearings of a locator compare.
+pub(in crate::aoa) trait Comparison {
+    /// Where the source is thought to be, if anywhere.
+    fn source(&self) -> Option<[f32; 2]>;
+
+    /// The angle from one bearing to the other, as errors at the source if that is known.
+    fn turn(&self, a: &Entry, b: &Entry) -> f32;
+
+    /// Whether two bearings may well be of the same direction.
+    fn is_similar(&self, a: &Entry, b: &Entry) -> bool;
+
+    /// Whether `a` is kept rather than `b`, which contradicts it.
+    fn prefers(&self, a: &Entry, b: &Entry) -> bool;
+}
+
+/// Two places in the buffer.
+struct Pair {
+    i: usize,
+    j: usize,
+    similar: bool,
+}
+
+impl<const B: usize> Buffer<B> {
+    pub(in crate::aoa) const EMPTY: Self = Self {
+        entries: Vec::new(),
+        latest: None,
+        count: 0.0,
+    };
+
+    pub(in crate::aoa) fn clear(&mut self) {
+        self.entries.clear();
+        self.latest = None;
+        self.count = 0.0;
+    }
+
+    pub(in crate::aoa) fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    pub(in crate::aoa) fn entries_mut(&mut self) -> &mut [Entry] {
+        &mut self.entries
+    }
+
+    pub(in crate::aoa) fn observations(&self) -> impl ExactSizeIterator<Item = &Observation> {
+        self.entries.iter().map(|entry| &entry.observation)
+    }
+
+    /// How many readings went in.
+    pub(in crate::aoa) fn count(&self) -> u32 {
+        (self.count + 0.5) as u32
+    }
+
+    /// The latest bearing by time.
+    pub(in crate::aoa) fn latest(&self) -> Option<&Observation> {
+        self.latest.as_ref()
+    }
+
+    /// Square of the distance of a point from where the latest bearing was taken.
+    pub(in crate::aoa) fn range_squared(&self, point: [f32; 2]) -> f32 {
+        let latest = self.latest().map_or([0.0; 2], Observation::position);
+        square_of_distance(point, latest)
+    }
+
+    /// Whether a reading can be taken.
+    ///
+    /// # Errors
+    /// Not if one of its station and time is known to be in the buffer, or if it is older than all that are.
+    pub(in crate::aoa) fn admit(&self, reading: &Observation) -> Result<(), PushError> {
+        let Some(latest) = &self.latest else {
+            return Ok(());
+        };
+        let is_latest =
+            (latest.time_ms(), latest.station()) == (reading.time_ms(), reading.station());
+        if is_latest || self.entries.iter().any(|entry| entry.holds(reading)) {
+            return Err(PushError::Duplicate);
+        }
+        let late = latest.since_ms(reading.time_ms());
+        // Unsigned: the first readings of an entry may be older than a signed difference tells.
+        let age = |entry: &Entry| latest.since_ms(entry.first_ms) as u32;
+        if late > 0 && !self.entries.iter().any(|entry| age(entry) >= late as u32) {
+            return Err(PushError::TooOld);
+        }
+        Ok(())
+    }
+
+    /// Counts a bearing, and remembers it if it is the latest.
+    pub(in crate::aoa) fn note(&mut self, bearing: &Alternative) {
+        let observation = bearing.observation();
+        let is_latest = |latest: Observation| observation.since_ms(latest.time_ms()) >= 0;
+        if self.latest.is_none_or(is_latest) {
+            self.latest = Some(*observation);
+        }
+        self.count += bearing.probability();
+    }
+
+    /// Takes the bearings that are `wanted` of another buffer, and what is its latest.
+    pub(in crate::aoa) fn adopt<'a>(
+        &mut self,
+        wanted: impl Iterator<Item = &'a Entry>,
+        latest: Option<&Observation>,
+        comparison: &impl Comparison,
+    ) {
+        self.clear();
+        self.latest = latest.copied();
+        for entry in wanted {
+            self.count += entry.readings * entry.probability;
+            self.add(*entry, comparison);
+        }
+    }
+
+    /// Forgets all bearings but those to `keep`.
+    pub(in crate::aoa) fn retain(&mut self, keep: impl Fn(&Entry) -> bool) {
+        let mut gone = 0.0;
+        self.entries.retain(|entry| {
+            let stays = keep(entry);
+            if !stays {
+                gone += entry.readings * entry.probability;
+            }
+            stays
+        });
+        self.count -= if gone < self.count { gone } else { self.count };
+    }
+
+    /// Takes a bearing that is not merged with another, unless there is no other room.
+    pub(in crate::aoa) fn add(&mut self, new: Entry, comparison: &impl Comparison) {
+        if self.entries.push(new).is_ok() {
+            return;
+        }
+        let Some(Pair { i, j, similar }) = self.most_similar(comparison) else {
+            // Each is of another station: the one that was taken first is forgotten.
+            if let Some(oldest) = self.oldest() {
+                *oldest = new;
+            }
+            return;
+        };
+        let Ok([a, b]) = self.entries.get_disjoint_mut([i, j]) else {
+            return;
+        };
+        // What does not say the same makes no sense as an average.
+        if similar {
+            a.average(b, comparison.turn(a, b), comparison.source());
+        } else if !comparison.prefers(a, b) {
+            *a = *b;
+        }
+        *b = new;
+    }
+
+    /// The bearing that was taken first.
+    fn oldest(&mut self) -> Option<&mut Entry> {
+        let latest = self.latest?;
+        let age = |entry: &&mut Entry| latest.since_ms(entry.observation.time_ms());
+        self.entries.iter_mut().max_by_key(age)
+    }
+
+    /// The pair of one station that was taken from places nearest to each other, in metres, or as seen from the source;
+    /// pairs that say the same are preferred, but not at any price: the others would fill the buffer.
+    #[inline(never)]
+    fn most_similar(&self, comparison: &impl Comparison) -> Option<Pair> {
+        /// How many times as far, squared, a contradictory pair counts as: room for outliers against precision.
+        const PENALTY: f32 = 4.0;
+        /// Its least squared distance, so that the penalty holds at one place, too.
+        const APART: f32 = 1e-6;
+        /// Its least squared distance if the two exclude each other: both are to be kept, for it may be either. As seen
+        /// from the source, or in square metres.
+        const EXCLUSIVE: f32 = 0.01;
+        const EXCLUSIVE_M2: f32 = 1e4;
+        let source = comparison.source();
+        let exclusive = source.map_or(EXCLUSIVE_M2, |_| EXCLUSIVE);
+        let mut best = None;
+        let mut least = f32::INFINITY;
+        for (i, a) in self.entries.iter().enumerate() {
+            let range = source.map_or(1.0, |source| square_of_distance(source, a.position()));
+            for (j, b) in self.entries.iter().enumerate().skip(i + 1) {
+                let difference = square_of_distance(a.position(), b.position()) / range;
+                if difference < least && a.is_of_station_of(b) {
+                    let similar = comparison.is_similar(a, b);
+                    let difference = if similar {
+                        difference
+                    } else {
+                        let both = a.is_one_of_several() && b.is_one_of_several();
+                        PENALTY * (difference + if both { exclusive } else { APART })
+                    };
+                    if difference < least {
+                        least = difference;
+                        best = Some(Pair { i, j, similar });
+                    }
+                }
+            }
+        }
+        best
+    }
+}
+
+pub(super) fn square_of_distance(a: [f32; 2], b: [f32; 2]) -> f32 {
+    let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
+    dx * dx + dy * dy
+}
