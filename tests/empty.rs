@@ -1,7 +1,12 @@
 //! Empty states are all zero bits, so that a `static` of them takes no flash.
 
 use foxhunt::{
+    aoa::Clean,
     filter::ParticleFilter,
+    gateway::{
+        FullReport, Vehicle,
+        formats::{Agrelo, KrakenSpectrum, Nmea},
+    },
     proposal::{AuxiliaryFilter, PointMassFilter, UnscentedParticleFilter},
     refine::Memory,
     weights::Weights,
@@ -30,5 +35,7 @@ fn empty_states_take_no_flash() {
         AuxiliaryFilter::EMPTY => AuxiliaryFilter<2, 10>,
         PointMassFilter::EMPTY => PointMassFilter<2, 10>,
         Memory::EMPTY => Memory<2, 100>,
+        Vehicle::EMPTY => Vehicle<Clean<60, 16>>,
+        Vehicle::EMPTY => Vehicle<Clean<60, 16>, (Nmea, Agrelo, KrakenSpectrum), FullReport, 3>,
     }
 }

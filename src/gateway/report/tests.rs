@@ -5,6 +5,7 @@ extern crate std;
 use super::*;
 use crate::ConfigError;
 use crate::aoa::{Alternative, Motion, PushError};
+use crate::estimate::Symmetric2;
 use crate::random::Rng;
 
 fn time() -> Option<TimeOfDay> {
@@ -17,7 +18,11 @@ fn plane() -> LocalPlane {
 
 const FIX: Fix = Fix {
     position: [0.0; 2],
-    covariance: [[1.0, 0.0], [0.0, 4.0]],
+    covariance: Symmetric2 {
+        xx: 1.0,
+        xy: 0.0,
+        yy: 4.0,
+    },
     effective_sample_size: 87.66,
     bearings: 60,
 };
@@ -25,7 +30,7 @@ const FIX: Fix = Fix {
 fn fix(position: [f32; 2], covariance: [[f32; 2]; 2]) -> Fix {
     Fix {
         position,
-        covariance,
+        covariance: covariance.into(),
         ..FIX
     }
 }
