@@ -55,6 +55,19 @@ macro_rules! require {
 }
 pub(crate) use require;
 
+/// Returns from a `check` with a [`ConfigError`] unless each field is within its range: the call
+/// `require_within!(self: moves 1..=16, tempering 0.05..=1.0)`. False for NaN.
+macro_rules! require_within {
+    ($config:ident: $($field:ident $least:literal..=$most:literal),+ $(,)?) => {$(
+        if !($config.$field >= $least && $config.$field <= $most) {
+            return Err($crate::ConfigError::new(concat!(
+                stringify!($field), " is not within ", $least, " and ", $most
+            )));
+        }
+    )+};
+}
+pub(crate) use require_within;
+
 /// Returns from a `check` with the error of a part of the configuration, if there is one.
 macro_rules! require_all {
     ($($part:expr),+ $(,)?) => {$(

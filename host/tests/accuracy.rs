@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use foxhunt::aoa::gauss_newton::{self, Errors, Solution};
 use foxhunt::aoa::{Bearing, Clean, Locator, Observation, clean};
+use foxhunt::estimate::Symmetric2;
 use foxhunt::filter::ParticleFilter;
 use foxhunt::model::ConstantVelocity;
 use foxhunt::problems::growth::{Growth, Measurement, START};
@@ -294,7 +295,7 @@ fn lenths_bearings_give_his_estimates() {
         }
         let Solution {
             position: [x, y],
-            covariance: [[xx, xy], [_, yy]],
+            covariance: Symmetric2 { xx, xy, yy },
         } = gauss_newton::solve(observations, Errors::VonMises, [7.0, 2.0]).unwrap();
         let correlation = xy / (xx * yy).sqrt();
         let columns = [

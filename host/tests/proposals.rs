@@ -11,7 +11,7 @@ use foxhunt::proposal::{
     AuxiliaryFilter, PointMassFilter, Posterior, Transition, UnscentedParticleFilter,
 };
 use foxhunt::random::{Rng, SeedableRng, Xoshiro128PlusPlus};
-use foxhunt::refine::{Acceptance, DifferentialEvolution, Memory};
+use foxhunt::refine::{DifferentialEvolution, Memory};
 use foxhunt::resample::Scheme;
 use foxhunt_host::reference;
 use rayon::prelude::*;

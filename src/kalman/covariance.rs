@@ -141,7 +141,7 @@ impl<const D: usize> Covariance<D> {
     }
 
     /// The columns of the factor; the sum of their outer products is the matrix.
-    pub fn columns(&self) -> &[[f32; D]; D] {
+    pub const fn columns(&self) -> &[[f32; D]; D] {
         &self.columns
     }
 

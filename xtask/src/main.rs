@@ -15,6 +15,7 @@ mod expected;
 mod figures;
 mod fuzz;
 mod house;
+mod kernels;
 mod llvm;
 mod map;
 mod measure;

@@ -435,7 +435,7 @@ impl<const N: usize> Method for Located<N> {
         }
         locator.fix().map(|fix| Estimate {
             position: fix.position,
-            covariance: fix.covariance,
+            covariance: fix.covariance.rows(),
         })
     }
 }
@@ -466,7 +466,7 @@ impl Method for GaussNewton {
         let solution = gauss_newton::solve(bearings.observations, Errors::Gaussian, middle).ok()?;
         Some(Estimate {
             position: solution.position,
-            covariance: solution.covariance,
+            covariance: solution.covariance.rows(),
         })
     }
 }

@@ -8,7 +8,7 @@ use foxhunt::{
         AuxiliaryFilter, PointMassFilter, Posterior, Sensor, Transition, UnscentedParticleFilter,
     },
     random::Xoshiro128PlusPlus,
-    refine::{Acceptance, DifferentialEvolution, Firefly, Lengths, Memory, Refinement},
+    refine::{Acceptance, DifferentialEvolution, Firefly, Memory, Refinement},
     resample::Scheme,
 };
 
