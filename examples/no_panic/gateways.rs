@@ -8,7 +8,7 @@ use foxhunt::{
         spectrum::{Spectrum, SpectrumLikelihood, Temper},
     },
     gateway::{
-        BearingReference, Config, FullReport, ReportForm, SigmaTable, Vehicle,
+        BearingReference, Config, FullReport, ReportForm, ShortReport, SigmaTable, Vehicle,
         formats::{self, Agrelo, All, Finder, Formats, Kraken, KrakenSpectrum, Nmea, Sense, Ublox},
     },
     model::Likelihood,
@@ -22,7 +22,7 @@ pub fn gateway() {
     if let Ok(table) = SigmaTable::new(some(&knots)) {
         black_box(table.sigma_rad(any(0.0)));
     }
-    drive::<Clean<50, 16>, All, foxhunt::gateway::ShortReport, 2>(clean::Config::DEFAULT);
+    drive::<Clean<50, 16>, All, ShortReport, 2>(clean::Config::DEFAULT);
     drive::<Robust<50, 16>, (Nmea, Agrelo, KrakenSpectrum), FullReport, 1>(robust::Config::DEFAULT);
     drive::<Clean<50, 16>, (Kraken, Ublox), FullReport, 1>(clean::Config::DEFAULT);
     spectrum();
