@@ -1,7 +1,7 @@
 extern crate std;
 use super::*;
 use crate::aoa::testing::Clocked;
-use crate::aoa::track::{Stationary, Track as _};
+use crate::aoa::track::Track as _;
 use crate::aoa::{Bearing, PushError};
 use crate::estimate::Symmetric2;
 use crate::problems::bearings::Track;
@@ -191,17 +191,7 @@ fn a_bearing_of_another_source_has_low_odds() {
     drive(&mut locator, 60, &mut rng);
     let (own, other) = (observe([700.0, 0.0], 0.0), observe([700.0, 0.0], 0.3));
     let odds = |locator: &Clocked<Clean<100>>, o| locator.state().odds(o, locator.config());
-    let expected = odds(&locator, &own);
-    assert!(expected > 100.0 && odds(&locator, &other) < 0.01);
-    // The evidence of a push is that of the odds before it.
-    locator.push(own, &mut rng);
-    let evidence = locator.state().evidence();
-    assert!(
-        (evidence / (1.0 + expected) - 1.0).abs() < 1e-3,
-        "{evidence}"
-    );
-    locator.push(other, &mut rng);
-    assert!(locator.state().evidence() < 1.01);
+    assert!(odds(&locator, &own) > 100.0 && odds(&locator, &other) < 0.01);
 }
 
 #[test]
