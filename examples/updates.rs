@@ -72,16 +72,28 @@ mod target {
 
     /// Steps of ten metres, five tries.
     fn school() -> FishSchool {
-        let school = FishSchool::new(Lengths::Absolute, 20.0, 10.0).and_then(|s| s.tries(5));
-        school.expect("lengths are positive")
+        FishSchool {
+            perception: 20.0,
+            step: 10.0,
+            tries: 5,
+            ..FishSchool::PUBLISHED
+        }
     }
 
     fn swarm() -> Firefly {
-        Firefly::improved(Lengths::Absolute, 0.01, 10.0).expect("in range")
+        Firefly {
+            lengths: Lengths::Absolute,
+            absorption: 0.01,
+            flutter: 10.0,
+            ..Firefly::DEFAULT
+        }
     }
 
     fn evolved() -> DifferentialEvolution {
-        DifferentialEvolution::new().generations(4).expect("some")
+        DifferentialEvolution {
+            generations: 4,
+            ..DifferentialEvolution::DEFAULT
+        }
     }
 
     /// Instructions of the bytes that end the lines of bearings.

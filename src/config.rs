@@ -78,6 +78,11 @@ macro_rules! require_all {
 }
 pub(crate) use require_all;
 
+/// Whether a number is positive, finite, and not so small that its inverse is infinite.
+pub(crate) const fn is_positive(x: f32) -> bool {
+    x >= f32::MIN_POSITIVE && x <= f32::MAX
+}
+
 /// Checks a configuration while it compiles: a value that is out of range does not.
 ///
 /// ```compile_fail

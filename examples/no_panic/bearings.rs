@@ -184,7 +184,7 @@ pub fn snapshots(rng: &mut Xoshiro128PlusPlus) {
     both_ways(&mut (&mut plane, rng));
     both_ways(&mut any(ParticleFilter::<4, 50>::new()));
     both_ways(&mut any(Locator::<50, 16>::new(settings)));
-    let evolution = any(DifferentialEvolution::new());
+    let evolution = any(DifferentialEvolution::DEFAULT);
     both_ways(&mut any(
         Locator::<50, 16, DifferentialEvolution>::with_refinement(settings, evolution),
     ));

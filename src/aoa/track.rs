@@ -2,7 +2,7 @@
 
 use super::robust::outside::read;
 use super::robust::{self, Candidate, Errors};
-use super::{Alternative, Answer, Locate, Mixture, Observation, PushError};
+use super::{Answer, Locate, Mixture, Observation};
 use crate::random::Rng;
 
 /// A locator of one source that others can build on: it starts from some of the bearings of a channel, and says which of the
@@ -39,10 +39,6 @@ pub trait Stationary: Track {
     /// Mean and covariance of position (metres) and bias (prior sigmas).
     fn moments(&self) -> ([f32; 3], [[f32; 3]; 3]);
 
-    /// Mean of one plus the odds of the latest bearing over the particles as they were before it. Meaningful if there was a
-    /// fix before that bearing.
-    fn evidence(&self) -> f32;
-
     /// Forgets all bearings, and goes on with these rates.
     fn restart(&mut self, rates: Mixture);
 
@@ -68,13 +64,4 @@ pub(in crate::aoa) fn odds_by_moments(
         }
     }
     line.error.odds(line.error.angle, variance, errors)
-}
-
-/// The most probable one of several bearings that exclude each other, for locators that take no more than one.
-pub(in crate::aoa) fn likeliest(alternatives: &[Alternative]) -> Result<&Observation, PushError> {
-    alternatives
-        .iter()
-        .max_by(|a, b| a.probability().total_cmp(&b.probability()))
-        .map(Alternative::observation)
-        .ok_or(PushError::Empty)
 }

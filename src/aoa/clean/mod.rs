@@ -60,11 +60,10 @@ impl<M> Config<M> {
     ///
     /// ```
     /// use foxhunt::aoa::{Clean, Locator, clean::Config};
-    /// use foxhunt::refine::{Acceptance, FishSchool, Lengths, fish};
+    /// use foxhunt::refine::FishSchool;
     ///
-    /// let school = FishSchool::new(Lengths::Relative, 1.0, 3.0)?.iterations(2)?.acceptance(Acceptance::Metropolis);
+    /// let school = FishSchool::METROPOLIS;
     /// let locator = Locator::<Clean<100, 64, FishSchool>>::new(Config::with_refinement(school));
-    /// # Ok::<(), fish::ConfigurationError>(())
     /// ```
     ///
     /// With [`Acceptance::Metropolis`](crate::refine::Acceptance::Metropolis), as here, the posterior stays exact and so
@@ -85,7 +84,7 @@ impl<M> Config<M> {
         }
     }
 
-    /// Checks the fields, but not the refinement.
+    /// Checks the fields, but not the refinement, which has a check of its own.
     ///
     /// # Errors
     /// Names the field that is out of range.
@@ -121,8 +120,6 @@ pub struct Clean<const N: usize, const B: usize = 64, M: Moves<N> = ModeMoves> {
     bearings: Buffer<B>,
     filter: ParticleFilter<2, N>,
     answer: Answer,
-    /// Logarithm of the density of the latest bearing.
-    log_evidence: f32,
     memory: M::Memory,
 }
 
@@ -142,12 +139,12 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
         bearings: Buffer::EMPTY,
         filter: ParticleFilter::EMPTY,
         answer: Answer::NOTHING,
-        log_evidence: 0.0,
         memory: M::EMPTY,
     };
 
     fn check(config: &Config<M>) -> Result<(), ConfigError> {
-        config.check()
+        config.check()?;
+        config.refinement.check()
     }
 
     /// Evaluates `N` likelihoods when no particle needs to move, `N (1 + B (moves + 1))` when they do, `10 N B` for the
@@ -161,14 +158,13 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
         rng: &mut R,
     ) -> Result<Answer, PushError> {
         self.bearings.admit(observation)?;
-        self.bearings.note(&(*observation).into());
+        self.bearings.note(observation, 1.0);
         let source = self.answer.fix().map(|fix| fix.position);
         let new = Entry::new(*observation, 1.0);
         self.bearings.add(new, &Agreement { source });
         self.answer = if source.is_some() {
             // A normal likelihood is never zero, so the update cannot fail.
-            let evidence = self.filter.update(&BearingLikelihood::new(observation));
-            self.log_evidence = evidence.unwrap_or(0.0);
+            let _ = self.filter.update(&BearingLikelihood::new(observation));
             self.rejuvenate(config, rng);
             Answer::Fix(self.cloud_fix())
         } else {
@@ -339,7 +335,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
 // What moves the particles is not in a snapshot: they are drawn from the same posterior whatever it is, and one that goes
 // on with other moves is as right, if not the same.
 persist!(impl[const N: usize, const B: usize, M: Moves<N>] Clean<N, B, M> as "Clean"(N, B) {
-    bearings, filter, answer, log_evidence
+    bearings, filter, answer
 } without { memory });
 
 #[cfg(test)]

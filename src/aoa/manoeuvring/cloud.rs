@@ -1,9 +1,10 @@
 //! A source that has moved: a mixture over what it may have done.
 
-use super::component::{Component, KnownBias, Symmetric};
+use super::component::{Component, KnownBias};
 use super::drive::Drive;
 use crate::aoa::robust::Errors;
 use crate::aoa::{Mixture, Observation};
+use crate::estimate::Symmetric2;
 use crate::math::{exp, ln};
 use crate::persist;
 use crate::random::Rng;
@@ -43,7 +44,7 @@ pub(super) struct Stopped {
 
 impl Cloud {
     pub(super) const EMPTY: Self = Self {
-        components: [Component::stationary([0.0; 2], [0.0; 3]); COMPONENTS],
+        components: [Component::stationary([0.0; 2], Symmetric2::ZERO); COMPONENTS],
         weights: Weights::EMPTY,
         bias: KnownBias {
             mean: 0.0,
@@ -204,7 +205,7 @@ impl Cloud {
     }
 
     /// Mean and covariance of the position.
-    pub(super) fn position(&self) -> ([f32; 2], Symmetric) {
+    pub(super) fn position(&self) -> ([f32; 2], Symmetric2) {
         let of = |(component, weight): (&Component, f32)| {
             (component.position, component.position_covariance, weight)
         };
@@ -217,8 +218,8 @@ impl Cloud {
         let of = |(component, weight): (&Component, f32)| {
             (component.velocity, component.velocity_covariance, weight)
         };
-        let (mean, [uu, _, vv]) = moments(moving.map(of));
-        (mean, 0.5 * (uu + vv))
+        let (mean, covariance) = moments(moving.map(of));
+        (mean, 0.5 * (covariance.xx + covariance.yy))
     }
 
     pub(super) fn stopped(&self) -> Stopped {
@@ -247,8 +248,8 @@ impl Cloud {
 
 /// Mean and covariance of a mixture of normal distributions.
 fn moments(
-    parts: impl Iterator<Item = ([f32; 2], Symmetric, f32)> + Clone,
-) -> ([f32; 2], Symmetric) {
+    parts: impl Iterator<Item = ([f32; 2], Symmetric2, f32)> + Clone,
+) -> ([f32; 2], Symmetric2) {
     let (mut mass, mut x, mut y) = (1e-9, 0.0, 0.0);
     for ([a, b], _, weight) in parts.clone() {
         mass += weight;
@@ -256,12 +257,9 @@ fn moments(
         y += weight * b;
     }
     let (x, y) = (x / mass, y / mass);
-    let mut covariance = [0.0; 3];
-    for ([a, b], [xx, xy, yy], weight) in parts {
-        let (a, b) = (a - x, b - y);
-        covariance[0] += weight * (xx + a * a);
-        covariance[1] += weight * (xy + a * b);
-        covariance[2] += weight * (yy + b * b);
+    let mut sum = Symmetric2::ZERO;
+    for ([a, b], covariance, weight) in parts {
+        sum = (sum.plus(&covariance.scaled(weight))).plus_outer(weight, [a - x, b - y]);
     }
-    ([x, y], covariance.map(|sum| sum / mass))
+    ([x, y], sum.scaled(1.0 / mass))
 }

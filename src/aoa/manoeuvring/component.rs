@@ -3,6 +3,7 @@
 use crate::aoa::Observation;
 use crate::aoa::robust::Errors;
 use crate::aoa::robust::outside::{Line, read};
+use crate::estimate::Symmetric2;
 use crate::math::sqrt;
 use crate::random::{Rng, normal};
 use crate::snapshot::value;
@@ -15,15 +16,9 @@ const LEFT: f32 = 0.1;
 /// nothing that is seen.
 const ITERATIONS: u32 = 2;
 
-/// Squared Mahalanobis distance within which a component that has stopped is at a place: three sigmas.
-const SAME_PLACE: f32 = 9.0;
-
-/// A symmetric 2 x 2 matrix: its first row, and the end of its second.
-pub(super) type Symmetric = [f32; 3];
-
-pub(super) fn matrix([xx, xy, yy]: Symmetric) -> [[f32; 2]; 2] {
-    [[xx, xy], [xy, yy]]
-}
+/// Sigmas within which a component that has stopped is where the stationary source is: more join what is another stop, fewer
+/// keep two explanations of one stop.
+const SAME_PLACE: f32 = 3.0;
 
 /// One component of the mixture, in metres east and north and metres a second.
 #[derive(Debug, Clone, Copy)]
@@ -31,11 +26,11 @@ pub(super) struct Component {
     pub(super) position: [f32; 2],
     pub(super) velocity: [f32; 2],
     /// Covariance of the position,
-    pub(super) position_covariance: Symmetric,
+    pub(super) position_covariance: Symmetric2,
     /// of the position (rows) with the velocity,
     pub(super) cross_covariance: [[f32; 2]; 2],
     /// and of the velocity.
-    pub(super) velocity_covariance: Symmetric,
+    pub(super) velocity_covariance: Symmetric2,
     /// For how many seconds it has been stationary; negative while it moves.
     pub(super) stationary_s: f32,
 }
@@ -61,13 +56,13 @@ value!(KnownBias { mean, variance });
 
 impl Component {
     /// A component that has just stopped at a place.
-    pub(super) const fn stationary(position: [f32; 2], covariance: Symmetric) -> Self {
+    pub(super) const fn stationary(position: [f32; 2], covariance: Symmetric2) -> Self {
         Self {
             position,
             velocity: [0.0; 2],
             position_covariance: covariance,
             cross_covariance: [[0.0; 2]; 2],
-            velocity_covariance: [0.0; 3],
+            velocity_covariance: Symmetric2::ZERO,
             stationary_s: 0.0,
         }
     }
@@ -82,37 +77,39 @@ impl Component {
         let [x, y] = self.position;
         self.position = [x + seconds * u, y + seconds * v];
         self.velocity = [keep * u, keep * v];
-        let ([[xu, xv], [yu, yv]], [uu, uv, vv]) =
-            (self.cross_covariance, self.velocity_covariance);
-        let [xx, xy, yy] = self.position_covariance;
+        let [[xu, xv], [yu, yv]] = self.cross_covariance;
+        let Symmetric2 {
+            xx: uu,
+            xy: uv,
+            yy: vv,
+        } = self.velocity_covariance;
         // Position with velocity, at the end of the way.
         let [[ru, rv], [su, sv]] = [
             [xu + seconds * uu, xv + seconds * uv],
             [yu + seconds * uv, yv + seconds * vv],
         ];
-        self.position_covariance = [
-            xx + seconds * (xu + ru),
-            xy + seconds * (xv + su),
-            yy + seconds * (yv + sv),
-        ];
+        let Symmetric2 { xx, xy, yy } = &mut self.position_covariance;
+        *xx += seconds * (xu + ru);
+        *xy += seconds * (xv + su);
+        *yy += seconds * (yv + sv);
         self.cross_covariance = [[ru, rv], [su, sv]].map(|row| row.map(|entry| keep * entry));
-        self.velocity_covariance = [uu, uv, vv].map(|entry| keep * keep * entry);
+        self.velocity_covariance = self.velocity_covariance.scaled(keep * keep);
     }
 
     /// Adds noise on either axis: to the position, to position and velocity together, to the velocity.
     pub(super) fn disturb(&mut self, position: f32, both: f32, velocity: f32) {
-        self.position_covariance[0] += position;
-        self.position_covariance[2] += position;
+        self.position_covariance =
+            (self.position_covariance).plus(&Symmetric2::isotropic(position));
         self.cross_covariance[0][0] += both;
         self.cross_covariance[1][1] += both;
-        self.velocity_covariance[0] += velocity;
-        self.velocity_covariance[2] += velocity;
+        self.velocity_covariance =
+            (self.velocity_covariance).plus(&Symmetric2::isotropic(velocity));
     }
 
     pub(super) fn set_velocity(&mut self, mean: [f32; 2], variance: f32) {
         self.velocity = mean;
         self.cross_covariance = [[0.0; 2]; 2];
-        self.velocity_covariance = [variance, 0.0, variance];
+        self.velocity_covariance = Symmetric2::isotropic(variance);
     }
 
     /// Makes it one that stopped `seconds` ago.
@@ -123,11 +120,9 @@ impl Component {
 
     /// Whether it is stationary and may well be at that place.
     pub(super) fn is_at(&self, place: &Self) -> bool {
-        let [dx, dy] = [0, 1].map(|d: usize| self.position[d] - place.position[d]);
-        let sum = |i: usize| self.position_covariance[i] + place.position_covariance[i];
-        let [xx, xy, yy] = [0, 1, 2].map(sum);
-        let square = yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy;
-        self.is_stationary() && square < SAME_PLACE * (xx * yy - xy * xy)
+        let offset = [0, 1].map(|d: usize| self.position[d] - place.position[d]);
+        let covariance = (self.position_covariance).plus(&place.position_covariance);
+        self.is_stationary() && covariance.is_within(offset, SAME_PLACE)
     }
 
     /// Predicts the error of a bearing, linearised about a position.
@@ -155,10 +150,9 @@ impl Component {
 
     /// Covariance of position and velocity with a measurement of the position.
     fn gain(&self, &[gx, gy, ..]: &[f32; 3]) -> Gain {
-        let ([xx, xy, yy], [[xu, xv], [yu, yv]]) =
-            (self.position_covariance, self.cross_covariance);
+        let [[xu, xv], [yu, yv]] = self.cross_covariance;
         Gain {
-            position: [gx * xx + gy * xy, gx * xy + gy * yy],
+            position: self.position_covariance.times([gx, gy]),
             velocity: [gx * xu + gy * yu, gx * xv + gy * yv],
         }
     }
@@ -169,15 +163,8 @@ impl Component {
         let ([x, y], [u, v]) = (self.position, self.velocity);
         self.position = [x + step * px, y + step * py];
         self.velocity = [u + step * pu, v + step * pv];
-        let add = |[aa, ab, bb]: Symmetric, a: f32, b: f32| {
-            [
-                aa + factor * a * a,
-                ab + factor * a * b,
-                bb + factor * b * b,
-            ]
-        };
-        self.position_covariance = add(self.position_covariance, px, py);
-        self.velocity_covariance = add(self.velocity_covariance, pu, pv);
+        self.position_covariance = self.position_covariance.plus_outer(factor, [px, py]);
+        self.velocity_covariance = self.velocity_covariance.plus_outer(factor, [pu, pv]);
         let [[xu, xv], [yu, yv]] = self.cross_covariance;
         self.cross_covariance = [
             [xu + factor * px * pu, xv + factor * px * pv],

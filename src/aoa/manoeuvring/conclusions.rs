@@ -4,13 +4,12 @@ use heapless::Deque;
 
 use super::Manoeuvring;
 use super::cloud::Cloud;
-use super::component::matrix;
 use super::config::Config;
 use super::lost::Lost;
 use super::phases::{Phase, seconds};
 use crate::ConfigError;
 use crate::aoa::robust::{self, Candidate, Errors};
-use crate::aoa::track::{Stationary, Track, likeliest};
+use crate::aoa::track::{Stationary, Track};
 use crate::aoa::words::Belief;
 use crate::aoa::{
     Advice, Alternative, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Motion, NotObservable,
@@ -44,7 +43,7 @@ impl<L: Stationary> Manoeuvring<L> {
         let (position, covariance) = self.cloud.position();
         let moved = Hypothesis {
             position,
-            covariance: matrix(covariance).into(),
+            covariance,
             probability: self.moved,
         };
         let departing = self.phase == Phase::Departing;
@@ -67,19 +66,15 @@ impl<L: Stationary> Manoeuvring<L> {
                 answer => answer,
             };
         }
-        let (mut position, covariance) = self.cloud.position();
-        let mut covariance = matrix(covariance);
+        let (mut position, mut covariance) = self.cloud.position();
         if self.phase == Phase::Departing
             && let Some(stationary) = self.stationary.fix()
         {
             let p = 1.0 - self.moved;
             let apart = [0, 1].map(|d: usize| stationary.position[d] - position[d]);
-            for (a, row) in covariance.iter_mut().enumerate() {
-                for (b, entry) in row.iter_mut().enumerate() {
-                    let between = p * (1.0 - p) * apart[a] * apart[b];
-                    *entry += p * (stationary.covariance.rows()[a][b] - *entry) + between;
-                }
-            }
+            covariance = (covariance.scaled(1.0 - p))
+                .plus(&stationary.covariance.scaled(p))
+                .plus_outer(p * (1.0 - p), apart);
             position = [0, 1].map(|d: usize| position[d] + p * apart[d]);
         }
         let n = self.cloud.effective_sample_size();
@@ -87,7 +82,8 @@ impl<L: Stationary> Manoeuvring<L> {
         let limit = SLACK * L::beliefs(&config.track).relative_range_sigma;
         let latest = self.latest_position();
         let (dx, dy) = (position[0] - latest[0], position[1] - latest[1]);
-        if fix.covariance.largest_eigenvalue() <= limit * limit * (dx * dx + dy * dy) {
+        let variance = fix.covariance.largest_eigenvalue();
+        if variance <= limit * limit * (dx * dx + dy * dy) {
             Answer::Fix(fix)
         } else {
             Answer::NotObservable(NotObservable::NoIntersection)
@@ -139,7 +135,7 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
         config: &Self::Config,
         rng: &mut R,
     ) -> Result<Answer, PushError> {
-        self.take(likeliest(alternatives)?, config, rng)
+        self.take(Alternative::most_probable(alternatives)?, config, rng)
     }
 
     fn answer(&self) -> Answer {

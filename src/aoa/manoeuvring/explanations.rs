@@ -8,7 +8,8 @@ use super::lost::MEMORY;
 use super::phases::Phase;
 use crate::aoa::Observation;
 use crate::aoa::robust::Errors;
-use crate::aoa::track::Stationary;
+use crate::aoa::track::{Stationary, odds_by_moments};
+use crate::estimate::Symmetric2;
 use crate::random::Rng;
 
 /// Least probability that a stationary source is still there, after any time without a bearing: it may have returned. The
@@ -28,7 +29,7 @@ pub(super) type Moments = ([f32; 3], [[f32; 3]; 3]);
 /// What is stationary where the stationary locator says.
 pub(super) fn stationary_there(([x, y, _], covariance): &Moments) -> Component {
     let [[xx, xy, _], [_, yy, _], _] = *covariance;
-    Component::stationary([*x, *y], [xx, xy, yy])
+    Component::stationary([*x, *y], Symmetric2 { xx, xy, yy })
 }
 
 impl<L: Stationary> Manoeuvring<L> {
@@ -67,8 +68,8 @@ impl<L: Stationary> Manoeuvring<L> {
         }
     }
 
-    /// Weighs both explanations by a bearing: that of a stationary source, which has taken it already, by its `evidence`.
-    pub(super) fn weigh(&mut self, observation: &Observation, evidence: f32, errors: &Errors) {
+    /// Weighs both explanations by a bearing: that of a stationary source by the normal distribution of where it was.
+    pub(super) fn weigh(&mut self, observation: &Observation, place: &Moments, errors: &Errors) {
         let moved = if self.cloud.is_alive() {
             self.moved * self.cloud.update(observation, errors)
         } else {
@@ -76,7 +77,7 @@ impl<L: Stationary> Manoeuvring<L> {
         };
         let mut total = moved;
         if self.may_be_stationary() {
-            total += (1.0 - self.moved) * evidence;
+            total += (1.0 - self.moved) * (1.0 + odds_by_moments(observation, errors, place));
             self.moved = moved / total;
         }
         self.misfit += (1.0 / total - self.misfit) / MEMORY;

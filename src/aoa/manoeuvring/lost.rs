@@ -7,6 +7,7 @@ use super::config::Config;
 use super::drive::Drive;
 use crate::aoa::Observation;
 use crate::aoa::track::Stationary;
+use crate::estimate::Symmetric2;
 use crate::math::{sin_cos, sqrt};
 use crate::random::{Rng, normal};
 use crate::snapshot::value;
@@ -102,11 +103,7 @@ impl Ray<'_> {
         let (along, across) = (along * along, across * across);
         Component::stationary(
             [px + range * cos, py + range * sin],
-            [
-                along * cos * cos + across * sin * sin,
-                (along - across) * sin * cos,
-                along * sin * sin + across * cos * cos,
-            ],
+            Symmetric2::isotropic(across).plus_outer(along - across, [cos, sin]),
         )
     }
 }

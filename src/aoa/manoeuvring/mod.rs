@@ -110,27 +110,15 @@ impl<L: Stationary> Manoeuvring<L> {
         let elapsed_ms =
             (self.stationary.latest()).map_or(0, |latest| observation.since_ms(latest.time_ms()));
         let (place, had_fix) = (self.stationary.moments(), self.stationary.fix().is_some());
-        let learned = self.stationary.errors(&config.track).rates;
-        let odds = if self.cloud.is_alive() && !had_fix {
-            self.stationary.odds(observation, &config.track)
-        } else {
-            0.0
-        };
         self.stationary.push(observation, &config.track, rng)?;
         self.bearings = self.bearings.saturating_add(1);
         if elapsed_ms >= 0 {
             let errors = self.errors(config);
             let fresh = self.remember(observation, &errors);
             if had_fix || self.cloud.is_alive() {
-                let odds = if had_fix {
-                    self.stationary.evidence() - 1.0
-                } else {
-                    odds
-                };
-                let evidence = 1.0 + odds_at_rates(odds, &learned, &errors.rates);
                 let drive = Drive::new(config, seconds(elapsed_ms));
                 self.let_time_pass(&drive, &place, rng);
-                self.weigh(&fresh, evidence, &errors);
+                self.weigh(&fresh, &place, &errors);
                 self.search(&fresh, &drive, config, rng);
             }
         }
@@ -159,16 +147,6 @@ impl<L: Stationary> Manoeuvring<L> {
     /// Where the latest bearing was taken.
     fn latest_position(&self) -> [f32; 2] {
         (self.recent.back()).map_or([0.0; 2], Observation::position)
-    }
-}
-
-/// Odds that a bearing is no outlier, as they would be with other rates: those that the stationary locator has learned are
-/// spoilt by what it takes for outliers once the source has moved.
-fn odds_at_rates(odds: f32, learned: &Mixture, rates: &Mixture) -> f32 {
-    if odds > 0.0 {
-        odds * (rates.direct * learned.outlier) / (rates.outlier * learned.direct)
-    } else {
-        odds
     }
 }
 

@@ -1,12 +1,10 @@
 //! When the source is said to move, to have stopped, and to be lost for good.
 
 use super::Manoeuvring;
-use super::component::matrix;
 use super::config::Config;
 use super::explanations::stationary_there;
 use super::lost::Lost;
 use crate::aoa::track::{Stationary, Track};
-use crate::estimate::largest_variance;
 use crate::math::sqrt;
 use crate::snapshot::{Error, Reader, Value, Writer, by_value};
 
@@ -97,7 +95,7 @@ impl<L: Stationary> Manoeuvring<L> {
         self.moved = 1.0;
         self.tries = 0;
         let (position, covariance) = self.cloud.position();
-        let sigma = sqrt(largest_variance(&matrix(covariance)));
+        let sigma = sqrt(covariance.largest_eigenvalue());
         let range_m = 3.0 * sigma + 10.0 * config.speed_m_s;
         let range_m = if range_m < 1e6 { range_m } else { 1e6 };
         let stopped = self.cloud.stopped();

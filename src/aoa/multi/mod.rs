@@ -15,7 +15,7 @@
 mod config;
 
 use super::robust::{self, Candidates};
-use super::track::{Track, likeliest};
+use super::track::Track;
 use super::{
     Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
     Observation, PushError, Source,
@@ -98,9 +98,8 @@ const FREE: Slot = Slot {
 /// false ones.
 const ENOUGH: f32 = 8.0;
 
-/// Squared Mahalanobis distance within which two sources are one: two sigmas. Larger joins neighbours, smaller keeps two
-/// tracks on one source.
-const SAME: f32 = 4.0;
+/// Sigmas of their distance within which two sources are one: more join neighbours, fewer keep two tracks on one source.
+const SAME: f32 = 2.0;
 
 const NOTHING: NotObservable = NotObservable::TooFewBearings { have: 0 };
 
@@ -340,7 +339,7 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
         config: &Self::Config,
         rng: &mut R,
     ) -> Result<Answer, PushError> {
-        self.take(likeliest(alternatives)?, config, rng)
+        self.take(Alternative::most_probable(alternatives)?, config, rng)
     }
 
     /// If no source has a fix, why the one that was heard most of late has none.
@@ -411,10 +410,8 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
 
 /// Whether two sources are at the same place as far as can be told.
 fn are_one(a: &Fix, b: &Fix) -> bool {
-    let both = a.covariance.plus(&b.covariance);
-    let (dx, dy) = (a.position[0] - b.position[0], a.position[1] - b.position[1]);
-    let square = dx * dx * both.yy - 2.0 * dx * dy * both.xy + dy * dy * both.xx;
-    square < SAME * both.determinant()
+    let offset = [0, 1].map(|d: usize| a.position[d] - b.position[d]);
+    a.covariance.plus(&b.covariance).is_within(offset, SAME)
 }
 
 #[cfg(test)]

@@ -166,13 +166,10 @@ pub struct Robust<const N: usize, const B: usize = 64> {
     since_search: u32,
     /// Outliers that were removed upstream for each bearing.
     outliers_removed: f32,
-    /// Logarithm of how well the latest bearing fitted.
-    log_evidence: f32,
 }
 
 persist!(impl[const N: usize, const B: usize] Robust<N, B> as "Robust"(N, B) {
-    evidence, filter, modes, answer, moments, rates, since_search, outliers_removed,
-    log_evidence
+    evidence, filter, modes, answer, moments, rates, since_search, outliers_removed
 });
 
 /// Moves of every particle for the first fix.
@@ -193,7 +190,6 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
         rates: errors::NONE,
         since_search: 0,
         outliers_removed: 0.0,
-        log_evidence: 0.0,
     };
 
     fn check(config: &Config) -> Result<(), ConfigError> {
@@ -350,9 +346,9 @@ impl<const N: usize, const B: usize> Robust<N, B> {
             change.new.log_likelihood(state, bias) - old
         };
         // The likelihood is finite, so the update cannot fail. As an evidence it is the mean of 1 + odds.
-        self.log_evidence = self.filter.update(&likelihood).unwrap_or(0.0);
+        let evidence = self.filter.update(&likelihood).unwrap_or(0.0);
         self.since_search += 1;
-        change.likely && change.old.is_none() && self.log_evidence < LN_2
+        change.likely && change.old.is_none() && evidence < LN_2
     }
 
     /// Moves the particles if a bearing was surprising, if few are left, or if they have not moved for long.

@@ -82,7 +82,7 @@ impl<const N: usize> Cloud<N> {
         check_time(dt)?;
         self.filter.resample(Scheme::Systematic, rng);
         let motion = ConstantVelocity {
-            acceleration: model.acceleration_sigma_m_s2,
+            sigma_m_s2: model.acceleration_sigma_m_s2,
         };
         self.filter.predict(&motion, dt, rng);
         self.weigh(found, model)

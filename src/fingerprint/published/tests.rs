@@ -47,7 +47,7 @@ fn many_particles_come_to_what_the_kalman_filter_says() {
                 variance[k] += cloud.covariance()[k][k] / 40.0;
             }
         }
-        for (k, sigma) in kalman.covariance.deviations().iter().enumerate() {
+        for (k, sigma) in kalman.covariance.sigmas().iter().enumerate() {
             assert!((mean[k] - kalman.mean[k]).abs() < 0.05 * sigma);
             assert!((variance[k].sqrt() / sigma - 1.0).abs() < 0.05);
         }
