@@ -2,6 +2,12 @@
 
 use foxhunt::{
     filter::ParticleFilter,
+    fingerprint::{
+        Posterior,
+        published::Cloud,
+        tracker::{Tracker, Trackers, Workspace},
+    },
+    gateway::beacon::BeaconGateway,
     proposal::{AuxiliaryFilter, PointMassFilter, UnscentedParticleFilter},
     refine::Memory,
     weights::Weights,
@@ -30,5 +36,11 @@ fn empty_states_take_no_flash() {
         AuxiliaryFilter::EMPTY => AuxiliaryFilter<2, 10>,
         PointMassFilter::EMPTY => PointMassFilter<2, 10>,
         Memory::EMPTY => Memory<2, 100>,
+        Posterior::EMPTY => Posterior<80>,
+        Cloud::EMPTY => Cloud<300>,
+        Workspace::EMPTY => Workspace<300, 80>,
+        Tracker::EMPTY => Tracker<300>,
+        Trackers::EMPTY => Trackers<8, 300>,
+        BeaconGateway::EMPTY => BeaconGateway<8, 300, 80>,
     }
 }

@@ -1,4 +1,4 @@
-//! Whatever the line carries, the gateway stands, and what it rejects leaves no trace.
+//! No input makes the gateway fail, and a rejected message changes nothing.
 
 use foxhunt::aoa::locator::{self, Locator};
 use foxhunt::gateway::{Event, Settings, Vehicle};
