@@ -1,6 +1,6 @@
 //! No input makes the gateway fail, and a rejected message changes nothing.
 
-use foxhunt::aoa::{Clean, clean};
+use foxhunt::aoa::{Clean, Locate, clean};
 use foxhunt::gateway::{self, Config, Counters, Event, Rejected};
 use proptest::prelude::*;
 
