@@ -98,7 +98,12 @@ pub fn filter(rng: &mut Xoshiro128PlusPlus) {
         filter.covariance(),
         filter.effective_sample_size(),
     ));
-    _ = black_box(filter.step(&any(Static), &|_: &[f32; 4]| any(0.0), any(0.0), rng));
+    _ = black_box(filter.step(
+        &any(RandomWalk { sigma: [0.0; 4] }),
+        &|_: &[f32; 4]| any(0.0),
+        any(0.0),
+        rng,
+    ));
     black_box((filter.columns_mut(), any(0.0)));
     black_box((filter.particles(), filter.weights(), filter.log_weights()));
 }
