@@ -143,7 +143,9 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
         }
         if let Some(slot) = place.and_then(|place| self.slots.get_mut(place)) {
             slot.recent += 1.0;
-            place.map(|place| self.delete_twin(place));
+            if let Some(place) = place {
+                self.delete_twin(place);
+            }
         } else {
             self.outliers += 1.0;
             self.initiate(config, &beliefs, rng);
