@@ -13,7 +13,8 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use foxhunt::gateway::beacon::Framing;
-use foxhunt_gateways::tunnel::{Gateway, gateway};
+use foxhunt_gateways::tunnel::{Gateway, LINES};
 
-foxhunt_emulated::firmware!(Gateway = gateway(Framing::Lines), Gateway::push);
+foxhunt_emulated::firmware!(Gateway = Gateway::EMPTY, |gateway, byte| {
+    gateway.push(byte, &LINES)
+});

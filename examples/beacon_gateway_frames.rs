@@ -6,7 +6,8 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use foxhunt::gateway::beacon::Framing;
-use foxhunt_gateways::tunnel::{Gateway, gateway};
+use foxhunt_gateways::tunnel::{FRAMES, Gateway};
 
-foxhunt_emulated::firmware!(Gateway = gateway(Framing::Frames));
+foxhunt_emulated::firmware!(Gateway = Gateway::EMPTY, |gateway, byte| {
+    gateway.push(byte, &FRAMES)
+});

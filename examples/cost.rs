@@ -21,9 +21,7 @@ const SOURCE: [f32; 2] = [1200.0, 800.0];
 /// Standard deviation of a bearing, in radians.
 const BEARING_SIGMA_RAD: f32 = 0.0195;
 /// A metre after one second: two normal samples for each particle and step.
-const DYNAMICS: RandomWalk<2> = RandomWalk {
-    deviation: [1.0, 1.0],
-};
+const DYNAMICS: RandomWalk<2> = RandomWalk { sigma: [1.0, 1.0] };
 
 /// A filter that tracks the source by bearings from a vehicle, which drives east at 25 m/s.
 struct Track<const N: usize> {
@@ -56,7 +54,8 @@ impl<const N: usize> Track<N> {
         let direction = math::atan2(SOURCE[1], SOURCE[0] - east);
         let measured = direction + BEARING_SIGMA_RAD * normal(&mut self.rng);
         let bearing = Bearing::from_radians(measured);
-        let observation = Observation::new([east, 0.0], bearing, BEARING_SIGMA_RAD);
+        let observation =
+            Observation::new(1000 * self.second, [east, 0.0], bearing, BEARING_SIGMA_RAD);
         black_box(BearingLikelihood::new(
             &observation.expect("the drive is short"),
         ))
@@ -90,13 +89,12 @@ foxhunt_emulated::program!(target::run);
 mod target {
     use cortex_m_semihosting::hprintln;
     use foxhunt::{
-        aoa::robust::{self, RobustLocator},
+        aoa::{Locator, Robust, robust},
         model::Likelihood,
-        refine::{
-            Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Memory, Refinement,
-        },
+        refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Memory, Refinement},
     };
     use foxhunt_emulated::region::region;
+    use micromath::F32Ext;
 
     use super::*;
 
@@ -162,27 +160,64 @@ mod target {
         kernel("m4f.math.atan2", &pairs, |[y, x]| math::atan2(y, x));
         kernel("m4f.math.sin_cos", &a, math::sin_cos);
         kernel("m4f.random.normal", &a, |_| normal(&mut rng));
+        other_kernels(&a, &pairs);
+    }
+
+    /// The elementary functions of others, over the same arrays.
+    #[inline(never)]
+    fn other_kernels(a: &[f32; N], pairs: &[[f32; 2]; N]) {
+        let magnitudes = a.map(f32::abs);
+        kernel("m4f.math.exp.libm", a, libm::expf);
+        kernel("m4f.math.exp.micromath", a, F32Ext::exp);
+        kernel("m4f.math.ln.libm", &magnitudes, libm::logf);
+        kernel("m4f.math.ln.micromath", &magnitudes, F32Ext::ln);
+        kernel("m4f.math.sqrt.libm", &magnitudes, libm::sqrtf);
+        kernel("m4f.math.sqrt.micromath", &magnitudes, F32Ext::sqrt);
+        kernel("m4f.math.atan2.libm", pairs, |[y, x]| libm::atan2f(y, x));
+        kernel("m4f.math.atan2.micromath", pairs, |[y, x]| {
+            F32Ext::atan2(y, x)
+        });
+        kernel("m4f.math.sin_cos.libm", a, libm::sincosf);
+        kernel("m4f.math.sin_cos.micromath", a, F32Ext::sin_cos);
     }
 
     /// One iteration of each refinement, by a density that costs next to nothing, and of the school by a bearing as well.
     fn refinements() {
         // So far a fish sees a dozen mates on average.
-        let school = FishSchool::new(Lengths::Relative, 0.22, 0.3).expect("lengths are positive");
+        let school = FishSchool {
+            perception: 0.22,
+            ..FishSchool::DEFAULT
+        };
         refinement::<1000>("m4f.refine.fish.n1000", &school, &bowl);
         let likelihood = Track::<1>::new().likelihood();
         refinement::<1000>("m4f.refine.fish.n1000.bearing", &school, &likelihood);
-        let metropolis = school.acceptance(Acceptance::Metropolis);
+        let metropolis = FishSchool {
+            acceptance: Acceptance::Metropolis,
+            ..school
+        };
         refinement::<N>("m4f.refine.fish.metropolis", &metropolis, &bowl);
 
-        let standard = Firefly::standard(Lengths::Relative, 1.0, 0.3).expect("in range");
+        let flutter = 0.3;
+        let standard = Firefly {
+            flutter,
+            ..Firefly::STANDARD
+        };
         refinement::<80>("m4f.refine.firefly.standard", &standard, &bowl);
-        let improved = Firefly::improved(Lengths::Relative, 1.0, 0.3).expect("in range");
+        let improved = Firefly {
+            flutter,
+            ..Firefly::DEFAULT
+        };
         refinement::<80>("m4f.refine.firefly.improved", &improved, &bowl);
 
-        let evolution = DifferentialEvolution::new().generations(1);
-        let evolution = evolution.expect("not none");
+        let evolution = DifferentialEvolution {
+            generations: 1,
+            ..DifferentialEvolution::DEFAULT
+        };
         refinement::<N>("m4f.refine.evolution.greedy", &evolution, &bowl);
-        let metropolis = evolution.acceptance(Acceptance::Metropolis);
+        let metropolis = DifferentialEvolution {
+            acceptance: Acceptance::Metropolis,
+            ..evolution
+        };
         refinement::<N>("m4f.refine.evolution.metropolis", &metropolis, &bowl);
     }
 
@@ -194,7 +229,8 @@ mod target {
     }
 
     fn robust_updates<const M: usize>(name: &str) {
-        let mut locator = black_box(RobustLocator::<M, 64>::new(robust::Settings::default()));
+        let locator = Locator::<Robust<M>>::new(robust::Config::DEFAULT);
+        let mut locator = black_box(locator.expect("the default is right"));
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(3);
         for second in 0..72 {
             let east = 20.0 * second as f32;
@@ -202,13 +238,14 @@ mod target {
             let outlier = if second % 5 == 0 { east } else { 0.0 };
             let direction = math::atan2(SOURCE[1], SOURCE[0] - east) + error + outlier;
             let bearing = Bearing::from_radians(direction);
-            let observation = Observation::new([east, 0.0], bearing, BEARING_SIGMA_RAD);
+            let observation =
+                Observation::new(1000 * second, [east, 0.0], bearing, BEARING_SIGMA_RAD);
             let observation = observation.expect("the drive is short");
             // One of eight bearings has them moved.
             if second < 64 {
-                locator.push(observation, &mut rng);
+                locator.push(&observation, &mut rng).expect("in order");
             } else {
-                region(name, 8, || locator.push(observation, &mut rng));
+                region(name, 8, || locator.push(&observation, &mut rng)).expect("in order");
             }
         }
     }

@@ -18,7 +18,7 @@ mod target {
     use cortex_m_semihosting::hprintln;
     use foxhunt::{
         fingerprint::{
-            GaussianMatcher, Matcher, Packet, PacketModel, Posterior, RadioMap, Reading, Settings,
+            Config, GaussianMatcher, Matcher, PacketModel, Posterior, RadioMap, Reading,
             TableMatcher,
             tracker::{self, Heard, Site, Tracker, Workspace},
         },
@@ -46,10 +46,10 @@ mod target {
     /// Whole scans, with the posterior and its moments.
     fn scans() {
         let (moments, levels) = (open(MOMENTS), open(LEVELS));
-        let settings = Settings::new();
-        let gaussian = black_box(GaussianMatcher::new(moments, &settings).expect("moments"));
-        let table = black_box(TableMatcher::new(levels, &settings).expect("levels"));
-        let mut posterior = black_box(Posterior::<80>::new());
+        let config = Config::DEFAULT;
+        let gaussian = black_box(GaussianMatcher::new(moments, &config).expect("moments"));
+        let table = black_box(TableMatcher::new(levels, &config).expect("levels"));
+        let mut posterior = black_box(Posterior::<80>::EMPTY);
         for point in [0, 17, 40, 63, 79] {
             let scan = black_box([0, 1, 2, 3].map(|beacon| {
                 Reading {
@@ -76,10 +76,10 @@ mod target {
         x.fill_with(|| 80.0 * uniform(&mut rng));
         let y = x.map(|x| 0.2 * x);
         let mut out = [0.0; N];
-        let model = black_box(PacketModel::new(&Settings::new()));
-        let packet = black_box(Packet {
+        let model = black_box(PacketModel::new(&Config::DEFAULT).expect("the defaults"));
+        let packet = black_box(Reading {
             beacon: 1,
-            rssi_dbm: -63,
+            rssi_dbm: -63.0,
         });
         for (name, bytes) in [
             ("m4f.fingerprint.packet.line", MOMENTS),
@@ -107,9 +107,9 @@ mod target {
     const UPDATES: [u32; 2] = [8, 8];
 
     fn follow<const P: usize>(name: &str, map: RadioMap<'_>, step: [f32; 2]) {
-        let site = black_box(Site::new(map, tracker::Settings::new()).expect("moments"));
-        let mut workspace = black_box(Workspace::<300, P>::new());
-        let mut tracker = black_box(Tracker::<300, 16>::new());
+        let site = black_box(Site::new(map, tracker::Config::DEFAULT).expect("moments"));
+        let mut workspace = black_box(Workspace::<300, P>::EMPTY);
+        let mut tracker = black_box(Tracker::<300, 16>::EMPTY);
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
         let lattice = map.lattice();
         for update in 0..UPDATES[0] + UPDATES[1] {

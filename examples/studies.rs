@@ -18,7 +18,7 @@ mod target {
 
     use cortex_m_semihosting::{heprintln, nr::GET_CMDLINE, syscall1};
     use foxhunt::{
-        aoa::{BearingLikelihood, locator::Locator},
+        aoa::{BearingLikelihood, Clean},
         problems::{bearings::Track, gamma, growth},
         proposal::{Sensor, Transition},
         random::{SeedableRng, Xoshiro128PlusPlus},
@@ -160,7 +160,7 @@ mod target {
             black_box(position);
         }
 
-        fn pushed<const N: usize>(&mut self, _: &Locator<N>, _: u8) {}
+        fn pushed<const N: usize>(&mut self, _: &Clean<N>, _: u8) {}
     }
 
     struct InOneDimension<'a, S> {

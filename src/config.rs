@@ -56,6 +56,19 @@ macro_rules! require {
 }
 pub(crate) use require;
 
+/// Returns from a `check` with a [`ConfigError`] unless each field is within its range: the call
+/// `require_within!(self: moves 1..=16, tempering 0.05..=1.0)`. False for NaN.
+macro_rules! require_within {
+    ($config:ident: $($field:ident $least:literal..=$most:literal),+ $(,)?) => {$(
+        if !($config.$field >= $least && $config.$field <= $most) {
+            return Err($crate::ConfigError::new(concat!(
+                stringify!($field), " is not within ", $least, " and ", $most
+            )));
+        }
+    )+};
+}
+pub(crate) use require_within;
+
 /// Returns from a `check` with the error of a part of the configuration, if there is one.
 macro_rules! require_all {
     ($($part:expr),+ $(,)?) => {$(
@@ -65,6 +78,11 @@ macro_rules! require_all {
     )+};
 }
 pub(crate) use require_all;
+
+/// Whether a number is positive, finite, and not so small that its inverse is infinite.
+pub(crate) const fn is_positive(x: f32) -> bool {
+    x >= f32::MIN_POSITIVE && x <= f32::MAX
+}
 
 /// Checks a configuration while it compiles: a value that is out of range does not.
 ///

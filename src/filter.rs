@@ -249,9 +249,7 @@ mod tests {
     #[test]
     fn the_columns_of_a_random_walk_are_its_steps() {
         let (filter, rng) = spread_out();
-        let walk = RandomWalk {
-            deviation: [2.0, 0.5],
-        };
+        let walk = RandomWalk { sigma: [2.0, 0.5] };
         let (mut moved, mut still) = (filter.clone(), filter.clone());
         moved.predict(&walk, 4.0, &mut rng.clone());
         still.predict(&Static, 4.0, &mut rng.clone());
@@ -264,7 +262,7 @@ mod tests {
                 .sum::<f32>()
                 / 200.0
         };
-        // 16 and 1; the deviation of a variance of 200 samples is a tenth of it.
+        // 16 and 1; the sigma of a variance of 200 samples is a tenth of it.
         assert!((variance(&moved, 0) - 16.0).abs() < 5.3);
         assert!((variance(&moved, 1) - 1.0).abs() < 0.33);
         assert_eq!((variance(&still, 0), variance(&still, 1)), (0.0, 0.0));

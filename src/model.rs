@@ -95,22 +95,22 @@ impl<const D: usize> Dynamics<D> for Static {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RandomWalk<const D: usize> {
     /// Standard deviation after one second, in the unit of each dimension; it grows with the square root of time.
-    pub deviation: [f32; D],
+    pub sigma: [f32; D],
 }
 
 impl<const D: usize> Dynamics<D> for RandomWalk<D> {
     fn step<R: Rng + ?Sized>(&self, mut state: [f32; D], dt: f32, rng: &mut R) -> [f32; D] {
         let root = sqrt(if dt > 0.0 { dt } else { 0.0 });
-        for (x, deviation) in state.iter_mut().zip(self.deviation) {
-            *x += deviation * root * normal(rng);
+        for (x, sigma) in state.iter_mut().zip(self.sigma) {
+            *x += sigma * root * normal(rng);
         }
         state
     }
 
     fn predict<R: Rng + ?Sized>(&self, columns: &mut [&mut [f32]; D], dt: f32, rng: &mut R) {
         let root = sqrt(if dt > 0.0 { dt } else { 0.0 });
-        for (column, deviation) in columns.iter_mut().zip(self.deviation) {
-            let spread = deviation * root;
+        for (column, sigma) in columns.iter_mut().zip(self.sigma) {
+            let spread = sigma * root;
             for x in column.iter_mut() {
                 *x += spread * normal(rng);
             }
@@ -126,13 +126,13 @@ impl<const D: usize> Dynamics<D> for RandomWalk<D> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConstantVelocity {
     /// Standard deviation of the acceleration along x and along y, in metres per second squared.
-    pub acceleration: [f32; 2],
+    pub sigma_m_s2: [f32; 2],
 }
 
 impl Dynamics<4> for ConstantVelocity {
     fn step<R: Rng + ?Sized>(&self, [x, y, vx, vy]: [f32; 4], dt: f32, rng: &mut R) -> [f32; 4] {
-        let ax = self.acceleration[0] * normal(rng);
-        let ay = self.acceleration[1] * normal(rng);
+        let ax = self.sigma_m_s2[0] * normal(rng);
+        let ay = self.sigma_m_s2[1] * normal(rng);
         let half = 0.5 * dt;
         [
             x + dt * (vx + half * ax),

@@ -111,10 +111,10 @@ fn residue(weights: &[f32], points: u32) -> (u32, f32) {
     let mut whole = 0u32;
     let mut length = 0.0;
     for &w in weights {
-        let share = w * points as f32;
-        let certain = share as u32;
+        let expected = w * points as f32;
+        let certain = expected as u32;
         whole = whole.saturating_add(certain);
-        length += share - certain as f32;
+        length += expected - certain as f32;
     }
     (points.saturating_sub(whole), length)
 }
@@ -132,22 +132,23 @@ impl<R: Rng + ?Sized> SortedUniforms<'_, R> {
         // The smallest of m uniforms exceeds t with probability (1 - t)^m.
         let x = -ln(uniform_open(self.rng)) / left.max(1) as f32;
         // 1 - e^-x, which for many points is too small to be a difference.
-        let share = if x < 0.02 {
+        let fraction = if x < 0.02 {
             x * (1.0 - x * (0.5 - x / 6.0))
         } else {
             1.0 - exp(-x)
         };
-        let gap = self.length * share;
+        let gap = self.length * fraction;
         self.length -= gap;
         gap
     }
 }
 
-/// Writes the ancestors: of each particle the whole part of its share, if that is `CERTAIN`, and one for each of
-/// `points` points that falls into the rest.
+/// Writes the ancestors: each particle as many times as its expected number of copies, rounded down, if that is
+/// `CERTAIN`, and once more for each of `points` points that falls into the rest.
 ///
-/// Walks along the shares of the particles and the points at the same time, and only ever holds the distance
-/// from the end of the last share to the next point, so that rounding does not grow with their number.
+/// The expected numbers of the particles lie on a line, one after the other. The function walks along them and the points
+/// at the same time, and holds only the distance from the end of the last one to the next point, so that rounding does
+/// not grow with their number.
 fn choose<const CERTAIN: bool>(
     weights: &[f32],
     ancestors: &mut [f32],
@@ -162,16 +163,16 @@ fn choose<const CERTAIN: bool>(
     let mut last = None;
     for (i, &w) in weights.iter().enumerate() {
         let ancestor = f32::from_bits(i as u32);
-        let mut share = w * n;
+        let mut expected = w * n;
         if CERTAIN {
-            let certain = share as u32;
-            share -= certain as f32;
+            let certain = expected as u32;
+            expected -= certain as f32;
             for slot in slots.by_ref().take(certain as usize) {
                 *slot = ancestor;
                 last = Some(ancestor);
             }
         }
-        to_next_point -= share;
+        to_next_point -= expected;
         while to_next_point < 0.0
             && left > 0
             && let Some(slot) = slots.next()
@@ -311,8 +312,8 @@ mod tests {
     }
 
     #[test]
-    fn halves_of_many_particles_get_their_share() {
-        // 65,536 equal weights, 40 runs of each scheme: the first half gets 32,768 copies, with a deviation of at most
+    fn halves_of_many_particles_get_as_many_copies_as_expected() {
+        // 65,536 equal weights, 40 runs of each scheme: the first half gets 32,768 copies, with a sigma of at most
         // 128. Four standard errors of the mean, 16 tests at 6e-5: one false alarm in 4,000 seeds.
         const N: usize = 1 << 16;
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(17);

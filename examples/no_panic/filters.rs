@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use foxhunt::{
     aoa::BearingLikelihood,
-    estimate::{self, Ellipse},
+    estimate::{self, Ellipse, Symmetric2},
     filter::ParticleFilter,
     kalman::{Covariance, Gaussian, Unscented},
     math,
@@ -13,9 +13,7 @@ use foxhunt::{
     problems::{bearings::Track, gamma, growth},
     proposal::{AuxiliaryFilter, PointMassFilter, Transition, UnscentedParticleFilter},
     random::{self, SeedableRng, Xoshiro128PlusPlus},
-    refine::{
-        Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Memory, Refinement, fish,
-    },
+    refine::{DifferentialEvolution, Firefly, FishSchool, Memory, Refinement},
     resample::{Scheme, resample},
     weights::{self, Weights},
 };
@@ -58,9 +56,7 @@ pub fn cloud(rng: &mut Xoshiro128PlusPlus) {
     let mut columns = [some_mut(&mut a), some_mut(&mut b)];
     particles::write(&mut columns, any(0), any([0.0; 2]));
     Static.predict(&mut columns, any(0.0), rng);
-    let walk = any(RandomWalk {
-        deviation: [0.0; 2],
-    });
+    let walk = any(RandomWalk { sigma: [0.0; 2] });
     walk.predict(&mut columns, any(0.0), rng);
     black_box(walk.step(any([0.0; 2]), any(0.0), rng));
     let [a, b] = columns;
@@ -75,7 +71,10 @@ pub fn cloud(rng: &mut Xoshiro128PlusPlus) {
     let ancestors = resample(any(Scheme::Systematic), some(a), some_mut(&mut c), rng);
     ancestors.gather(some_mut(a), some_mut(b));
     black_box(ancestors.iter().sum::<usize>());
-    let ellipse = Ellipse::of_normal(any([0.0; 2]), any([[0.0; 2]; 2]), any(0.0));
+    let matrix = any(Symmetric2::ZERO).plus_outer(any(0.0), any([0.0; 2]));
+    black_box((matrix.inverse(), matrix.mahalanobis_squared(any([0.0; 2]))));
+    black_box(Ellipse::of_sigmas(any([0.0; 2]), matrix, any(0.0)));
+    let ellipse = Ellipse::of_normal(any([0.0; 2]), matrix, any(0.0));
     black_box(ellipse.contains(any([0.0; 2])));
 }
 
@@ -84,7 +83,7 @@ pub fn filter(rng: &mut Xoshiro128PlusPlus) {
     filter.initialise(rng, |_| any([0.0; 4]));
     filter.predict(
         &any(ConstantVelocity {
-            acceleration: [0.0; 2],
+            sigma_m_s2: [0.0; 2],
         }),
         any(0.0),
         rng,
@@ -110,40 +109,16 @@ pub fn refine<const D: usize>(rng: &mut Xoshiro128PlusPlus) {
     let mut states = any([[0.0; 60]; D]);
     let mut columns = states.each_mut().map(|column| some_mut(column));
     let target = |state: &[f32; D]| any(state[0]);
-    let acceptance = any(Acceptance::Greedy);
-    let lengths = any(Lengths::Absolute);
-    let school = FishSchool::new(lengths, any(1.0), any(1.0))
-        .and_then(|school| school.tries(any(3)))
-        .and_then(|school| school.iterations(any(4)))
-        .and_then(|school| school.crowding(any(0.5)))
-        .and_then(|school| school.threshold(any(0.1)));
-    if let Ok(school) = school {
-        let school = school
-            .behaviour(any(fish::Behaviour::Prey))
-            .heading(any(fish::Heading::Random))
-            .acceptance(acceptance);
-        black_box(school.evaluations(any(3)));
-        black_box(school.refine(&mut columns, &target, &mut memory.workspace(), rng));
-    }
-    for firefly in [
-        Firefly::standard(lengths, any(1.0), any(1.0)),
-        Firefly::improved(lengths, any(1.0), any(1.0)),
-    ] {
-        let firefly = firefly
-            .and_then(|firefly| firefly.iterations(any(2)))
-            .and_then(|firefly| firefly.decay(any(2.0)));
-        if let Ok(firefly) = firefly {
-            let firefly = firefly.acceptance(acceptance);
-            black_box(firefly.refine(&mut columns, &target, &mut memory.workspace(), rng));
-        }
-    }
-    let evolution = DifferentialEvolution::new()
-        .acceptance(acceptance)
-        .generations(any(3))
-        .and_then(|evolution| evolution.crossover(any(0.3)));
-    if let Ok(evolution) = evolution {
-        black_box(evolution.refine(&mut columns, &target, &mut memory.workspace(), rng));
-    }
+    let school = any(FishSchool::DEFAULT);
+    _ = black_box(school.check());
+    black_box(school.evaluations(any(3)));
+    black_box(school.refine(&mut columns, &target, &mut memory.workspace(), rng));
+    let firefly = any(Firefly::DEFAULT);
+    _ = black_box(firefly.check());
+    black_box(firefly.refine(&mut columns, &target, &mut memory.workspace(), rng));
+    let evolution = any(DifferentialEvolution::DEFAULT);
+    _ = black_box(evolution.check());
+    black_box(evolution.refine(&mut columns, &target, &mut memory.workspace(), rng));
 }
 
 pub fn kalman(rng: &mut Xoshiro128PlusPlus) {
@@ -151,7 +126,7 @@ pub fn kalman(rng: &mut Xoshiro128PlusPlus) {
         return;
     };
     covariance.add(any([0.0; 3]));
-    black_box((covariance.matrix(), covariance.deviations()));
+    black_box((covariance.matrix(), covariance.sigmas()));
     let mut state = any(Gaussian {
         mean: [0.0; 3],
         covariance: covariance.plus(&any(Covariance::diagonal([0.0; 3]))),
@@ -160,10 +135,10 @@ pub fn kalman(rng: &mut Xoshiro128PlusPlus) {
     let noise = any(Covariance::<2>::diagonal([0.0; 2]));
     _ = black_box(state.predict(&any([[0.0; 3]; 3]), &covariance));
     _ = black_box(state.update(&any([[0.0; 3]; 2]), any([0.0; 2]), &noise));
-    if let Ok(unscented) = Unscented::new(any(0.0), any(0.0), any(0.0)) {
-        _ = black_box(unscented.predict(&mut state, |x| any(*x), &covariance));
-        _ = black_box(unscented.update(&mut state, |[x, y, _]| any([*x, *y]), &noise));
-    }
+    let unscented = any(Unscented::DEFAULT);
+    _ = black_box(unscented.check());
+    _ = black_box(unscented.predict(&mut state, |x| any(*x), &covariance));
+    _ = black_box(unscented.update(&mut state, |[x, y, _]| any([*x, *y]), &noise));
 }
 
 pub fn propose(rng: &mut Xoshiro128PlusPlus) {
@@ -196,9 +171,7 @@ pub fn propose(rng: &mut Xoshiro128PlusPlus) {
         black_box((dynamics.mean(&[truth], any(0.0)), measurement));
     }
 
-    let walk = any(RandomWalk {
-        deviation: [0.0; 2],
-    });
+    let walk = any(RandomWalk { sigma: [0.0; 2] });
     let mut memory = any([0.0; 300]);
     let mut auxiliary = any(AuxiliaryFilter::<2, 10>::EMPTY);
     let likelihood = |state: &[f32; 2]| any(state[0]);

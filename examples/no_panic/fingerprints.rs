@@ -4,8 +4,8 @@ use core::hint::black_box;
 
 use foxhunt::{
     fingerprint::{
-        GaussianMatcher, KernelDensity, Lattice, Matcher, Missing, Neighbours, Packet, PacketModel,
-        Posterior, RadioMap, Reading, Samples, TableMatcher, tracker,
+        Config, GaussianMatcher, KernelDensity, Lattice, Matcher, Neighbours, PacketModel,
+        Posterior, RadioMap, Reading, TableMatcher, tracker,
     },
     gateway,
     model::Likelihood,
@@ -14,32 +14,31 @@ use foxhunt::{
 
 use crate::values::{any, some, some_mut};
 
+/// With any configuration, also one that a check would refuse.
 fn site(bytes: &[u8]) -> Option<tracker::Site<'_>> {
-    use tracker::{Channel, Motion, Offset, Piece, Settings, Walls};
-    let settings = Settings::new()
-        .with_motion(any(Motion::new()))
-        .and_then(|settings| settings.with_channel(any(Channel::new())))
-        .and_then(|settings| settings.with_offset(any(Offset::new())))
-        .and_then(|settings| settings.with_window_ms(any(0)))
-        .and_then(|settings| settings.with_recovery(any(0.5)))
-        .and_then(|settings| settings.with_uncertain_m(any(5.0)));
+    use tracker::{Piece, Site, Walls};
     const PIECE: Piece = Piece {
         from: [0.0; 2],
         to: [1.0; 2],
         width: 1.0,
     };
-    let site = tracker::Site::new(RadioMap::new(bytes).ok()?, settings.ok()?).ok()?;
-    Some(site.with_walls(any(Walls::Corridor(&[PIECE, PIECE]))))
+    let site = Site {
+        map: RadioMap::new(bytes).ok()?,
+        config: any(tracker::Config::DEFAULT),
+        walls: any(Walls::Corridor(&[PIECE, PIECE])),
+    };
+    _ = black_box(site.check());
+    Some(site)
 }
 
 pub fn track(rng: &mut Xoshiro128PlusPlus) {
-    use tracker::{Heard, Tag, Trackers, Workspace};
+    use tracker::{Heard, Packet, Tag, Trackers, Workspace};
     let bytes = any([0; 200]);
     let Some(site) = site(some(&bytes)) else {
         return;
     };
-    let mut workspace = any(Workspace::<50, 64>::new());
-    let mut trackers = any(Trackers::<3, 50, 8>::new());
+    let mut workspace = any(Workspace::<50, 64>::EMPTY);
+    let mut trackers = any(Trackers::<3, 50, 8>::EMPTY);
     let scan = any([Heard {
         beacon: 0,
         mean_dbm: 0.0,
@@ -47,65 +46,67 @@ pub fn track(rng: &mut Xoshiro128PlusPlus) {
     }; 8]);
     for _ in 0..any(100) {
         let (tracker, _) = trackers.of(Tag(any(0)), any(0));
-        let (time, beacon, rssi) = any((0, 0, 0.0));
-        _ = black_box(tracker.push(time, beacon, rssi, &site, &mut workspace, rng));
-        _ = black_box(tracker.scan(time, some(&scan), &site, &mut workspace, rng));
+        let packet = any(Packet {
+            time_ms: 0,
+            beacon: 0,
+            rssi_dbm: 0.0,
+        });
+        _ = black_box(tracker.push(packet, &site, &mut workspace, rng));
+        _ = black_box(tracker.scan(any(0), some(&scan), &site, &mut workspace, rng));
         if let Some(fix) = tracker.flush(&site, &mut workspace, rng) {
             black_box((
                 fix.ellipse(any(0.0)),
                 fix.position_at(any(0)),
-                fix.deviation(),
+                fix.sigma_m(),
             ));
         }
         black_box(tracker.particles().get(any(0)));
         tracker.reset();
     }
-    black_box(trackers.get(Tag(any(0))).and_then(|tracker| tracker.fix()));
+    black_box(
+        trackers
+            .iter()
+            .next()
+            .and_then(|(_, tracker)| tracker.fix()),
+    );
     trackers.clear();
 }
 
 pub fn beacons() {
-    use gateway::beacon::{BeaconGateway, Framing, Settings};
+    use gateway::beacon::{BeaconGateway, Config, Framing};
     let bytes = any([0; 200]);
     let Some(site) = site(some(&bytes)) else {
         return;
     };
-    let settings = Settings::new()
-        .with_framing(any(Framing::Lines))
-        .with_seed(any(0))
-        .with_silence_ms(any(0));
-    let Ok(settings) = settings else { return };
-    let mut gateway = any(BeaconGateway::<3, 50, 64, 8>::new(site, settings));
+    let config = Config {
+        framing: any(Framing::Lines),
+        seed: any(0),
+        silence_ms: any(0),
+        ..Config::new(site)
+    };
+    _ = black_box(config.check());
+    let mut gateway = any(BeaconGateway::<3, 50, 64, 8>::EMPTY);
     for _ in 0..any(100) {
-        black_box(gateway.push(any(0)));
+        black_box(gateway.push(any(0), &config));
         black_box((gateway.report(), gateway.counters(), gateway.tags().count()));
     }
     gateway.restart();
 }
 
 pub fn fingerprints() {
-    use foxhunt::fingerprint::Settings;
-    let settings = Settings::new()
-        .with_missing(any(Missing::Modelled))
-        .with_inflation_db(any(4.0))
-        .and_then(|settings| settings.with_outliers(any(0.001)))
-        .and_then(|settings| settings.with_tempering(any(0.5)))
-        .and_then(|settings| settings.with_range_dbm(any([-120.0, 0.0])));
-    let Ok(settings) = settings else { return };
+    let config = any(Config::DEFAULT);
     let scan = any([Reading {
         beacon: 0,
         rssi_dbm: 0.0,
     }; 8]);
     let scan = some(&scan);
-    let mut posterior = any(Posterior::<50>::new());
+    let mut posterior = any(Posterior::<50>::EMPTY);
 
-    let lattice = Lattice::new(any([0.0; 2]), any(1.0), any(3), any(4));
     let values = any([0; 200]);
-    if let Ok(samples) = lattice.and_then(|lattice| Samples::new(lattice, any(2), some(&values))) {
-        black_box(samples.of(any(0), any(0)));
-        if let Ok(matcher) = KernelDensity::new(samples, any(4.0), &settings) {
-            _ = black_box(matcher.locate(scan, &mut posterior));
-        }
+    if let Ok(lattice) = Lattice::new(any([0.0; 2]), any(1.0), any(3), any(4))
+        && let Ok(matcher) = KernelDensity::new(lattice, any(2), some(&values), any(4.0), &config)
+    {
+        _ = black_box(matcher.locate(scan, &mut posterior));
     }
 
     let bytes = any([0; 200]);
@@ -116,20 +117,23 @@ pub fn fingerprints() {
     black_box((map.moments(any(0), any(0)), map.is_surveyed(any(0))));
     black_box(map.log_density(any(0), any(0.0), any(0)));
     black_box(map.lattice().position(any(0)));
-    if let Ok(matcher) = GaussianMatcher::new(map, &settings) {
+    if let Ok(matcher) = GaussianMatcher::new(map, &config) {
         _ = black_box(matcher.locate(scan, &mut posterior));
     }
-    if let Ok(matcher) = TableMatcher::new(map, &settings) {
+    if let Ok(matcher) = TableMatcher::new(map, &config) {
         _ = black_box(matcher.locate(scan, &mut posterior));
     }
-    if let Ok(matcher) = Neighbours::new(map, any(3), &settings) {
+    if let Ok(matcher) = Neighbours::new(map, any(3), &config) {
         _ = black_box(matcher.locate(scan, &mut posterior));
     }
     black_box((posterior.weights(), posterior.covariance(map.lattice())));
-    let model = any(PacketModel::new(&settings));
-    let packet = any(Packet {
+    let Ok(model) = PacketModel::new(&config) else {
+        return;
+    };
+    let model = any(model);
+    let packet = any(Reading {
         beacon: 0,
-        rssi_dbm: 0,
+        rssi_dbm: 0.0,
     });
     if let Ok(likelihood) = map.packet_likelihood(packet, any(0.0), &model) {
         let (x, y, mut out) = (any([0.0; 20]), any([0.0; 20]), any([0.0; 20]));

@@ -3,19 +3,14 @@
 use foxhunt::{
     aoa::{Clean, clean},
     gateway::{Config, Vehicle},
-    refine::{Acceptance, DifferentialEvolution},
+    refine::DifferentialEvolution,
 };
 
 /// Two hundred particles, a memory of 64 bearings.
 pub type Gateway = Vehicle<Clean<200, 64, DifferentialEvolution>>;
 
 /// Four generations move the particles.
-const MOVES: DifferentialEvolution = {
-    let Ok(evolution) = DifferentialEvolution::new().generations(4) else {
-        panic!("four are some");
-    };
-    evolution.acceptance(Acceptance::Metropolis)
-};
+const MOVES: DifferentialEvolution = DifferentialEvolution::METROPOLIS;
 
 /// The defaults, for a car, with these moves.
 pub const CONFIG: Config<clean::Config<DifferentialEvolution>> =

@@ -3,22 +3,14 @@
 use foxhunt::{
     aoa::{Clean, clean},
     gateway::{Config, Vehicle},
-    refine::{Acceptance, FishSchool, Lengths},
+    refine::FishSchool,
 };
 
 /// Two hundred fish, a memory of 64 bearings.
 pub type Gateway = Vehicle<Clean<200, 64, FishSchool>>;
 
 /// Each fish is offered four places: steps of up to three sigmas of the cloud, and past the centre of four mates.
-const MOVES: FishSchool = {
-    let Ok(school) = FishSchool::new(Lengths::Relative, 1.0, 3.0) else {
-        panic!("lengths are positive");
-    };
-    let Ok(school) = school.iterations(2) else {
-        panic!("two are some");
-    };
-    school.acceptance(Acceptance::Metropolis)
-};
+const MOVES: FishSchool = FishSchool::METROPOLIS;
 
 /// The defaults, for a car, with these moves.
 pub const CONFIG: Config<clean::Config<FishSchool>> =

@@ -20,4 +20,3 @@ pub mod plain;
 pub mod robust;
 #[cfg(feature = "tunnel")]
 pub mod tunnel;
-pub mod walks;

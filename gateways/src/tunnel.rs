@@ -6,37 +6,38 @@
 use foxhunt::{
     fingerprint::{
         RadioMap,
-        tracker::{Settings, Site},
+        tracker::{self, Site, Walls},
     },
-    gateway::beacon::{self, BeaconGateway, Framing},
+    gateway::beacon::{BeaconGateway, Config, Framing},
 };
 
-use crate::walks;
-
-/// In flash. A map that is damaged, or is none, does not compile.
+/// The map, in flash. A file that is damaged or is no map does not compile.
 const MAP: RadioMap<'static> = match RadioMap::new(include_bytes!(env!("FOXHUNT_MAP"))) {
     Ok(map) => map,
     Err(_) => panic!("FOXHUNT_MAP is no radio map, or a damaged one"),
 };
 
-const SITE: Site<'static> = match Site::new(MAP, settings()) {
-    Ok(site) => site,
-    Err(_) => panic!("trackers need a map of moments"),
+/// Eight tags at once, three hundred particles for each, and room for this very map.
+pub type Gateway = BeaconGateway<8, 300, { MAP.lattice().points() }, { MAP.beacons() }>;
+
+/// With packets as sentences.
+pub const LINES: Config<'static> = foxhunt::config!(Config::new(Site {
+    map: MAP,
+    config: walks(),
+    walls: Walls::None,
+}));
+
+/// With packets as binary frames.
+pub const FRAMES: Config<'static> = Config {
+    framing: Framing::Frames,
+    ..LINES
 };
 
-/// Eight tags at once, three hundred particles for each, and room for this very map.
-pub type Gateway = BeaconGateway<'static, 8, 300, { MAP.lattice().points() }, { MAP.beacons() }>;
-
-/// The gateway before its first byte, with packets as they are `framed`.
-pub const fn gateway(framed: Framing) -> Gateway {
-    Gateway::new(SITE, beacon::Settings::new().with_framing(framed))
-}
-
-const fn settings() -> Settings {
+const fn walks() -> tracker::Config {
     match env!("FOXHUNT_WALKS").as_bytes() {
-        b"tunnel" => walks::tunnel(),
+        b"tunnel" => tracker::Config::TUNNEL,
         // Slowly, with turns, in the reach of a dozen radios.
-        b"floor" => Settings::new(),
+        b"floor" => tracker::Config::DEFAULT,
         _ => panic!("FOXHUNT_WALKS is neither tunnel nor floor"),
     }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use foxhunt::aoa::gauss_newton::{self, Errors, Solution};
 use foxhunt::aoa::{Bearing, Clean, Locator, Observation, clean};
+use foxhunt::estimate::Symmetric2;
 use foxhunt::filter::ParticleFilter;
 use foxhunt::model::ConstantVelocity;
 use foxhunt::problems::growth::{Growth, Measurement, START};
@@ -64,7 +65,7 @@ mod linear {
         let mut simulation = simulate::generator(seed, 0);
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
         let dynamics = ConstantVelocity {
-            acceleration: [ACCELERATION as f32; 2],
+            sigma_m_s2: [ACCELERATION as f32; 2],
         };
         let mut truth = Vector4::from(START.map(|s| s * simulate::normal(&mut simulation)));
         let variances = START.map(|s| s * s);
@@ -294,7 +295,7 @@ fn lenths_bearings_give_his_estimates() {
         }
         let Solution {
             position: [x, y],
-            covariance: [[xx, xy], [_, yy]],
+            covariance: Symmetric2 { xx, xy, yy },
         } = gauss_newton::solve(observations, Errors::VonMises, [7.0, 2.0]).unwrap();
         let correlation = xy / (xx * yy).sqrt();
         let columns = [

@@ -11,7 +11,7 @@ use foxhunt::proposal::{
     AuxiliaryFilter, PointMassFilter, Posterior, Transition, UnscentedParticleFilter,
 };
 use foxhunt::random::{Rng, SeedableRng, Xoshiro128PlusPlus};
-use foxhunt::refine::{Acceptance, DifferentialEvolution, Memory};
+use foxhunt::refine::{DifferentialEvolution, Memory};
 use foxhunt::resample::Scheme;
 use foxhunt_host::reference;
 use rayon::prelude::*;
@@ -133,7 +133,7 @@ fn unscented(run: &GammaRun, rng: &mut impl Rng) -> f64 {
 
 /// Evolution in place of resampling, towards the posterior.
 fn evolved(run: &GammaRun, memory: &mut Memory<1, 10>, rng: &mut impl Rng) -> f64 {
-    let evolution = DifferentialEvolution::new();
+    let evolution = DifferentialEvolution::DEFAULT;
     let mut filter = ParticleFilter::<1, 10>::new();
     filter.initialise(rng, |_| [gamma::START]);
     let mut before = [gamma::START; 10];
@@ -148,7 +148,7 @@ fn evolved(run: &GammaRun, memory: &mut Memory<1, 10>, rng: &mut impl Rng) -> f6
 
 /// The same with unscented proposals.
 fn unscented_evolved(run: &GammaRun, memory: &mut Memory<1, 10>, rng: &mut impl Rng) -> f64 {
-    let evolution = DifferentialEvolution::new();
+    let evolution = DifferentialEvolution::DEFAULT;
     let mut filter = UnscentedParticleFilter::<1, 10>::EMPTY;
     filter.initialise(rng, &Covariance::ZERO, |_| [gamma::START]);
     let mut before = [gamma::START; 10];
@@ -163,11 +163,11 @@ fn unscented_evolved(run: &GammaRun, memory: &mut Memory<1, 10>, rng: &mut impl 
 
 /// Evolution to get there, then a chain that keeps the posterior, over which the mean is taken.
 fn metropolis(run: &GammaRun, memory: &mut Memory<1, 10>, rng: &mut impl Rng) -> f64 {
-    let evolution = DifferentialEvolution::new();
-    let chain = evolution
-        .acceptance(Acceptance::Metropolis)
-        .generations(1)
-        .unwrap();
+    let evolution = DifferentialEvolution::DEFAULT;
+    let chain = DifferentialEvolution {
+        generations: 1,
+        ..DifferentialEvolution::METROPOLIS
+    };
     let mut filter = ParticleFilter::<1, 10>::new();
     filter.initialise(rng, |_| [gamma::START]);
     let mut before = [gamma::START; 10];

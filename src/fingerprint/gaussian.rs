@@ -2,29 +2,32 @@
 
 use core::f32::consts::TAU;
 
+use super::map::LOWEST_MEAN_DBM;
+use super::matcher::{check, for_each_accepted, missing};
+use super::posterior::Exponentials;
 use super::{
-    Encoding, MapError, Match, MatchError, Matcher, Missing, Posterior, RadioMap, Reading,
-    Settings, check, for_each_accepted, map::LOWEST_MEAN_DBM, missing, posterior::Exponentials,
+    Config, Encoding, Match, Matcher, Missing, Posterior, RadioMap, Reading, ReadingError,
 };
+use crate::ConfigError;
 use crate::math::{exp, ln, sqrt};
 
-/// Compares scans with the mean and the deviation of every beacon at every point.
+/// Compares scans with the mean and the sigma of every beacon at every point.
 ///
-/// The likelihood of a reading is the larger one of the normal density, with the deviation of the map and the inflation
-/// of the settings, and of the uniform density of the outliers: nearly their sum (max-mixture of Olson and Agarwal,
-/// 2013), and all of it is done in whole numbers. Its logarithm has steps of a 255th of the largest loss, 0.03
-/// to 0.07, and for the widest deviations an error of a hundredth.
+/// The likelihood of a reading is the larger one of the normal density, with the sigma of the map and the inflation of
+/// the configuration, and of the uniform density of the outliers: nearly their sum (max-mixture of Olson and Agarwal,
+/// 2013), computed in whole numbers. Its logarithm has steps of a 255th of the largest loss, 0.03 to 0.07, and for
+/// the largest sigmas an error of a hundredth.
 ///
 /// Takes some 880 bytes.
 #[derive(Debug, Clone)]
 pub struct GaussianMatcher<'a> {
     map: RadioMap<'a>,
-    settings: Settings,
-    /// By deviation, see [`entry`].
+    config: Config,
+    /// By the code of the sigma, see [`entry`].
     costs: [u32; 64],
     /// Natural logarithm of the largest density.
     top: f32,
-    /// What every step of the cost takes off it.
+    /// How much every step of the cost takes off it.
     step: f32,
     exponentials: Exponentials,
 }
@@ -36,19 +39,18 @@ impl<'a> GaussianMatcher<'a> {
     /// Of a map of [`Encoding::Moments`].
     ///
     /// # Errors
-    /// [`MapError::Encoding`] for another.
-    pub fn new(map: RadioMap<'a>, settings: &Settings) -> Result<Self, MapError> {
-        if map.encoding() != Encoding::Moments {
-            return Err(MapError::Encoding);
-        }
+    /// For another map, or when a field of the configuration is out of range.
+    pub fn new(map: RadioMap<'a>, config: &Config) -> Result<Self, ConfigError> {
+        config.check()?;
+        map.check_encoding(Encoding::Moments)?;
         let variance = |code: usize| {
-            let deviation = 0.25 * code as f32;
-            deviation * deviation + settings.inflation_variance()
+            let sigma = 0.25 * code as f32;
+            sigma * sigma + config.inflation_variance()
         };
-        let log_density = |code| ln(settings.inliers()) - 0.5 * ln(TAU * variance(code));
+        let log_density = |code| ln(config.inlier_rate()) - 0.5 * ln(TAU * variance(code));
         let top = log_density(1);
-        let step = (top - settings.log_floor()) / FLOOR as f32;
-        // Where the map has nothing, only outliers come from.
+        let step = (top - config.log_floor()) / FLOOR as f32;
+        // Where the map has no mean, every reading is an outlier.
         let mut costs = [entry(4096.0 * FLOOR as f32, 0.0); 64];
         for (code, cost) in costs.iter_mut().enumerate().skip(1) {
             // A squared half of a dB is a quarter of a dB^2, and half of that over the variance counts.
@@ -57,15 +59,15 @@ impl<'a> GaussianMatcher<'a> {
         }
         Ok(Self {
             map,
-            settings: *settings,
+            config: *config,
             costs,
             top,
             step,
-            exponentials: Exponentials::new(step * settings.tempering()),
+            exponentials: Exponentials::new(step * config.tempering),
         })
     }
 
-    /// What a reading is compared with.
+    /// The row of the map that a reading is compared with.
     fn row(&self, reading: &Reading) -> Row<'a> {
         let strength = 2.0 * (reading.rssi_dbm - LOWEST_MEAN_DBM) + 0.5;
         let row = self.map.moments_row(reading.beacon.into());
@@ -88,29 +90,29 @@ impl<'a> GaussianMatcher<'a> {
         }
     }
 
-    /// Adds what the absence of a beacon costs.
+    /// Adds the cost of the absence of a beacon.
     fn add_missing(&self, beacon: usize, costs: &mut [u16]) {
         let (Some(row), Some(beacon)) = (self.map.moments_row(beacon), self.map.beacon(beacon))
         else {
             return;
         };
-        for (sum, [deviation, mean]) in costs.iter_mut().zip(row.as_chunks().0) {
-            let heard = if *deviation == 0 {
+        for (sum, [sigma, mean]) in costs.iter_mut().zip(row.as_chunks().0) {
+            let heard = if *sigma == 0 {
                 0.0
             } else {
-                let deviation = 0.25 * f32::from(*deviation);
-                let variance = deviation * deviation + self.settings.inflation_variance();
+                let sigma = 0.25 * f32::from(*sigma);
+                let variance = sigma * sigma + self.config.inflation_variance();
                 let above = 0.5 * f32::from(*mean) + LOWEST_MEAN_DBM - beacon.sensitivity_dbm;
-                // Very nearly the normal distribution.
+                // The normal distribution function, to 0.01.
                 1.0 / (1.0 + exp(-1.702 * above / sqrt(variance)))
             };
             let cost = -ln(1.0 - beacon.detection * heard) / self.step + 0.5;
-            // Saturates, also where the absence is impossible.
+            // The conversion saturates, also where the absence is impossible.
             *sum += (cost as u16).min(FLOOR as u16);
         }
     }
 
-    /// From the distance, and the deviation's entry in the table, in nine instructions of a Cortex-M4.
+    /// The cost by the distance and by the entry of the sigma, in nine instructions of a Cortex-M4.
     #[inline(always)]
     fn cost(&self, strength: i32, pair: [u8; 2]) -> i32 {
         let pair = u16::from_le_bytes(pair);
@@ -123,7 +125,7 @@ impl<'a> GaussianMatcher<'a> {
     }
 }
 
-/// What stands in the table for a cost at no distance, and one for each squared half of a dB, both in 4096ths.
+/// The entry for a cost at distance zero and a cost per squared half of a dB, both in 4096ths.
 fn entry(none: f32, per_square: f32) -> u32 {
     // With distances of up to 296 halves of a dB, what [`GaussianMatcher::cost`] computes stays within 31 bits.
     let per_square = ((per_square + 0.5) as u32).min(24_000);
@@ -133,7 +135,7 @@ fn entry(none: f32, per_square: f32) -> u32 {
     none << 16 | per_square
 }
 
-/// A strength in halves of a dB above the lowest mean, and the deviations and means of its beacon.
+/// A strength in halves of a dB above the lowest mean, and the sigmas and means of its beacon.
 type Row<'a> = (i32, &'a [[u8; 2]]);
 
 impl Matcher for GaussianMatcher<'_> {
@@ -141,15 +143,15 @@ impl Matcher for GaussianMatcher<'_> {
         &self,
         scan: &[Reading],
         posterior: &mut Posterior<P>,
-    ) -> Result<Match, MatchError> {
+    ) -> Result<Match, ReadingError> {
         check::<P>(&self.map, scan)?;
         let costs = posterior
             .costs_mut(self.map.lattice().points())
-            .ok_or(MatchError::Points)?;
+            .ok_or(ReadingError::Points)?;
         // Four rows at once to begin with, the others one by one.
         let mut first = [(0, [].as_slice()); 4];
         let mut filled = 0;
-        let used = for_each_accepted(scan, &self.settings, |reading| {
+        let used = for_each_accepted(scan, &self.config, |reading| {
             let row = self.row(reading);
             match first.get_mut(filled) {
                 Some(place) => {
@@ -168,14 +170,14 @@ impl Matcher for GaussianMatcher<'_> {
                 self.add_one(row, costs);
             }
         }
-        if self.settings.missing() == Missing::Modelled {
-            for beacon in missing(&self.map, scan, &self.settings) {
+        if self.config.missing == Missing::Modelled {
+            for beacon in missing(&self.map, scan, &self.config) {
                 self.add_missing(beacon, costs);
             }
         }
         let (located, cost) = posterior
             .of_costs(&self.map, &self.exponentials)
-            .ok_or(MatchError::Survey)?;
+            .ok_or(ReadingError::Survey)?;
         let log_likelihood = self.top * used as f32 - self.step * f32::from(cost);
         Ok(located.with(log_likelihood, used))
     }

@@ -96,16 +96,21 @@ impl Lattice {
         1.0 / self.spacing
     }
 
-    /// A place in the cell of a point, by shares from 0 to 1 of its sides; a cell at the edge is cut off there.
-    pub(super) fn in_cell(&self, point: usize, shares: [f32; 2]) -> [f32; 2] {
-        let along = |number: usize, share: f32, points: usize| {
+    /// Whether there are several points along x and along y. There are along one of them at least.
+    pub(super) const fn extends(&self) -> [bool; 2] {
+        [self.columns > 1, self.rows > 1]
+    }
+
+    /// A place in the cell of a point, by fractions from 0 to 1 of its sides; a cell at the edge is cut off there.
+    pub(super) fn in_cell(&self, point: usize, fractions: [f32; 2]) -> [f32; 2] {
+        let along = |number: usize, fraction: f32, points: usize| {
             let last = points.saturating_sub(1) as f32;
-            (number as f32 - 0.5 + share).clamp(0.0, last)
+            (number as f32 - 0.5 + fraction).clamp(0.0, last)
         };
         let [column, row] = self.cell(point);
         self.place([
-            along(column, shares[0], self.columns()),
-            along(row, shares[1], self.rows()),
+            along(column, fractions[0], self.columns()),
+            along(row, fractions[1], self.rows()),
         ])
     }
 
@@ -140,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_lattice_is_refused() {
+    fn impossible_lattices_are_refused() {
         for (origin, spacing, columns, rows) in [
             ([f32::NAN, 0.0], 1.0, 2, 2),
             ([0.0, f32::INFINITY], 1.0, 2, 2),

@@ -1,8 +1,7 @@
 //! The radio map: what was measured where, read in place.
 
-use core::fmt;
-
-use super::Lattice;
+use super::{Lattice, MapError};
+use crate::ConfigError;
 use crate::checksum::crc32;
 
 /// A radio map: how strongly each beacon is heard at each point of a [`Lattice`].
@@ -65,8 +64,8 @@ pub struct RadioMap<'a> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Encoding {
-    /// Mean and deviation, in two bytes: by beacon, then by point; the deviation in quarters of a dB (1 to 63, or 0 where
-    /// the beacon was not heard), then the mean in halves of a dB above -128 dBm.
+    /// Mean and sigma, in two bytes: by beacon, then by point; the sigma in quarters of a dB (1 to 63, or 0 where the
+    /// beacon was not heard), then the mean in halves of a dB above -128 dBm.
     Moments,
     /// The logarithm of a kernel density, in four bits for each level: rows by beacon and by level, and after the levels
     /// of a beacon a row for its absence. A row holds eight points in four bytes: the low halves of the bytes are the
@@ -80,10 +79,33 @@ pub(super) struct Levels {
     pub lowest_dbm: i8,
     pub spacing_db: u8,
     pub count: u8,
-    /// What code 0 stands for.
+    /// Log-density that code 0 stands for.
     pub top: f32,
-    /// Nats of a step.
+    /// How much every step of a code takes off it.
     pub step: f32,
+}
+
+impl Levels {
+    /// Of a header.
+    const fn read(bytes: &[u8]) -> Self {
+        let [count] = take(bytes, 7);
+        let [lowest, spacing_db] = take(bytes, 24);
+        Self {
+            lowest_dbm: lowest as i8,
+            spacing_db,
+            count,
+            top: f32_at(bytes, 26),
+            step: f32_at(bytes, 30),
+        }
+    }
+
+    const fn is_possible(&self) -> bool {
+        self.count >= 2
+            && self.spacing_db > 0
+            && self.top.abs() < 100.0
+            && self.step > 1e-3
+            && self.step < 100.0
+    }
 }
 
 /// A beacon of a map.
@@ -106,51 +128,8 @@ pub struct Moments {
     /// Mean in dBm.
     pub mean_dbm: f32,
     /// Standard deviation in dB.
-    pub deviation_db: f32,
+    pub sigma_db: f32,
 }
-
-/// Why a map was refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum MapError {
-    /// There are fewer or more bytes than its header says.
-    Length,
-    /// These bytes are no radio map.
-    Magic,
-    /// Its format is of another version.
-    Version,
-    /// A byte is not what it was.
-    Checksum,
-    /// Its encoding is unknown, or not the one that is asked for.
-    Encoding,
-    /// Its lattice has too few or too many points, or impossible coordinates.
-    Lattice,
-    /// It has no beacon, or more than there is room for.
-    Beacons,
-    /// The scale of its levels is impossible.
-    Levels,
-    /// It has more points than there is room for.
-    Points,
-}
-
-impl fmt::Display for MapError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Length => "fewer or more bytes than the header says",
-            Self::Magic => "not a radio map",
-            Self::Version => "a radio map of another version",
-            Self::Checksum => "the checksum does not match",
-            Self::Encoding => "another encoding",
-            Self::Lattice => "impossible lattice",
-            Self::Beacons => "no beacon, or more than there is room for",
-            Self::Levels => "impossible levels",
-            Self::Points => "more points than there is room for",
-        })
-    }
-}
-
-impl core::error::Error for MapError {}
 
 const HEADER: usize = 34;
 const BEACON: usize = 6;
@@ -252,20 +231,8 @@ impl<'a> RadioMap<'a> {
         if beacons == 0 {
             return Err(MapError::Beacons);
         }
-        let [lowest, spacing] = take(bytes, 24);
-        let scale = Levels {
-            lowest_dbm: lowest as i8,
-            spacing_db: spacing,
-            count: levels,
-            top: f32_at(bytes, 26),
-            step: f32_at(bytes, 30),
-        };
-        let scaled = levels >= 2
-            && spacing > 0
-            && scale.top.abs() < 100.0
-            && scale.step > 1e-3
-            && scale.step < 100.0;
-        if matches!(encoding, Encoding::Levels) != scaled {
+        let levels = Levels::read(bytes);
+        if matches!(encoding, Encoding::Levels) != levels.is_possible() {
             return Err(MapError::Levels);
         }
         let (_, rest) = split(checked, HEADER);
@@ -274,7 +241,7 @@ impl<'a> RadioMap<'a> {
         Ok(Self {
             lattice,
             encoding,
-            levels: scale,
+            levels,
             beacons,
             surveyed,
             complete: is_complete(surveyed, points),
@@ -304,6 +271,14 @@ impl<'a> RadioMap<'a> {
     /// What it holds.
     pub const fn encoding(&self) -> Encoding {
         self.encoding
+    }
+
+    /// Refuses a map of another encoding.
+    pub(super) const fn check_encoding(&self, wanted: Encoding) -> Result<(), ConfigError> {
+        match (self.encoding, wanted) {
+            (Encoding::Moments, Encoding::Moments) | (Encoding::Levels, Encoding::Levels) => Ok(()),
+            _ => Err(ConfigError::new("map is of another encoding")),
+        }
     }
 
     /// How many beacons it knows.
@@ -351,10 +326,10 @@ impl<'a> RadioMap<'a> {
     /// How strong a beacon is at a point. `None` where it was not heard, for numbers that the map has not, and in a map
     /// of [`Encoding::Levels`].
     pub fn moments(&self, beacon: usize, point: usize) -> Option<Moments> {
-        let [deviation, mean] = *self.moments_row(beacon)?.as_chunks::<2>().0.get(point)?;
-        (deviation > 0).then(|| Moments {
+        let [sigma, mean] = *self.moments_row(beacon)?.as_chunks::<2>().0.get(point)?;
+        (sigma > 0).then(|| Moments {
             mean_dbm: 0.5 * f32::from(mean) + LOWEST_MEAN_DBM,
-            deviation_db: 0.25 * f32::from(deviation),
+            sigma_db: 0.25 * f32::from(sigma),
         })
     }
 
@@ -369,7 +344,7 @@ impl<'a> RadioMap<'a> {
             .then(|| self.levels.top - self.levels.step * f32::from(code))
     }
 
-    /// Deviation and mean of a beacon at every point.
+    /// Sigma and mean of a beacon at every point.
     pub(super) fn moments_row(&self, beacon: usize) -> Option<&'a [u8]> {
         if self.encoding != Encoding::Moments {
             return None;

@@ -1,18 +1,20 @@
 //! Matching by nearest neighbours.
 
+use super::matcher::{check, for_each_accepted};
 use super::{
-    Encoding, MAX_READINGS, MapError, Match, MatchError, Matcher, Posterior, RadioMap, Reading,
-    Settings, check, for_each_accepted,
+    Config, Encoding, MAX_READINGS, Match, Matcher, Posterior, RadioMap, Reading, ReadingError,
 };
+use crate::ConfigError;
+use crate::config::require;
 
 /// The points whose means are nearest to a scan: the oldest method, as a baseline.
 ///
-/// The nearest points have equal weights, all others none; inflation, outliers and tempering have no effect. A beacon
+/// The nearest points have equal weights, all others none; inflation, outlier rate and tempering have no effect. A beacon
 /// that was not heard at a point counts there as -120 dBm, one that is missing in the scan not at all.
 #[derive(Debug, Clone, Copy)]
 pub struct Neighbours<'a> {
     map: RadioMap<'a>,
-    settings: Settings,
+    config: Config,
     neighbours: u8,
 }
 
@@ -20,24 +22,20 @@ pub struct Neighbours<'a> {
 const SILENCE_DBM: f32 = -120.0;
 
 impl<'a> Neighbours<'a> {
-    /// So many of them, in a map of [`Encoding::Moments`].
+    /// Of 1 to [`Neighbours::MOST`] neighbours, in a map of [`Encoding::Moments`].
     ///
     /// # Errors
-    /// [`MapError::Encoding`] for another, [`MapError::Points`] for no neighbour or more than [`Neighbours::MOST`].
-    pub const fn new(
-        map: RadioMap<'a>,
-        neighbours: u8,
-        settings: &Settings,
-    ) -> Result<Self, MapError> {
-        if !matches!(map.encoding(), Encoding::Moments) {
-            return Err(MapError::Encoding);
-        }
-        if neighbours == 0 || neighbours > Self::MOST {
-            return Err(MapError::Points);
-        }
+    /// For another map or number of neighbours, or when a field of the configuration is out of range.
+    pub fn new(map: RadioMap<'a>, neighbours: u8, config: &Config) -> Result<Self, ConfigError> {
+        config.check()?;
+        map.check_encoding(Encoding::Moments)?;
+        require!(
+            (1..=Self::MOST).contains(&neighbours),
+            "neighbours is not within 1 and 16"
+        );
         Ok(Self {
             map,
-            settings: *settings,
+            config: *config,
             neighbours,
         })
     }
@@ -50,7 +48,7 @@ impl<'a> Neighbours<'a> {
         let mut sum = 0.0;
         let accepted = scan
             .iter()
-            .filter(|reading| self.settings.accepts(reading.rssi_dbm));
+            .filter(|reading| self.config.accepts(reading.rssi_dbm));
         for reading in accepted.take(MAX_READINGS) {
             let moments = self.map.moments(reading.beacon.into(), point);
             let mean = moments.map_or(SILENCE_DBM, |moments| moments.mean_dbm);
@@ -65,9 +63,9 @@ impl Matcher for Neighbours<'_> {
         &self,
         scan: &[Reading],
         posterior: &mut Posterior<P>,
-    ) -> Result<Match, MatchError> {
+    ) -> Result<Match, ReadingError> {
         check::<P>(&self.map, scan)?;
-        let used = for_each_accepted(scan, &self.settings, |_| ())?;
+        let used = for_each_accepted(scan, &self.config, |_| ())?;
         let lattice = self.map.lattice();
         // In ascending order of their distances.
         let mut nearest = [(f32::INFINITY, 0); Self::MOST as usize];
@@ -81,7 +79,7 @@ impl Matcher for Neighbours<'_> {
         }
         let weights = posterior
             .log_likelihoods_mut(lattice.points())
-            .ok_or(MatchError::Points)?;
+            .ok_or(ReadingError::Points)?;
         weights.fill(0.0);
         let kept = nearest.iter().take(self.neighbours.into());
         for (_, point) in kept.filter(|(squares, _)| *squares < f32::INFINITY) {

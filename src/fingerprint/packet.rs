@@ -1,49 +1,45 @@
 //! How well one packet fits the places of particles.
 
-use core::{f32::consts::TAU, fmt};
+use core::f32::consts::TAU;
 
-use super::{Encoding, RadioMap, Settings, map::LOWEST_MEAN_DBM};
+use super::map::LOWEST_MEAN_DBM;
+use super::{Config, RadioMap, Reading, ReadingError};
+use crate::ConfigError;
 use crate::math::ln;
 use crate::model::Likelihood;
 
-/// One packet of a beacon.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Packet {
-    /// The number of the beacon, see [`RadioMap::beacon_index`].
-    pub beacon: u8,
-    /// Strength in dBm, as received.
-    pub rssi_dbm: i8,
-}
-
-/// What the settings make of each deviation in a map: made once, for all packets. Takes 524 bytes.
+/// The terms of the likelihood by the sigma in a map, computed once for all packets. Takes 524 bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PacketModel {
-    settings: Settings,
-    /// By deviation in quarters of a dB: the log-likelihood at no distance, and what a square of 2^-16 dB^2 adds.
+    config: Config,
+    /// By sigma in quarters of a dB: the log-likelihood at distance zero, and what a square of 2^-18 dB^2 adds.
     curves: [[f32; 2]; 64],
     /// The log-likelihood of an outlier.
     floor: f32,
 }
 
 impl PacketModel {
-    /// Of the settings: inflation, outliers, tempering and range.
-    pub fn new(settings: &Settings) -> Self {
-        let tempering = settings.tempering();
-        let floor = tempering * settings.log_floor();
-        // Where the map has nothing, only outliers come from.
+    /// With the inflation, outlier rate, tempering and range of a configuration.
+    ///
+    /// # Errors
+    /// When a field of the configuration is out of range.
+    pub fn new(config: &Config) -> Result<Self, ConfigError> {
+        config.check()?;
+        let tempering = config.tempering;
+        let floor = tempering * config.log_floor();
+        // Where the map has no mean, every reading is an outlier.
         let mut curves = [[floor, 0.0]; 64];
         for (code, curve) in curves.iter_mut().enumerate().skip(1) {
-            let deviation = 0.25 * code as f32;
-            let variance = deviation * deviation + settings.inflation_variance();
-            let peak = ln(settings.inliers()) - 0.5 * ln(TAU * variance);
+            let sigma = 0.25 * code as f32;
+            let variance = sigma * sigma + config.inflation_variance();
+            let peak = ln(config.inlier_rate()) - 0.5 * ln(TAU * variance);
             *curve = [tempering * peak, -0.5 * tempering * UNIT * UNIT / variance];
         }
-        Self {
-            settings: *settings,
+        Ok(Self {
+            config: *config,
             curves,
             floor,
-        }
+        })
     }
 }
 
@@ -52,35 +48,7 @@ const UNIT: f32 = 1.0 / 512.0;
 /// Steps from one point of the lattice to the next.
 const STEPS: u32 = 256;
 
-/// Why a packet says nothing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum PacketError {
-    /// The map has no beacon of that number.
-    Beacon,
-    /// No receiver can report such a strength.
-    Strength,
-    /// `offset_db` is not finite.
-    Offset,
-    /// The map holds no means.
-    Encoding,
-}
-
-impl fmt::Display for PacketError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Beacon => "a beacon that the map has not",
-            Self::Strength => "a strength that no receiver can report",
-            Self::Offset => "the offset is not finite",
-            Self::Encoding => "the map holds no means",
-        })
-    }
-}
-
-impl core::error::Error for PacketError {}
-
-/// How well one packet fits the places of particles: a normal density, with the mean and the deviation of the map
+/// How well one packet fits the places of particles: a normal density, with the mean and the sigma of the map
 /// interpolated between its points, or the density of outliers where that is larger.
 ///
 /// Works on any state whose first two dimensions are metres along x and y. Places beyond the lattice count as the
@@ -102,27 +70,20 @@ impl<'a> RadioMap<'a> {
     /// The likelihood of a packet from a receiver that reads `offset_db` too strong, see [`PacketLikelihood`].
     ///
     /// # Errors
-    /// When the packet says nothing: leave it out.
+    /// [`ReadingError::Beacon`], or [`ReadingError::Strength`], also for an offset that is not finite.
     pub fn packet_likelihood(
         &self,
-        packet: Packet,
+        packet: Reading,
         offset_db: f32,
         model: &'a PacketModel,
-    ) -> Result<PacketLikelihood<'a>, PacketError> {
-        if self.encoding() != Encoding::Moments {
-            return Err(PacketError::Encoding);
-        }
+    ) -> Result<PacketLikelihood<'a>, ReadingError> {
         let row = self.moments_row(packet.beacon.into());
-        let row = row.ok_or(PacketError::Beacon)?.as_chunks().0;
-        let rssi_dbm = f32::from(packet.rssi_dbm);
-        if !model.settings.accepts(rssi_dbm) {
-            return Err(PacketError::Strength);
+        let row = row.ok_or(ReadingError::Beacon)?.as_chunks().0;
+        if !(model.config.accepts(packet.rssi_dbm) && offset_db.is_finite()) {
+            return Err(ReadingError::Strength);
         }
-        if !offset_db.is_finite() {
-            return Err(PacketError::Offset);
-        }
-        // No offset is that large; one that is makes the packet an outlier everywhere.
-        let strength = (rssi_dbm - offset_db - LOWEST_MEAN_DBM).clamp(-1000.0, 1000.0);
+        // Larger offsets do not occur; one that does makes the packet an outlier everywhere.
+        let strength = (packet.rssi_dbm - offset_db - LOWEST_MEAN_DBM).clamp(-1000.0, 1000.0);
         let lattice = self.lattice();
         Ok(PacketLikelihood {
             model,
@@ -145,11 +106,10 @@ impl PacketLikelihood<'_> {
         ((steps / STEPS) as usize, steps % STEPS)
     }
 
-    /// Log-likelihood from the deviation and the mean, in steps.
+    /// Log-likelihood from the sigma and the mean, in steps.
     #[inline(always)]
-    fn of_moments(&self, deviation: u32, mean: u32) -> f32 {
-        let [peak, curvature] =
-            self.model.curves[(((deviation + STEPS / 2) / STEPS) & 63) as usize];
+    fn of_moments(&self, sigma: u32, mean: u32) -> f32 {
+        let [peak, curvature] = self.model.curves[(((sigma + STEPS / 2) / STEPS) & 63) as usize];
         let distance = (self.strength - mean as i32) as f32;
         let log_likelihood = peak + curvature * (distance * distance);
         if log_likelihood > self.model.floor {
@@ -168,12 +128,12 @@ impl PacketLikelihood<'_> {
             return self.at_point(before);
         }
         let (a, b) = (row[before], row[before + 1]);
-        let [deviation, mean] =
+        let [sigma, mean] =
             [0, 1].map(|k| u32::from(a[k]) * (STEPS - steps) + u32::from(b[k]) * steps);
-        self.of_moments(deviation, mean)
+        self.of_moments(sigma, mean)
     }
 
-    /// All of them. Apart, so that the loop has all registers.
+    /// All on a lattice of one row or one column. A function of its own, so that the loop has all registers.
     #[inline(never)]
     fn line(&self, coordinates: &[f32], origin: f32, points: u16, out: &mut [f32]) {
         let this = *self;
@@ -182,7 +142,7 @@ impl PacketLikelihood<'_> {
         }
     }
 
-    /// All of them. Apart, so that the loop has all registers.
+    /// All on a lattice of several rows and columns. A function of its own, so that the loop has all registers.
     #[inline(never)]
     fn plane(&self, x: &[f32], y: &[f32], out: &mut [f32]) {
         let this = *self;
@@ -214,14 +174,14 @@ impl PacketLikelihood<'_> {
         let of_d = right * up;
         let (of_b, of_c) = (right * STEPS - of_d, up * STEPS - of_d);
         let of_a = STEPS * STEPS - right * STEPS - of_c;
-        let [deviation, mean] = [0, 1].map(|k| {
+        let [sigma, mean] = [0, 1].map(|k| {
             let sum = u32::from(a[k]) * of_a
                 + u32::from(b[k]) * of_b
                 + u32::from(c[k]) * of_c
                 + u32::from(d[k]) * of_d;
             sum / STEPS
         });
-        self.of_moments(deviation, mean)
+        self.of_moments(sigma, mean)
     }
 
     /// On the last row of the lattice, where there is nothing above.
@@ -238,8 +198,8 @@ impl PacketLikelihood<'_> {
     #[cold]
     #[inline(never)]
     fn at_point(&self, point: usize) -> f32 {
-        let [deviation, mean] = self.row.get(point).copied().unwrap_or_default();
-        self.of_moments(u32::from(deviation) * STEPS, u32::from(mean) * STEPS)
+        let [sigma, mean] = self.row.get(point).copied().unwrap_or_default();
+        self.of_moments(u32::from(sigma) * STEPS, u32::from(mean) * STEPS)
     }
 }
 

@@ -1,8 +1,7 @@
-//! The probability of every point, and what is said of it in a few numbers.
-
-use core::fmt;
+//! The probability of every point, and its summary in a few numbers.
 
 use super::{Lattice, RadioMap};
+use crate::estimate::Symmetric2;
 use crate::math::exp_of_weight;
 
 /// The probability of each of up to `P` points, given a scan; see [`super`] for an example.
@@ -26,39 +25,11 @@ pub struct Match {
     /// The mean over the posterior, in metres.
     pub mean: [f32; 2],
     /// Natural logarithm of the likelihood of the scan at the most probable point, before tempering: how well the
-    /// scan fits where it fits best. For [`super::Neighbours`], minus the squared distance in dB^2.
+    /// scan fits there. For [`super::Neighbours`], minus the squared distance in dB^2.
     pub log_likelihood: f32,
     /// Readings that were used; the others were out of range.
     pub used: usize,
 }
-
-/// Why a scan was not matched. The posterior is as before.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum MatchError {
-    /// The map has no beacon of that number.
-    Beacon,
-    /// The scan has no reading that a receiver can report.
-    Scan,
-    /// The map has more points than the posterior.
-    Points,
-    /// No point was surveyed.
-    Survey,
-}
-
-impl fmt::Display for MatchError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Beacon => "a reading of a beacon that the map has not",
-            Self::Scan => "no reading within the range of a receiver",
-            Self::Points => "the map has more points than the posterior",
-            Self::Survey => "no point was surveyed",
-        })
-    }
-}
-
-impl core::error::Error for MatchError {}
 
 /// The cost of a point that was not surveyed.
 pub(super) const NOWHERE: u16 = u16::MAX;
@@ -93,15 +64,15 @@ impl Exponentials {
 }
 
 impl<const P: usize> Posterior<P> {
-    /// Of no points yet.
-    pub const fn new() -> Self {
-        const { assert!(P <= Lattice::MAX_POINTS, "at most 65,536 points") };
+    /// Of no points yet, in bits that are all zero.
+    pub const EMPTY: Self = {
+        assert!(P <= Lattice::MAX_POINTS, "at most 65,536 points");
         Self {
             costs: [0; P],
             weights: [0.0; P],
             points: 0,
         }
-    }
+    };
 
     /// The probabilities of the points, which sum to one; empty before the first scan.
     pub fn weights(&self) -> &[f32] {
@@ -110,7 +81,7 @@ impl<const P: usize> Posterior<P> {
 
     /// The covariance of the posterior about its mean, in square metres: of the last scan, so `lattice` must be that of
     /// its map.
-    pub fn covariance(&self, lattice: &Lattice) -> [[f32; 2]; 2] {
+    pub fn covariance(&self, lattice: &Lattice) -> Symmetric2 {
         let weighted = |of: &dyn Fn([f32; 2]) -> f32| {
             let mut sum = 0.0;
             for (point, weight) in self.weights().iter().enumerate() {
@@ -123,8 +94,8 @@ impl<const P: usize> Posterior<P> {
             let product = |cell: [f32; 2]| (cell[a] - mean[a]) * (cell[b] - mean[b]);
             weighted(&product) * (lattice.spacing() * lattice.spacing())
         };
-        let xy = moment(0, 1);
-        [[moment(0, 0), xy], [xy, moment(1, 1)]]
+        let (xx, xy, yy) = (moment(0, 0), moment(0, 1), moment(1, 1));
+        Symmetric2 { xx, xy, yy }
     }
 
     /// Room for the costs of so many points.
@@ -158,7 +129,7 @@ impl<const P: usize> Posterior<P> {
         (cost != NOWHERE).then_some(((least & 0xffff) as usize, cost))
     }
 
-    /// The probabilities from the costs, each step of which takes off as much as `exponentials` say; and the least cost.
+    /// Computes the probabilities from the costs, whose steps are those of `exponentials`, and returns the least cost.
     pub(super) fn of_costs(
         &mut self,
         map: &RadioMap<'_>,
@@ -169,8 +140,8 @@ impl<const P: usize> Posterior<P> {
         Some((self.locate(map.lattice(), point, weigh), least))
     }
 
-    /// The probabilities from log-likelihoods, which stand in the weights; and the largest of those. Those that are
-    /// minus infinity or NaN are none.
+    /// Computes the probabilities from log-likelihoods, which stand in the weights, and returns the largest of those.
+    /// Minus infinity and NaN stand for a likelihood of zero.
     pub(super) fn of_log_likelihoods(
         &mut self,
         lattice: &Lattice,
@@ -188,13 +159,13 @@ impl<const P: usize> Posterior<P> {
         Some((self.locate(lattice, point, weigh), largest))
     }
 
-    /// The probabilities from weights on any scale, which stand in their place.
+    /// Computes the probabilities from weights on any scale, which stand in their place.
     pub(super) fn of_weights(&mut self, lattice: &Lattice, point: usize) -> Located {
         self.locate(lattice, point, |weight, _| weight)
     }
 
-    /// Makes weights of what stands in their place and of the costs, takes their mean about the best point, in steps
-    /// of the lattice, and divides by their sum.
+    /// Computes weights by `weigh` from their previous values and the costs, takes their mean about the best point in
+    /// steps of the lattice, and divides them by their sum.
     #[inline(always)]
     fn locate(
         &mut self,
@@ -236,12 +207,6 @@ impl<const P: usize> Posterior<P> {
             position: lattice.place([column, row]),
             mean: lattice.place([column + sum_x * scale, row + sum_y * scale]),
         }
-    }
-}
-
-impl<const P: usize> Default for Posterior<P> {
-    fn default() -> Self {
-        Self::new()
     }
 }
 

@@ -1,20 +1,22 @@
 //! Matching by a table of log-densities.
 
+use super::matcher::{check, for_each_accepted, missing};
+use super::posterior::Exponentials;
 use super::{
-    Encoding, MapError, Match, MatchError, Matcher, Missing, Posterior, RadioMap, Reading,
-    Settings, check, for_each_accepted, missing, posterior::Exponentials,
+    Config, Encoding, Match, Matcher, Missing, Posterior, RadioMap, Reading, ReadingError,
 };
+use crate::ConfigError;
 
-/// Compares scans with a table of kernel densities by level: the samples are no part of the work any more
-/// (Cui et al. 2017, eq. 1 to 7, with the samples of eq. 3 folded in beforehand).
+/// Compares scans with a table of kernel densities by level, which were computed from the samples beforehand
+/// (Cui et al. 2017, eq. 1 to 7).
 ///
-/// The inflation and the outliers of the settings have no effect: the table has its own.
+/// The inflation and the outlier rate of the configuration have no effect: the table has its own.
 ///
 /// Takes some 620 bytes.
 #[derive(Debug, Clone)]
 pub struct TableMatcher<'a> {
     map: RadioMap<'a>,
-    settings: Settings,
+    config: Config,
     exponentials: Exponentials,
 }
 
@@ -22,15 +24,14 @@ impl<'a> TableMatcher<'a> {
     /// Of a map of [`Encoding::Levels`].
     ///
     /// # Errors
-    /// [`MapError::Encoding`] for another.
-    pub fn new(map: RadioMap<'a>, settings: &Settings) -> Result<Self, MapError> {
-        if map.encoding() != Encoding::Levels {
-            return Err(MapError::Encoding);
-        }
+    /// For another map, or when a field of the configuration is out of range.
+    pub fn new(map: RadioMap<'a>, config: &Config) -> Result<Self, ConfigError> {
+        config.check()?;
+        map.check_encoding(Encoding::Levels)?;
         Ok(Self {
             map,
-            settings: *settings,
-            exponentials: Exponentials::new(map.levels().step * settings.tempering()),
+            config: *config,
+            exponentials: Exponentials::new(map.levels().step * config.tempering),
         })
     }
 }
@@ -64,23 +65,23 @@ impl Matcher for TableMatcher<'_> {
         &self,
         scan: &[Reading],
         posterior: &mut Posterior<P>,
-    ) -> Result<Match, MatchError> {
+    ) -> Result<Match, ReadingError> {
         check::<P>(&self.map, scan)?;
         let costs = posterior
             .costs_mut(self.map.lattice().points())
-            .ok_or(MatchError::Points)?;
+            .ok_or(ReadingError::Points)?;
         costs.fill(0);
-        let used = for_each_accepted(scan, &self.settings, |reading| {
+        let used = for_each_accepted(scan, &self.config, |reading| {
             let level = self.map.level(reading.rssi_dbm);
             if let Some(row) = self.map.level_row(reading.beacon.into(), level) {
                 add(row, costs);
             }
         })?;
         let levels = self.map.levels();
-        if self.settings.missing() == Missing::Modelled {
+        if self.config.missing == Missing::Modelled {
             // The level after the last is the absence.
             let absence = usize::from(levels.count);
-            let rows = missing(&self.map, scan, &self.settings)
+            let rows = missing(&self.map, scan, &self.config)
                 .filter_map(|beacon| self.map.level_row(beacon, absence));
             for row in rows {
                 add(row, costs);
@@ -88,7 +89,7 @@ impl Matcher for TableMatcher<'_> {
         }
         let (located, cost) = posterior
             .of_costs(&self.map, &self.exponentials)
-            .ok_or(MatchError::Survey)?;
+            .ok_or(ReadingError::Survey)?;
         let log_likelihood = levels.top * used as f32 - levels.step * f32::from(cost);
         Ok(located.with(log_likelihood, used))
     }

@@ -53,7 +53,7 @@ fn small() -> Vec<u8> {
     bytes.extend([7, 0, 0, 0, 255, -90i8 as u8]);
     bytes.extend([0xef, 0xbe, 0xad, 0xde, 51, -95i8 as u8]);
     bytes.push(0b101);
-    // Deviations in quarters of a dB, means in halves of one above -128 dBm.
+    // Sigmas in quarters of a dB, means in halves of one above -128 dBm.
     bytes.extend([8, 100, 0, 120, 12, 130]);
     bytes.extend([4, 80, 63, 81, 1, 0]);
     sealed(bytes)
@@ -78,12 +78,7 @@ fn a_map_reads_as_it_was_written() {
         [0, 1, 2, 3].map(|point| map.is_surveyed(point)),
         [true, false, true, false]
     );
-    let moments = |mean_dbm, deviation_db| {
-        Some(Moments {
-            mean_dbm,
-            deviation_db,
-        })
-    };
+    let moments = |mean_dbm, sigma_db| Some(Moments { mean_dbm, sigma_db });
     assert_eq!(map.moments(0, 0), moments(-78.0, 2.0));
     assert_eq!(map.moments(0, 1), None);
     assert_eq!(map.moments(1, 1), moments(-87.5, 15.75));
@@ -188,24 +183,27 @@ fn exercise(bytes: &[u8], scan: &[Reading], x: f32, y: f32) {
             .beacon(beacon)
             .map(|beacon| map.beacon_index(beacon.identifier));
     }
-    let mut posterior = Posterior::<300>::new();
+    let mut posterior = Posterior::<300>::EMPTY;
     for missing in [Missing::Ignored, Missing::Modelled] {
-        let settings = Settings::new().with_missing(missing);
+        let config = Config {
+            missing,
+            ..Config::DEFAULT
+        };
         let found = [
-            GaussianMatcher::new(map, &settings)
+            GaussianMatcher::new(map, &config)
                 .ok()
                 .map(|matcher| matcher.locate(scan, &mut posterior)),
-            TableMatcher::new(map, &settings)
+            TableMatcher::new(map, &config)
                 .ok()
                 .map(|matcher| matcher.locate(scan, &mut posterior)),
-            Neighbours::new(map, 3, &settings)
+            Neighbours::new(map, 3, &config)
                 .ok()
                 .map(|matcher| matcher.locate(scan, &mut posterior)),
         ];
         for found in found.into_iter().flatten().flatten() {
             assert!(found.point < points && map.is_surveyed(found.point));
             assert_eq!(found.position, map.lattice().position(found.point));
-            let [a, b] = posterior.covariance(map.lattice());
+            let [a, b] = posterior.covariance(map.lattice()).rows();
             let numbers = [found.mean, a, b];
             assert!(
                 numbers
@@ -216,13 +214,9 @@ fn exercise(bytes: &[u8], scan: &[Reading], x: f32, y: f32) {
             assert!((posterior.weights().iter().sum::<f32>() - 1.0).abs() < 1e-4);
         }
     }
-    let model = PacketModel::new(&Settings::new());
+    let model = PacketModel::new(&Config::DEFAULT).unwrap();
     for reading in scan {
-        let packet = Packet {
-            beacon: reading.beacon,
-            rssi_dbm: reading.rssi_dbm as i8,
-        };
-        if let Ok(likelihood) = map.packet_likelihood(packet, y, &model) {
+        if let Ok(likelihood) = map.packet_likelihood(*reading, y, &model) {
             let mut out = [0.0; 3];
             likelihood.log_likelihoods(&[&[x, y, x], &[y, y, 0.0]], &mut out);
             assert!(out.iter().all(|l| l.is_finite()));
@@ -242,17 +236,17 @@ fn bits_beyond_the_last_point_are_no_survey() {
         beacon: 0,
         rssi_dbm: -60.0,
     }];
-    let mut posterior = Posterior::<3>::new();
-    let settings = Settings::new();
+    let mut posterior = Posterior::<3>::EMPTY;
+    let config = Config::DEFAULT;
     let found = [
-        GaussianMatcher::new(map, &settings)
+        GaussianMatcher::new(map, &config)
             .unwrap()
             .locate(&scan, &mut posterior),
-        Neighbours::new(map, 3, &settings)
+        Neighbours::new(map, 3, &config)
             .unwrap()
             .locate(&scan, &mut posterior),
     ];
-    assert_eq!(found, [Err(MatchError::Survey); 2]);
+    assert_eq!(found, [Err(ReadingError::Survey); 2]);
 }
 
 fn scans() -> impl Strategy<Value = Vec<Reading>> {
@@ -305,35 +299,34 @@ proptest! {
 }
 
 #[test]
-fn settings_out_of_range_are_named() {
-    let settings = Settings::new();
+fn a_wrong_field_of_a_configuration_is_named() {
+    let wrong = |change: &dyn Fn(&mut Config)| {
+        let mut config = Config::DEFAULT;
+        change(&mut config);
+        config.check().unwrap_err().field()
+    };
     for bad in [1.4, 21.0, f32::NAN] {
-        assert_eq!(
-            settings.with_inflation_db(bad),
-            Err(SettingsError::Inflation)
-        );
+        assert_eq!(wrong(&|c| c.inflation_sigma_db = bad), "inflation_sigma_db");
     }
     for bad in [0.0, 0.2, f32::NAN] {
-        assert_eq!(settings.with_outliers(bad), Err(SettingsError::Outliers));
+        assert_eq!(wrong(&|c| c.outlier_rate = bad), "outlier_rate");
     }
     for bad in [0.0, 1.1, f32::NAN] {
-        assert_eq!(settings.with_tempering(bad), Err(SettingsError::Tempering));
+        assert_eq!(wrong(&|c| c.tempering = bad), "tempering");
     }
-    for bad in [
-        [-129.0, 0.0],
-        [-100.0, 21.0],
-        [-50.0, -45.0],
-        [f32::NAN, 0.0],
-    ] {
-        assert_eq!(settings.with_range_dbm(bad), Err(SettingsError::Range));
+    let ranges = [[-129.0, 0.0], [-100.0, 21.0], [-50.0, -45.0], [f32::NAN; 2]];
+    for bad in ranges {
+        assert_eq!(wrong(&|c| c.range_dbm = bad), "range_dbm");
     }
-    assert!(settings.accepts(-120.0) && settings.accepts(0.0));
-    assert!(!settings.accepts(0.1) && !settings.accepts(f32::NAN));
+    let config = Config::DEFAULT;
+    assert_eq!(config.check(), Ok(()));
+    assert!(config.accepts(-120.0) && config.accepts(0.0));
+    assert!(!config.accepts(0.1) && !config.accepts(f32::NAN));
 }
 
 #[test]
-fn costs_are_those_of_the_mixture_for_all_settings() {
-    // One beacon, all deviations by all means at 64 x 4 points.
+fn costs_are_those_of_the_mixture_for_all_configurations() {
+    // One beacon, all sigmas by all means at 64 x 4 points.
     let mut next = 0u32;
     let bytes = {
         let mut bytes = header([1, 1, 0, 64, 4]);
@@ -346,7 +339,7 @@ fn costs_are_those_of_the_mixture_for_all_settings() {
         sealed(bytes)
     };
     let map = RadioMap::new(&bytes).unwrap();
-    let mut posterior = Posterior::<256>::new();
+    let mut posterior = Posterior::<256>::EMPTY;
     for (inflation, outliers, range) in [
         (1.5, 0.1, [-60.0, -50.0]),
         (1.5, 1e-6, [-128.0, 20.0]),
@@ -354,27 +347,28 @@ fn costs_are_those_of_the_mixture_for_all_settings() {
         (20.0, 0.1, [-128.0, 20.0]),
         (20.0, 1e-6, [-60.0, -50.0]),
     ] {
-        let settings = Settings::new()
-            .with_inflation_db(inflation)
-            .and_then(|s| s.with_outliers(outliers))
-            .and_then(|s| s.with_tempering(1.0))
-            .and_then(|s| s.with_range_dbm(range))
-            .unwrap();
-        let matcher = GaussianMatcher::new(map, &settings).unwrap();
+        let config = Config {
+            inflation_sigma_db: inflation,
+            outlier_rate: outliers,
+            tempering: 1.0,
+            range_dbm: range,
+            ..Config::DEFAULT
+        };
+        let matcher = GaussianMatcher::new(map, &config).unwrap();
         let floor = f64::from(outliers / (range[1] - range[0])).ln();
         for rssi in -128..=20 {
             let rssi_dbm = rssi as f32;
-            if !settings.accepts(rssi_dbm) {
+            if !config.accepts(rssi_dbm) {
                 continue;
             }
             let exact: Vec<f64> = (0..256)
                 .map(|point| match map.moments(0, point) {
                     None => floor,
                     Some(moments) => {
-                        let deviation = f64::from(moments.deviation_db).hypot(f64::from(inflation));
-                        let z = f64::from(rssi_dbm - moments.mean_dbm) / deviation;
+                        let sigma = f64::from(moments.sigma_db).hypot(f64::from(inflation));
+                        let z = f64::from(rssi_dbm - moments.mean_dbm) / sigma;
                         let peak = f64::from(1.0 - outliers).ln()
-                            - (deviation * core::f64::consts::TAU.sqrt()).ln();
+                            - (sigma * core::f64::consts::TAU.sqrt()).ln();
                         (peak - 0.5 * z * z).max(floor)
                     }
                 })
@@ -387,7 +381,7 @@ fn costs_are_those_of_the_mixture_for_all_settings() {
             let best = exact.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             // A 255th of the largest loss; and the smallest slope, of about 40, is rounded to a whole number.
             let step =
-                (f64::from(settings.inliers().ln()) - (f64::from(inflation) * 2.5).ln() - floor)
+                (f64::from(config.inlier_rate().ln()) - (f64::from(inflation) * 2.5).ln() - floor)
                     / 255.0;
             let tolerance = 0.6 * step + 0.0125 * best.abs();
             assert_close(found.log_likelihood, best, tolerance);

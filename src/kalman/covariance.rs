@@ -49,11 +49,11 @@ impl<const D: usize> Covariance<D> {
     };
 
     /// Of independent dimensions with these standard deviations.
-    pub const fn diagonal(deviations: [f32; D]) -> Self {
+    pub const fn diagonal(sigmas: [f32; D]) -> Self {
         let mut columns = [[0.0; D]; D];
         let mut k = 0;
         while k < D {
-            columns[k][k] = deviations[k].abs();
+            columns[k][k] = sigmas[k].abs();
             k += 1;
         }
         Self { columns }
@@ -64,7 +64,7 @@ impl<const D: usize> Covariance<D> {
     /// # Errors
     /// When it is not finite, or more negative in some direction than rounding explains.
     pub fn new(matrix: &[[f32; D]; D]) -> Result<Self, NotACovariance> {
-        /// Share of a variance that the rounding of a matrix in f32 may cost.
+        /// Fraction of a variance that the rounding of a matrix in f32 may cost.
         const ROUNDING: f32 = 4e-7;
         let mut columns = [[0.0; D]; D];
         // What is left of the lower triangle after the columns found so far: rest[row][column].
@@ -130,7 +130,7 @@ impl<const D: usize> Covariance<D> {
     }
 
     /// The standard deviation of every dimension.
-    pub fn deviations(&self) -> [f32; D] {
+    pub fn sigmas(&self) -> [f32; D] {
         let mut squares = [0.0; D];
         for column in &self.columns {
             for (square, l) in squares.iter_mut().zip(column) {
@@ -141,7 +141,7 @@ impl<const D: usize> Covariance<D> {
     }
 
     /// The columns of the factor; the sum of their outer products is the matrix.
-    pub fn columns(&self) -> &[[f32; D]; D] {
+    pub const fn columns(&self) -> &[[f32; D]; D] {
         &self.columns
     }
 
@@ -150,7 +150,7 @@ impl<const D: usize> Covariance<D> {
         Self { columns }
     }
 
-    /// `L vector`: turns independent standard normals into a deviation of this covariance.
+    /// `L vector`: turns independent standard normals into a vector of this covariance.
     pub fn colour(&self, vector: [f32; D]) -> [f32; D] {
         let mut sum = [0.0; D];
         for (column, v) in self.columns.iter().zip(vector) {
@@ -161,7 +161,7 @@ impl<const D: usize> Covariance<D> {
         sum
     }
 
-    /// `L^-1 vector`: the deviation in standard deviations. Not finite when the matrix is singular.
+    /// `L^-1 vector`: the vector in sigmas. Not finite when the matrix is singular.
     pub fn whiten(&self, mut vector: [f32; D]) -> [f32; D] {
         let mut white = [0.0; D];
         for (k, (column, w)) in self.columns.iter().zip(&mut white).enumerate() {
@@ -289,10 +289,10 @@ mod tests {
     }
 
     #[test]
-    fn determinant_and_deviations_of_a_known_matrix() {
+    fn determinant_and_sigmas_of_a_known_matrix() {
         let covariance = Covariance::new(&[[4.0, 2.0], [2.0, 10.0]]).unwrap();
         assert!((covariance.half_ln_determinant() - 6f32.ln()).abs() < 1e-6);
-        assert_eq!(covariance.deviations(), [2.0, 10f32.sqrt()]);
-        assert_eq!(Covariance::diagonal([2.0, -3.0]).deviations(), [2.0, 3.0]);
+        assert_eq!(covariance.sigmas(), [2.0, 10f32.sqrt()]);
+        assert_eq!(Covariance::diagonal([2.0, -3.0]).sigmas(), [2.0, 3.0]);
     }
 }

@@ -43,7 +43,7 @@ impl<const D: usize> Gaussian<D> {
     }
 }
 
-/// Natural logarithm of a normal density `squares` squared standard deviations from its mean.
+/// Natural logarithm of a normal density `squares` squared sigmas from its mean.
 pub(super) fn log_density_at<const D: usize>(squares: f32, covariance: &Covariance<D>) -> f32 {
     -0.5 * (squares + D as f32 * LN_TAU) - covariance.half_ln_determinant()
 }

@@ -213,10 +213,10 @@ mod tests {
             assert!((f64::from(innovation.log_evidence) - evidence).abs() < 1e-3);
             let matrix = state.covariance.matrix();
             for (i, row) in matrix.iter().enumerate() {
-                let deviation = textbook.covariance[i][i].sqrt();
-                assert!((f64::from(state.mean[i]) - textbook.mean[i]).abs() < 1e-3 * deviation);
+                let sigma = textbook.covariance[i][i].sqrt();
+                assert!((f64::from(state.mean[i]) - textbook.mean[i]).abs() < 1e-3 * sigma);
                 for (j, entry) in row.iter().enumerate() {
-                    let scale = deviation * textbook.covariance[j][j].sqrt();
+                    let scale = sigma * textbook.covariance[j][j].sqrt();
                     let off = f64::from(*entry) - textbook.covariance[i][j];
                     assert!(off.abs() < 1e-4 * scale, "step {step}: {off} of {scale}");
                 }
@@ -241,9 +241,9 @@ mod tests {
             let row = [[1.0, 1.0 + 1e-4 * normal(&mut rng), 1e-4]];
             let innovation = state.update(&row, [1e-3 * normal(&mut rng)], &noise);
             assert!(innovation.unwrap().squared_distance >= 0.0);
-            let deviations = state.covariance.deviations();
+            let sigmas = state.covariance.sigmas();
             assert!(
-                deviations.iter().all(|d| *d > 1e-6) && !state.covariance.is_singular(),
+                sigmas.iter().all(|d| *d > 1e-6) && !state.covariance.is_singular(),
                 "step {step}: {:?}",
                 state.covariance
             );
@@ -253,7 +253,7 @@ mod tests {
         let innovation = state
             .update(&[[1.0, 1.0, 1e-4]], [0.0], &sum.plus(&noise))
             .unwrap();
-        assert!(innovation.covariance.deviations()[0] < 1.1e-3);
+        assert!(innovation.covariance.sigmas()[0] < 1.1e-3);
     }
 
     #[test]

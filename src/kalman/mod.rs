@@ -36,7 +36,7 @@ use core::fmt;
 
 pub use covariance::{Covariance, NotACovariance};
 pub use gaussian::Gaussian;
-pub use unscented::{ParameterError, Unscented};
+pub use unscented::Unscented;
 
 /// What a measurement of `M` dimensions told that the filter did not expect.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +45,7 @@ pub struct Innovation<const M: usize> {
     pub residual: [f32; M],
     /// How far the residual should scatter.
     pub covariance: Covariance<M>,
-    /// Square of the residual in standard deviations: chi-squared with `M` degrees of freedom when the model is
+    /// Square of the residual in sigmas: chi-squared with `M` degrees of freedom when the model is
     /// right, so a measurement far beyond that does not fit.
     pub squared_distance: f32,
     /// Natural logarithm of the density of the measurement, given all earlier ones.

@@ -1,8 +1,8 @@
 //! The unscented Kalman filter.
 
-use core::fmt;
-
 use super::{Covariance, Gaussian, Innovation, KalmanError};
+use crate::ConfigError;
+use crate::config::require;
 use crate::math::sqrt;
 
 /// An unscented Kalman filter: pushes a few points of the state's distribution through the model, and fits a
@@ -13,40 +13,18 @@ use crate::math::sqrt;
 /// about the mean of all points equals one about the mean of the outer points, in which no weight is negative.
 /// Calls the model `2 D + 1` times for a prediction and as often for an update.
 ///
-/// Immutable: one value serves any number of filters, whose states are [`Gaussian`]s. See [`crate::kalman`] for an
+/// A configuration that serves any number of filters, whose states are [`Gaussian`]s. See [`crate::kalman`] for an
 /// example.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Unscented {
-    alpha: f32,
-    beta: f32,
-    kappa: f32,
+    /// How far from the mean the points are: `alpha sqrt(D + kappa)` sigmas.
+    pub alpha: f32,
+    /// What is known of the kurtosis: 2 for a normal distribution.
+    pub beta: f32,
+    /// Adds to the dimension: see `alpha`.
+    pub kappa: f32,
 }
-
-/// Why a parameter was refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum ParameterError {
-    /// `alpha` is not within 0.01 and 1: below, f32 cannot tell the points apart.
-    Alpha,
-    /// `beta` is not within 0 and 100.
-    Beta,
-    /// `kappa` is not within 0 and 100.
-    Kappa,
-}
-
-impl fmt::Display for ParameterError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Alpha => "alpha is not within 0.01 and 1",
-            Self::Beta => "beta is not within 0 and 100",
-            Self::Kappa => "kappa is not within 0 and 100",
-        })
-    }
-}
-
-impl core::error::Error for ParameterError {}
 
 impl Default for Unscented {
     fn default() -> Self {
@@ -65,7 +43,7 @@ struct Transformed<const D: usize, const M: usize> {
 }
 
 impl Unscented {
-    /// Points one standard deviation times the root of `D` from the mean: exact in mean and covariance for a
+    /// Points one sigma times the root of `D` from the mean: exact in mean and covariance for a
     /// quadratic function of one variable. `alpha` 1, `beta` 2, `kappa` 0.
     pub const DEFAULT: Self = Self {
         alpha: 1.0,
@@ -73,22 +51,25 @@ impl Unscented {
         kappa: 0.0,
     };
 
-    /// With points `alpha sqrt(D + kappa)` standard deviations from the mean; `beta` is what is known of the
-    /// kurtosis, 2 for a normal distribution.
+    /// Checks the fields.
     ///
     /// # Errors
-    /// Names the parameter that is out of range.
-    pub const fn new(alpha: f32, beta: f32, kappa: f32) -> Result<Self, ParameterError> {
-        if !(alpha >= 0.01 && alpha <= 1.0) {
-            return Err(ParameterError::Alpha);
-        }
-        if !(beta >= 0.0 && beta <= 100.0) {
-            return Err(ParameterError::Beta);
-        }
-        if !(kappa >= 0.0 && kappa <= 100.0) {
-            return Err(ParameterError::Kappa);
-        }
-        Ok(Self { alpha, beta, kappa })
+    /// Names the first field that is out of range.
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        // Below, f32 cannot tell the points apart.
+        require!(
+            self.alpha >= 0.01 && self.alpha <= 1.0,
+            "alpha is not within 0.01 and 1"
+        );
+        require!(
+            self.beta >= 0.0 && self.beta <= 100.0,
+            "beta is not within 0 and 100"
+        );
+        require!(
+            self.kappa >= 0.0 && self.kappa <= 100.0,
+            "kappa is not within 0 and 100"
+        );
+        Ok(())
     }
 
     /// Moves `state`: x' = `transition`(x) + `noise`. Noise whose mean is not zero belongs into `transition`.
@@ -175,8 +156,8 @@ impl Unscented {
             }
             rest.add(b);
         }
-        let share = sqrt(self.beta + self.alpha * self.alpha * self.kappa / D as f32);
-        rest.add(shift.map(|s| share * s));
+        let factor = sqrt(self.beta + self.alpha * self.alpha * self.kappa / D as f32);
+        rest.add(shift.map(|s| factor * s));
         let mut mean = middle;
         for (m, shift) in mean.iter_mut().zip(shift) {
             *m += shift;
@@ -192,13 +173,17 @@ mod tests {
     use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
     use std::{vec, vec::Vec};
 
-    const SETS: [(f32, f32, f32); 5] = [
-        (1.0, 2.0, 0.0),
-        (1.0, 0.0, 2.0),
-        (0.3, 2.0, 0.0),
-        (0.1, 0.0, 1.0),
-        (1.0, 0.0, 0.0),
+    const SETS: [Unscented; 5] = [
+        Unscented::DEFAULT,
+        of(1.0, 0.0, 2.0),
+        of(0.3, 2.0, 0.0),
+        of(0.1, 0.0, 1.0),
+        of(1.0, 0.0, 0.0),
     ];
+
+    const fn of(alpha: f32, beta: f32, kappa: f32) -> Unscented {
+        Unscented { alpha, beta, kappa }
+    }
 
     fn state() -> Gaussian<3> {
         Gaussian {
@@ -215,11 +200,12 @@ mod tests {
     /// The unscented transform as it is printed, negative weights and all, in f64: mean, covariance of the values,
     /// and covariance of state and values.
     fn printed(
-        (alpha, beta, kappa): (f32, f32, f32),
+        unscented: &Unscented,
         state: &Gaussian<3>,
     ) -> ([f64; 2], [[f64; 2]; 2], [[f64; 2]; 3]) {
         let n = 3.0;
-        let (alpha, beta, kappa) = (f64::from(alpha), f64::from(beta), f64::from(kappa));
+        let Unscented { alpha, beta, kappa } = *unscented;
+        let [alpha, beta, kappa] = [alpha, beta, kappa].map(f64::from);
         let lambda = alpha * alpha * (n + kappa) - n;
         let mut points = vec![state.mean.map(f64::from)];
         for column in state.covariance.columns() {
@@ -265,10 +251,9 @@ mod tests {
     #[test]
     fn the_transform_is_the_printed_one() {
         let state = state();
-        for set in SETS {
-            let unscented = Unscented::new(set.0, set.1, set.2).unwrap();
+        for unscented in SETS {
             let found = unscented.transform(&state, bent, &Covariance::ZERO);
-            let (mean, covariance, cross) = printed(set, &state);
+            let (mean, covariance, cross) = printed(&unscented, &state);
             let mut total = found.rest;
             let mut together = [[0.0; 2]; 3];
             for (slope, column) in found.slopes.iter().zip(state.covariance.columns()) {
@@ -281,14 +266,14 @@ mod tests {
             }
             let near = |found: f32, expected: f64| (f64::from(found) - expected).abs() < 2e-4;
             for a in 0..2 {
-                assert!(near(found.mean[a], mean[a]), "{set:?}");
+                assert!(near(found.mean[a], mean[a]), "{unscented:?}");
                 for (b, expected) in covariance[a].iter().enumerate() {
-                    assert!(near(total.matrix()[a][b], *expected), "{set:?}");
+                    assert!(near(total.matrix()[a][b], *expected), "{unscented:?}");
                 }
             }
             for a in 0..3 {
                 for b in 0..2 {
-                    assert!(near(together[a][b], cross[a][b]), "{set:?}");
+                    assert!(near(together[a][b], cross[a][b]), "{unscented:?}");
                 }
             }
         }
@@ -301,8 +286,7 @@ mod tests {
         let row = [1.0, 0.0, -0.5];
         let dot = |a: &[f32; 3], b: &[f32; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>();
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(35);
-        for (alpha, beta, kappa) in SETS {
-            let unscented = Unscented::new(alpha, beta, kappa).unwrap();
+        for unscented in SETS {
             let (mut exact, mut other) = (state(), state());
             for _ in 0..200 {
                 exact.predict(&transition, &noise).unwrap();
@@ -317,11 +301,11 @@ mod tests {
                 assert!((ours.log_evidence - theirs.log_evidence).abs() < 1e-3);
             }
             for (a, b) in exact.mean.iter().zip(other.mean) {
-                assert!((a - b).abs() < 1e-3, "{alpha}: {exact:?} {other:?}");
+                assert!((a - b).abs() < 1e-3, "{unscented:?}: {exact:?} {other:?}");
             }
             let (a, b) = (exact.covariance.matrix(), other.covariance.matrix());
             for (a, b) in a.as_flattened().iter().zip(b.as_flattened()) {
-                assert!((a - b).abs() < 1e-3, "{alpha}: {a} {b}");
+                assert!((a - b).abs() < 1e-3, "{unscented:?}: {a} {b}");
             }
         }
     }
@@ -344,7 +328,7 @@ mod tests {
     #[test]
     fn precise_measurements_of_a_nearly_flat_state_leave_a_covariance() {
         // Correlation 1 - 5e-7, and a curved measurement to 1e-4, 50,000 times.
-        let unscented = Unscented::new(0.1, 2.0, 0.0).unwrap();
+        let unscented = of(0.1, 2.0, 0.0);
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(36);
         let mut covariance = Covariance::diagonal([1e-3, 1e-3]);
         covariance.add([1.0, 1.0]);
@@ -370,16 +354,16 @@ mod tests {
     }
 
     #[test]
-    fn parameters_and_models_out_of_range_are_refused() {
-        for (set, error) in [
-            ((0.0, 2.0, 0.0), ParameterError::Alpha),
-            ((1.1, 2.0, 0.0), ParameterError::Alpha),
-            ((f32::NAN, 2.0, 0.0), ParameterError::Alpha),
-            ((1.0, -1.0, 0.0), ParameterError::Beta),
-            ((1.0, 2.0, -0.1), ParameterError::Kappa),
-            ((1.0, 2.0, f32::INFINITY), ParameterError::Kappa),
+    fn fields_and_models_out_of_range_are_refused() {
+        for (unscented, field) in [
+            (of(0.0, 2.0, 0.0), "alpha"),
+            (of(1.1, 2.0, 0.0), "alpha"),
+            (of(f32::NAN, 2.0, 0.0), "alpha"),
+            (of(1.0, -1.0, 0.0), "beta"),
+            (of(1.0, 2.0, -0.1), "kappa"),
+            (of(1.0, 2.0, f32::INFINITY), "kappa"),
         ] {
-            assert_eq!(Unscented::new(set.0, set.1, set.2), Err(error));
+            assert_eq!(unscented.check().unwrap_err().field(), field);
         }
         let mut there = state();
         let noise = Covariance::diagonal([1.0]);

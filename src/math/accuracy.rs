@@ -5,7 +5,7 @@
 pub enum Measure {
     /// In the unit of the result.
     Absolute,
-    /// As a share of the exact result.
+    /// As a fraction of the exact result.
     Relative,
 }
 
@@ -88,11 +88,11 @@ mod tests {
         let (from, to) = (f64::from(from), f64::from(to));
         let geometric = from > 0.0 && to / from > 1e3;
         (0..=1_000_000).map(move |i| {
-            let share = f64::from(i) / 1e6;
+            let part = f64::from(i) / 1e6;
             (if geometric {
-                from * (to / from).powf(share)
+                from * (to / from).powf(part)
             } else {
-                from + (to - from) * share
+                from + (to - from) * part
             }) as f32
         })
     }

@@ -35,7 +35,7 @@ fn atan_fine(p: f32) -> f32 {
                     + q * (7.962_367e-2 + q * (-3.360_422e-2 + q * 6.811_793e-3))))))
 }
 
-/// atan p for p within [-1, 1], error 1.2e-5: a hundredth of the smallest deviation that a bearing may have.
+/// atan p for p within [-1, 1], error 1.2e-5: a hundredth of the smallest sigma that a bearing may have.
 #[inline(always)]
 pub(crate) fn atan_coarse(p: f32) -> f32 {
     let q = p * p;

@@ -135,7 +135,7 @@ mod tests {
         };
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(41);
         let [mean] = dynamics.mean(&[3.0], 1.0);
-        let [deviation] = dynamics.noise(1.0).deviations();
+        let [sigma] = dynamics.noise(1.0).sigmas();
         let (mut sum, mut squares) = (0f64, 0f64);
         for _ in 0..200_000 {
             let off = f64::from(dynamics.step([3.0], 1.0, &mut rng)[0] - mean);
@@ -143,7 +143,7 @@ mod tests {
             squares += off * off / 200_000.0;
         }
         assert!(sum.abs() < 0.01, "{sum}");
-        assert!((squares - f64::from(deviation * deviation)).abs() < 0.02);
+        assert!((squares - f64::from(sigma * sigma)).abs() < 0.02);
         let (mut mass, mut moment) = (0.0, 0.0);
         for i in 0..20_000 {
             let x = mean - 2.0 + i as f32 * 1e-3;

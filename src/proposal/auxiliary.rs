@@ -150,7 +150,7 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
         target: &Target<'_, impl Transition<D>, impl Likelihood<D>>,
         memory: &mut [f32; G],
     ) -> Moments<D> {
-        let sigmas = target.transition.noise(target.dt).deviations();
+        let sigmas = target.transition.noise(target.dt).sigmas();
         let mut posterior = Moments::NONE;
         let columns = self.particles.columns();
         let log_weights = self.weights.log_weights().iter();

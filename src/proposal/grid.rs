@@ -28,13 +28,13 @@ pub(super) const fn side<const D: usize, const G: usize>() -> usize {
     side
 }
 
-/// The box that holds what a transition with this mean and these deviations may reach: ten deviations either way,
-/// because one-sided noise has long tails.
-pub(super) fn reach<const D: usize>(mean: [f32; D], deviations: [f32; D]) -> ([f32; D], [f32; D]) {
+/// The box that holds what a transition with this mean and these sigmas may reach: ten sigmas either way, because
+/// one-sided noise has long tails.
+pub(super) fn reach<const D: usize>(mean: [f32; D], sigmas: [f32; D]) -> ([f32; D], [f32; D]) {
     let (mut low, mut high) = (mean, mean);
-    for ((low, high), deviation) in low.iter_mut().zip(&mut high).zip(deviations) {
-        *low -= 10.0 * deviation;
-        *high += 10.0 * deviation;
+    for ((low, high), sigma) in low.iter_mut().zip(&mut high).zip(sigmas) {
+        *low -= 10.0 * sigma;
+        *high += 10.0 * sigma;
     }
     (low, high)
 }

@@ -73,14 +73,14 @@ impl<const D: usize> Transition<D> for RandomWalk<D> {
     }
 
     fn noise(&self, dt: f32) -> Covariance<D> {
-        Covariance::diagonal(self.deviation.map(|deviation| deviation * sqrt(dt)))
+        Covariance::diagonal(self.sigma.map(|sigma| sigma * sqrt(dt)))
     }
 
     fn log_transition(&self, from: &[f32; D], to: &[f32; D], dt: f32) -> f32 {
-        let steps = from.iter().zip(to).zip(self.deviation);
+        let steps = from.iter().zip(to).zip(self.sigma);
         steps
-            .map(|((from, to), deviation)| {
-                let spread = deviation * sqrt(dt);
+            .map(|((from, to), sigma)| {
+                let spread = sigma * sqrt(dt);
                 let step = (to - from) / spread;
                 -0.5 * (step * step + LN_TAU) - ln(spread)
             })

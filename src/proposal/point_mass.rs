@@ -13,13 +13,13 @@ use crate::particles::{Particles, read};
 /// chance.
 ///
 /// Each step works out the posterior density on a transient grid, transitions of all points times likelihood, and
-/// keeps `N` points of it: it cuts the grid into parts that hold equal shares of the *square root* of the density,
+/// keeps `N` points of it: it cuts the grid into parts that hold as much each of the *square root* of the density,
 /// and keeps the mass and the mean of each. Between points in proportion to the density, which neglect its tails,
 /// and equally spaced ones, the square root is near the best for what a step of noise then smooths.
 ///
 /// What lies between the points is lost, so the noise of the transition must bridge the gaps in every dimension: in a
 /// line 50 points are as good as the exact filter where a step moves the state by a tenth of its uncertainty; in the
-/// plane 100 points stay within a tenth of a deviation of it where a step is as large as the uncertainty. A state that
+/// plane 100 points stay within a tenth of a sigma of it where a step is as large as the uncertainty. A state that
 /// does not move belongs to another filter.
 ///
 /// Takes 4 N (D + 1) bytes and a few more; the grid has `G` cells, which the caller lends. `N G` transitions for each
@@ -93,7 +93,7 @@ impl<const D: usize, const N: usize> PointMassFilter<D, N> {
         memory: &mut [f32; G],
     ) -> Result<f32, UpdateError> {
         let columns = self.points.columns();
-        let sigmas = transition.noise(dt).deviations();
+        let sigmas = transition.noise(dt).sigmas();
         let (mut low, mut high) = ([f32::INFINITY; D], [f32::NEG_INFINITY; D]);
         for i in 0..self.count {
             let reached = reach(transition.mean(&read(&columns, i), dt), sigmas);
@@ -206,7 +206,7 @@ impl<const D: usize, const N: usize> PointMassFilter<D, N> {
     }
 }
 
-/// Cuts a row of shares into parts of equal sums, as nearly as whole shares can.
+/// Cuts a row of cells into parts of equal sums, as nearly as whole cells can.
 #[derive(Clone, Copy)]
 struct Cut {
     sum: f32,
@@ -223,10 +223,10 @@ impl Cut {
         }
     }
 
-    /// The part to which the next share belongs: that of its middle.
-    fn part(&mut self, share: f32) -> usize {
-        let middle = self.sum + 0.5 * share;
-        self.sum += share;
+    /// The part to which the next cell belongs: that of its middle.
+    fn part(&mut self, cell: f32) -> usize {
+        let middle = self.sum + 0.5 * cell;
+        self.sum += cell;
         ((middle * self.per_unit) as usize).min(self.parts - 1)
     }
 }

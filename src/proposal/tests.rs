@@ -7,17 +7,17 @@ use crate::kalman::{Gaussian, Unscented};
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 use crate::resample::Scheme;
 
-/// Every dimension of a state, measured with its own deviation.
+/// Every dimension of a state, measured with its own sigma.
 struct Seen<const D: usize> {
     value: [f32; D],
-    deviation: [f32; D],
+    sigma: [f32; D],
 }
 
 impl<const D: usize> Likelihood<D> for Seen<D> {
     fn log_likelihood(&self, state: &[f32; D]) -> f32 {
         let noise = Gaussian {
             mean: self.value,
-            covariance: Covariance::diagonal(self.deviation),
+            covariance: Covariance::diagonal(self.sigma),
         };
         noise.log_density(*state)
     }
@@ -29,19 +29,19 @@ impl<const D: usize> Sensor<D, D> for Seen<D> {
     }
 
     fn noise(&self) -> Covariance<D> {
-        Covariance::diagonal(self.deviation)
+        Covariance::diagonal(self.sigma)
     }
 }
 
 /// A random walk that is measured 100 times: calls `step` with each measurement, the exact posterior and its
 /// log-evidence.
 fn walk<const D: usize>(
-    deviation: [f32; D],
+    sigma: [f32; D],
     measured: [f32; D],
     mut step: impl FnMut(&RandomWalk<D>, &Seen<D>, &Gaussian<D>, f32),
 ) {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(51);
-    let dynamics = RandomWalk { deviation };
+    let dynamics = RandomWalk { sigma };
     let identity = core::array::from_fn(|a| core::array::from_fn(|b| f32::from(a == b)));
     let mut exact = Gaussian {
         mean: [0.0; D],
@@ -53,7 +53,7 @@ fn walk<const D: usize>(
         let value = core::array::from_fn(|d| state[d] + measured[d] * normal(&mut rng));
         let seen = Seen {
             value,
-            deviation: measured,
+            sigma: measured,
         };
         let noise = Transition::noise(&dynamics, 1.0);
         exact.predict(&identity, &noise).unwrap();
@@ -62,7 +62,7 @@ fn walk<const D: usize>(
     }
 }
 
-/// Distance of a mean from the exact one, in posterior deviations.
+/// Distance of a mean from the exact one, in posterior sigmas.
 fn off<const D: usize>(mean: [f32; D], exact: &Gaussian<D>) -> f32 {
     let apart = core::array::from_fn(|d| mean[d] - exact.mean[d]);
     let squares = exact.covariance.whiten(apart).map(|w| w * w);
@@ -121,7 +121,7 @@ fn the_point_mass_filter_starts_from_a_prior() {
     assert!((filter.mean()[0] - 3.0).abs() < 1e-3);
 }
 
-/// The mean of `N` samples is a deviation over the root of `N` off the posterior's, and so is the mixture that the
+/// The mean of `N` samples is a sigma over the root of `N` off the posterior's, and so is the mixture that the
 /// next step starts from, as far as the gain forgets it: root mean squares over 100 steps scatter by a tenth, the
 /// limits leave five times that.
 struct Error {
@@ -191,8 +191,8 @@ fn resampling_carries_the_covariances_along() {
         next += 1.0;
         [next]
     });
-    for (i, deviation) in [1.0, 2.0, 3.0, 4.0].into_iter().enumerate() {
-        filter.set_covariance(i, &Covariance::diagonal([deviation]));
+    for (i, sigma) in [1.0, 2.0, 3.0, 4.0].into_iter().enumerate() {
+        filter.set_covariance(i, &Covariance::diagonal([sigma]));
     }
     filter.set_weights([0.0, 0.5, 0.0, 0.5]);
     filter.resample(Scheme::Systematic, &mut rng);
@@ -208,10 +208,10 @@ fn resampling_carries_the_covariances_along() {
 #[test]
 fn a_measurement_that_nothing_explains_is_refused() {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(55);
-    let dynamics = RandomWalk { deviation: [1.0] };
+    let dynamics = RandomWalk { sigma: [1.0] };
     let fine = Seen {
         value: [0.3],
-        deviation: [0.5],
+        sigma: [0.5],
     };
     let refused = Err(UpdateError::AllWeightsZero);
     for nonsense in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
@@ -239,14 +239,14 @@ fn a_measurement_that_nothing_explains_is_refused() {
         assert_eq!(cloud.weights(), before.weights());
         assert_eq!(cloud.particles().columns(), before.particles().columns());
 
-        let wild = Seen {
+        let nowhere = Seen {
             value: [nonsense],
-            deviation: [0.5],
+            sigma: [0.5],
         };
         let mut cloud = UnscentedParticleFilter::<1, 20>::EMPTY;
         cloud.initialise(&mut rng, &Covariance::ZERO, |_| [0.0]);
         let weights = cloud.cloud().weights().to_vec();
-        let result = cloud.step(&Unscented::DEFAULT, &dynamics, &wild, 1.0, &mut rng);
+        let result = cloud.step(&Unscented::DEFAULT, &dynamics, &nowhere, 1.0, &mut rng);
         assert_eq!(result, refused);
         let mut kept = cloud.cloud().weights().iter().zip(weights);
         assert!(kept.all(|(now, before)| (now - before).abs() < 1e-6));
@@ -260,7 +260,7 @@ fn a_measurement_that_nothing_explains_is_refused() {
 
 #[test]
 fn the_posterior_is_the_mixture_times_the_likelihood() {
-    let dynamics = RandomWalk { deviation: [1.0] };
+    let dynamics = RandomWalk { sigma: [1.0] };
     let likelihood = |[x]: &[f32; 1]| -x.abs();
     let posterior = Posterior {
         transition: &dynamics,

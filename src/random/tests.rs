@@ -35,9 +35,9 @@ fn assert_distributed(samples: &[f64], cumulative: impl Fn(f64) -> f64) {
 /// `moments`: expectation of x^k and standard deviation of x^k, for k = 1, 2, ...
 fn assert_moments(samples: &[f64], moments: &[(f64, f64)]) {
     let n = samples.len() as f64;
-    for (k, &(expected, deviation)) in (1..).zip(moments) {
+    for (k, &(expected, sigma)) in (1..).zip(moments) {
         let got = samples.iter().map(|x| x.powi(k)).sum::<f64>() / n;
-        let errors = (got - expected) * n.sqrt() / deviation;
+        let errors = (got - expected) * n.sqrt() / sigma;
         assert!(
             errors.abs() < 3.3,
             "moment {k}: {got} is {errors:.1} standard errors off {expected}"

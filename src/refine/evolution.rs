@@ -12,12 +12,13 @@
 //! particle moves by the difference of two others, which comes with either sign equally often, so the way back is
 //! as likely as the way there. The scale of its steps is that of the cloud by itself, correlations included.
 
-use core::fmt;
 use core::ops::Range;
 
 use super::lengths::{Lengths, difference};
-use super::population::{Population, halves, others};
-use super::{Acceptance, Refinement, Report, Workspace};
+use super::population::{Population, Report, halves, others};
+use super::refinement::{Acceptance, Refinement, Workspace};
+use crate::ConfigError;
+use crate::config::{is_positive, require};
 use crate::math::sqrt;
 use crate::model::Likelihood;
 use crate::random::{Rng, uniform};
@@ -35,7 +36,7 @@ use crate::random::{Rng, uniform};
 ///
 /// ```
 /// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
-/// use foxhunt::refine::{Acceptance, DifferentialEvolution, Memory, Refinement};
+/// use foxhunt::refine::{DifferentialEvolution, Memory, Refinement};
 ///
 /// // A sample of a normal distribution that is much too wide.
 /// let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
@@ -43,120 +44,69 @@ use crate::random::{Rng, uniform};
 /// x.fill_with(|| 10.0 * normal(&mut rng));
 /// let target = |[x]: &[f32; 1]| -0.5 * x * x;
 ///
-/// let chain = DifferentialEvolution::new().acceptance(Acceptance::Metropolis).generations(100)?;
+/// const CHAIN: DifferentialEvolution =
+///     foxhunt::config!(DifferentialEvolution { generations: 100, ..DifferentialEvolution::METROPOLIS });
 /// let mut memory = Memory::<1, 100>::new();
-/// chain.refine(&mut [&mut x], &target, &mut memory.workspace(), &mut rng);
+/// CHAIN.refine(&mut [&mut x], &target, &mut memory.workspace(), &mut rng);
 /// // Now it is neither too wide nor too narrow.
 /// let variance = x.iter().map(|x| x * x).sum::<f32>() / 100.0;
 /// assert!((variance - 1.0).abs() < 0.5);
-/// # Ok::<(), foxhunt::refine::evolution::ConfigurationError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DifferentialEvolution {
-    base_weight: f32,
-    difference_weight: f32,
-    crossover: f32,
-    generations: u16,
-    acceptance: Acceptance,
+    /// F1: the weight of the particle that a mutant is made of.
+    pub base_weight: f32,
+    /// F2: the weight of the difference that is added to it.
+    pub difference_weight: f32,
+    /// Cr: the probability that a gene comes from the mutant.
+    pub crossover: f32,
+    /// How many times every particle meets a mutant.
+    pub generations: u16,
+    /// As published, or with the target invariant.
+    pub acceptance: Acceptance,
 }
 
-/// Why a configuration was refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum ConfigurationError {
-    /// `base_weight` is not positive and finite.
-    BaseWeight,
-    /// `difference_weight` is not positive and finite.
-    DifferenceWeight,
-    /// `crossover` is not within 0 and 1.
-    Crossover,
-    /// `generations` is zero.
-    Generations,
-}
-
-impl fmt::Display for ConfigurationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::BaseWeight => "base_weight is not positive and finite",
-            Self::DifferenceWeight => "difference_weight is not positive and finite",
-            Self::Crossover => "crossover is not within 0 and 1",
-            Self::Generations => "generations is zero",
-        })
-    }
-}
-
-impl core::error::Error for ConfigurationError {}
-
-/// Deviation of the noise of a Markov chain, as a share of that of the particles: it frees the chain from the lattice
+/// Sigma of the noise of a Markov chain, as a fraction of that of the particles: it frees the chain from the lattice
 /// of differences between the particles that it began with.
 const NOISE: f32 = 0.01;
 
 impl DifferentialEvolution {
-    /// The values of Li, Wang and Wang: F1 = 1, F2 = 0.9, Cr = 0.6, 20 generations.
-    pub const fn new() -> Self {
-        Self {
-            base_weight: 1.0,
-            difference_weight: 0.9,
-            crossover: 0.6,
-            generations: 20,
-            acceptance: Acceptance::Greedy,
-        }
-    }
+    /// As published by Li, Wang and Wang: F1 = 1, F2 = 0.9, Cr = 0.6, 20 generations.
+    pub const DEFAULT: Self = Self {
+        base_weight: 1.0,
+        difference_weight: 0.9,
+        crossover: 0.6,
+        generations: 20,
+        acceptance: Acceptance::Greedy,
+    };
 
-    /// F1, the weight of the particle that a mutant is made of.
+    /// Evolution that leaves the target invariant. Each particle is offered four places.
+    pub const METROPOLIS: Self = Self {
+        generations: 4,
+        acceptance: Acceptance::Metropolis,
+        ..Self::DEFAULT
+    };
+
+    /// Checks the fields.
     ///
     /// # Errors
-    /// When it is not positive and finite.
-    pub const fn base_weight(mut self, weight: f32) -> Result<Self, ConfigurationError> {
-        if !(weight > 0.0 && weight <= f32::MAX) {
-            return Err(ConfigurationError::BaseWeight);
-        }
-        self.base_weight = weight;
-        Ok(self)
-    }
-
-    /// F2, the weight of the difference that is added to it.
-    ///
-    /// # Errors
-    /// When it is not positive and finite.
-    pub const fn difference_weight(mut self, weight: f32) -> Result<Self, ConfigurationError> {
-        if !(weight > 0.0 && weight <= f32::MAX) {
-            return Err(ConfigurationError::DifferenceWeight);
-        }
-        self.difference_weight = weight;
-        Ok(self)
-    }
-
-    /// Cr, the probability that a gene comes from the mutant.
-    ///
-    /// # Errors
-    /// Outside 0 to 1.
-    pub const fn crossover(mut self, probability: f32) -> Result<Self, ConfigurationError> {
-        if !(probability >= 0.0 && probability <= 1.0) {
-            return Err(ConfigurationError::Crossover);
-        }
-        self.crossover = probability;
-        Ok(self)
-    }
-
-    /// How many times every particle meets a mutant.
-    ///
-    /// # Errors
-    /// For none.
-    pub const fn generations(mut self, generations: u16) -> Result<Self, ConfigurationError> {
-        if generations == 0 {
-            return Err(ConfigurationError::Generations);
-        }
-        self.generations = generations;
-        Ok(self)
-    }
-
-    /// As published, or with the target invariant.
-    pub const fn acceptance(mut self, acceptance: Acceptance) -> Self {
-        self.acceptance = acceptance;
-        self
+    /// Names the first field that is out of range.
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        require!(
+            is_positive(self.base_weight),
+            "base_weight is not positive and finite"
+        );
+        require!(
+            is_positive(self.difference_weight),
+            "difference_weight is not positive and finite"
+        );
+        require!(
+            self.crossover >= 0.0 && self.crossover <= 1.0,
+            "crossover is not within 0 and 1"
+        );
+        require!(self.generations > 0, "generations is zero");
+        Ok(())
     }
 
     /// The most evaluations of the density that a refinement of so many particles takes.
@@ -245,7 +195,7 @@ fn inherit<const D: usize>(mut particle: [f32; D], mutant: [f32; D], genes: [boo
 
 impl Default for DifferentialEvolution {
     fn default() -> Self {
-        Self::new()
+        Self::DEFAULT
     }
 }
 
@@ -275,6 +225,10 @@ impl<const D: usize> Refinement<D> for DifferentialEvolution {
     fn evaluations(&self, particles: usize) -> usize {
         Self::evaluations(self, particles)
     }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        Self::check(self)
+    }
 }
 
 #[cfg(test)]
@@ -282,19 +236,40 @@ mod tests {
     use super::*;
 
     #[test]
-    fn settings_are_checked() {
-        let evolution = DifferentialEvolution::new();
+    fn fields_out_of_range_are_named() {
+        type Evolution = DifferentialEvolution;
+        let field = |evolution: Evolution| evolution.check().unwrap_err().field();
+        let evolution = Evolution::DEFAULT;
         for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-            let result = evolution.base_weight(bad);
-            assert_eq!(result, Err(ConfigurationError::BaseWeight));
-            let result = evolution.difference_weight(bad);
-            assert_eq!(result, Err(ConfigurationError::DifferenceWeight));
+            let (base_weight, difference_weight) = (bad, bad);
+            let base = Evolution {
+                base_weight,
+                ..evolution
+            };
+            assert_eq!(field(base), "base_weight");
+            let difference = Evolution {
+                difference_weight,
+                ..evolution
+            };
+            assert_eq!(field(difference), "difference_weight");
         }
-        for bad in [-0.1, 1.1, f32::NAN] {
-            assert_eq!(evolution.crossover(bad), Err(ConfigurationError::Crossover));
+        for crossover in [-0.1, 1.1, f32::NAN] {
+            assert_eq!(
+                field(Evolution {
+                    crossover,
+                    ..evolution
+                }),
+                "crossover"
+            );
         }
-        let result = evolution.generations(0);
-        assert_eq!(result, Err(ConfigurationError::Generations));
+        let none = Evolution {
+            generations: 0,
+            ..evolution
+        };
+        assert_eq!(field(none), "generations");
+        for preset in [evolution, Evolution::METROPOLIS] {
+            assert_eq!(preset.check(), Ok(()));
+        }
         assert_eq!(evolution.evaluations(10), 210);
     }
 }

@@ -11,13 +11,14 @@
 //! iteration k, and never falls below a least value:
 //! `beta = exp(-k / tau) (1 - I_i / I_best) exp(-gamma r^2) + beta_min`.
 
-use core::fmt;
 use core::ops::Range;
 
 use super::lengths::{Lengths, Scale, difference, dot};
 use super::neighbours::{Grid, Neighbours};
-use super::population::{Population, halves, others};
-use super::{Acceptance, Refinement, Report, Workspace};
+use super::population::{Population, Report, halves, others};
+use super::refinement::{Acceptance, Refinement, Workspace};
+use crate::ConfigError;
+use crate::config::{is_positive, require};
 use crate::math::{exp, ln, sqrt};
 use crate::model::Likelihood;
 use crate::random::{Rng, uniform};
@@ -27,189 +28,116 @@ const NEGLIGIBLE: f32 = 1e-3;
 
 /// A swarm of fireflies: each particle is one.
 ///
-/// [`Firefly::standard`] draws each to all brighter ones in turn. Those whose attraction is below 1/1000 are left
-/// out, with their share of the flutter, so that the time is proportional to the number within reach, not to
-/// that of all. [`Firefly::improved`] draws each to the brightest alone, which itself stays.
+/// [`Attraction::Brighter`] draws each to all brighter ones in turn. Those whose attraction is below 1/1000 are left
+/// out, and their part of the flutter with them, so that the time is proportional to the number within reach, not to
+/// that of all. [`Attraction::Brightest`] draws each to the brightest alone, which itself stays.
 ///
-/// With [`Acceptance::Metropolis`] the flutter is normal with the same deviation, and a firefly is drawn to one that
-/// does not depend on where it is itself: any one at random (standard), or the brightest of the other half of the
-/// swarm (improved). Half of the times it is driven away by as much instead, or there would be no way back; the move
-/// is weighed with the density of that.
+/// With [`Acceptance::Metropolis`] the flutter is normal with the same sigma, and a firefly is drawn to one that
+/// does not depend on where it is itself: any one at random, or the brightest of the other half of the swarm. Half of
+/// the times it is driven away by as much instead, or there would be no way back; the move is weighed with the density
+/// of that.
 ///
-/// One iteration takes 340 modelled cycles of a Cortex-M4F a firefly (improved; 720 with Metropolis) and a cheap
-/// density; the standard form takes up to the square of their number.
+/// One iteration takes 340 modelled cycles of a Cortex-M4F a firefly (the brightest; 720 with Metropolis) and a cheap
+/// density; all brighter ones take up to the square of their number.
 ///
 /// ```
 /// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
-/// use foxhunt::refine::{Firefly, Lengths, Memory, Refinement};
+/// use foxhunt::refine::{Firefly, Memory, Refinement};
 ///
 /// let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
 /// let mut x = [0.0; 50];
 /// x.fill_with(|| 3.0 * normal(&mut rng));
 /// let target = |[x]: &[f32; 1]| -(x - 2.0).abs();
 ///
-/// let swarm = Firefly::improved(Lengths::Relative, 1.0, 0.1)?.iterations(20)?;
+/// const SWARM: Firefly = foxhunt::config!(Firefly { flutter: 0.1, iterations: 20, ..Firefly::DEFAULT });
 /// let mut memory = Memory::<1, 50>::new();
-/// swarm.refine(&mut [&mut x], &target, &mut memory.workspace(), &mut rng);
+/// SWARM.refine(&mut [&mut x], &target, &mut memory.workspace(), &mut rng);
 /// assert!((x.iter().sum::<f32>() / 50.0 - 2.0).abs() < 0.5);
-/// # Ok::<(), foxhunt::refine::firefly::ConfigurationError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Firefly {
-    attraction: Attraction,
-    lengths: Lengths,
-    /// gamma
-    absorption: f32,
-    /// alpha
-    flutter: f32,
-    iterations: u16,
-    acceptance: Acceptance,
+    /// What draws a firefly.
+    pub attraction: Attraction,
+    /// The unit of distances.
+    pub lengths: Lengths,
+    /// gamma: how the attraction falls with the distance, per square of the unit.
+    pub absorption: f32,
+    /// alpha: width of the random part of a move, in the unit.
+    pub flutter: f32,
+    /// beta_min: the fraction of the distance by which [`Attraction::Brightest`] draws at least.
+    pub least_attraction: f32,
+    /// tau: iterations in which [`Attraction::Brightest`] decays by e.
+    pub decay_iterations: f32,
+    /// How many times every firefly moves.
+    pub iterations: u16,
+    /// As published, or with the target invariant.
+    pub acceptance: Acceptance,
 }
 
 /// What draws a firefly.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-enum Attraction {
-    /// All that are brighter.
-    Standard,
-    /// The brightest.
-    Improved {
-        /// beta_min
-        least: f32,
-        /// tau
-        decay: f32,
-    },
-}
-
-/// Why a swarm was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum ConfigurationError {
-    /// `absorption` is negative or not finite.
-    Absorption,
-    /// `flutter` is not positive and finite.
-    Flutter,
-    /// `least_attraction` is not within 0 and 1.
-    LeastAttraction,
-    /// `decay` is not positive and finite.
-    Decay,
-    /// `iterations` is zero.
-    Iterations,
+pub enum Attraction {
+    /// All that are brighter: Yang.
+    Brighter,
+    /// The brightest: Du et al.
+    Brightest,
 }
-
-impl fmt::Display for ConfigurationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Absorption => "absorption is negative or not finite",
-            Self::Flutter => "flutter is not positive and finite",
-            Self::LeastAttraction => "least_attraction is not within 0 and 1",
-            Self::Decay => "decay is not positive and finite",
-            Self::Iterations => "iterations is zero",
-        })
-    }
-}
-
-impl core::error::Error for ConfigurationError {}
 
 impl Firefly {
-    /// Each is drawn to all brighter ones. `absorption` is gamma, per square of the unit of `lengths`; `flutter` is
-    /// alpha, the width of the random part, in that unit.
+    /// The improved form of Du et al., with lengths in standard deviations of the cloud. Gamma, alpha and the least
+    /// attraction are not printed.
+    pub const DEFAULT: Self = Self {
+        attraction: Attraction::Brightest,
+        lengths: Lengths::Relative,
+        absorption: 1.0,
+        flutter: 0.2,
+        least_attraction: 0.2,
+        decay_iterations: 5.0,
+        iterations: 1,
+        acceptance: Acceptance::Greedy,
+    };
+
+    /// The standard form of Yang.
+    pub const STANDARD: Self = Self {
+        attraction: Attraction::Brighter,
+        ..Self::DEFAULT
+    };
+
+    /// A swarm that leaves the target invariant, with moves that suit clouds in the plane. Each firefly is offered four
+    /// places.
+    pub const METROPOLIS: Self = Self {
+        absorption: 0.1,
+        flutter: 4.0,
+        iterations: 4,
+        acceptance: Acceptance::Metropolis,
+        ..Self::DEFAULT
+    };
+
+    /// Checks the fields.
     ///
     /// # Errors
-    /// When gamma is negative, alpha is not positive, or one is not finite.
-    pub const fn standard(
-        lengths: Lengths,
-        absorption: f32,
-        flutter: f32,
-    ) -> Result<Self, ConfigurationError> {
-        Self::new(Attraction::Standard, lengths, absorption, flutter)
-    }
-
-    /// Each is drawn to the brightest, by at least a fifth of the distance, and with an attraction that decays by
-    /// e in five iterations, unless set otherwise. `absorption` and `flutter` are those of [`Firefly::standard`].
-    ///
-    /// # Errors
-    /// When gamma is negative, alpha is not positive, or one is not finite.
-    pub const fn improved(
-        lengths: Lengths,
-        absorption: f32,
-        flutter: f32,
-    ) -> Result<Self, ConfigurationError> {
-        let attraction = Attraction::Improved {
-            least: 0.2,
-            decay: 5.0,
-        };
-        Self::new(attraction, lengths, absorption, flutter)
-    }
-
-    const fn new(
-        attraction: Attraction,
-        lengths: Lengths,
-        absorption: f32,
-        flutter: f32,
-    ) -> Result<Self, ConfigurationError> {
-        if !(absorption >= 0.0 && absorption <= f32::MAX) {
-            return Err(ConfigurationError::Absorption);
-        }
-        if !(flutter >= f32::MIN_POSITIVE && flutter <= f32::MAX) {
-            return Err(ConfigurationError::Flutter);
-        }
-        Ok(Self {
-            attraction,
-            lengths,
-            absorption,
-            flutter,
-            iterations: 1,
-            acceptance: Acceptance::Greedy,
-        })
-    }
-
-    /// The share of the distance that an improved firefly is drawn by at least (beta_min); the standard form has none.
-    ///
-    /// # Errors
-    /// Outside 0 to 1.
-    pub const fn least_attraction(mut self, share: f32) -> Result<Self, ConfigurationError> {
-        if !(share >= 0.0 && share <= 1.0) {
-            return Err(ConfigurationError::LeastAttraction);
-        }
-        if let Attraction::Improved { least, .. } = &mut self.attraction {
-            *least = share;
-        }
-        Ok(self)
-    }
-
-    /// Iterations in which the attraction of the improved form decays by e (tau); the standard form has none.
-    ///
-    /// # Errors
-    /// When it is not positive and finite.
-    pub const fn decay(mut self, iterations: f32) -> Result<Self, ConfigurationError> {
-        if !(iterations >= f32::MIN_POSITIVE && iterations <= f32::MAX) {
-            return Err(ConfigurationError::Decay);
-        }
-        if let Attraction::Improved { decay, .. } = &mut self.attraction {
-            *decay = iterations;
-        }
-        Ok(self)
-    }
-
-    /// How many times every firefly moves.
-    ///
-    /// # Errors
-    /// For none.
-    pub const fn iterations(mut self, iterations: u16) -> Result<Self, ConfigurationError> {
-        if iterations == 0 {
-            return Err(ConfigurationError::Iterations);
-        }
-        self.iterations = iterations;
-        Ok(self)
-    }
-
-    /// As published, or with the target invariant.
-    pub const fn acceptance(mut self, acceptance: Acceptance) -> Self {
-        self.acceptance = acceptance;
-        self
+    /// Names the first field that is out of range.
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        require!(
+            self.absorption >= 0.0 && self.absorption <= f32::MAX,
+            "absorption is negative or not finite"
+        );
+        require!(
+            is_positive(self.flutter),
+            "flutter is not positive and finite"
+        );
+        require!(
+            self.least_attraction >= 0.0 && self.least_attraction <= 1.0,
+            "least_attraction is not within 0 and 1"
+        );
+        require!(
+            is_positive(self.decay_iterations),
+            "decay_iterations is not positive and finite"
+        );
+        require!(self.iterations > 0, "iterations is zero");
+        Ok(())
     }
 
     /// The most evaluations of the density that a refinement of so many particles takes.
@@ -223,22 +151,23 @@ impl Firefly {
         exp(-self.absorption * distance_squared)
     }
 
-    /// The share of its distance from `goal` by which a firefly is drawn to it.
+    /// The fraction of its distance from `goal` by which a firefly is drawn to it.
     #[inline(always)]
     fn pull(&self, iteration: u16, goal: f32, log_density: f32, distance_squared: f32) -> f32 {
         let visibility = self.visibility(distance_squared);
         match self.attraction {
-            Attraction::Standard => visibility,
-            Attraction::Improved { least, decay } => {
+            Attraction::Brighter => visibility,
+            Attraction::Brightest => {
                 let dimmer = 1.0 - exp(log_density - goal);
                 // The brightest of one half may be dimmer than a firefly of the other.
                 let dimmer = if dimmer > 0.0 { dimmer } else { 0.0 };
-                exp(f32::from(iteration) / -decay) * dimmer * visibility + least
+                exp(f32::from(iteration) / -self.decay_iterations) * dimmer * visibility
+                    + self.least_attraction
             }
         }
     }
 
-    /// One iteration of the standard form: every firefly flies to the brighter ones where they were, one after
+    /// One iteration with [`Attraction::Brighter`]: every firefly flies to the brighter ones where they were, one after
     /// the other, by the attraction of the distance at the beginning.
     fn fly_to_all<const D: usize, T: Likelihood<D>, R: Rng + ?Sized>(
         &self,
@@ -271,7 +200,7 @@ impl Firefly {
         }
     }
 
-    /// One iteration of the improved form.
+    /// One iteration with [`Attraction::Brightest`].
     fn fly_to_brightest<const D: usize, T: Likelihood<D>, R: Rng + ?Sized>(
         &self,
         population: &mut Population<'_, '_, D, T>,
@@ -305,12 +234,12 @@ impl Firefly {
     ) {
         let scale = population.scale(self.lengths, rest.clone());
         let brightest = population.best(rest);
-        // That of the uniform flutter: its width over the square root of twelve.
-        let deviation = 0.288_675_13 * self.flutter;
+        // That of a uniform flutter of this width: over the square root of twelve.
+        let sigma = 0.288_675_13 * self.flutter;
         for i in members {
             let goal = match self.attraction {
-                Attraction::Improved { .. } => brightest,
-                Attraction::Standard => others(population.len(), i, rng).map(|[other]| other),
+                Attraction::Brightest => brightest,
+                Attraction::Brighter => others(population.len(), i, rng).map(|[other]| other),
             };
             let Some(goal) = goal else {
                 continue;
@@ -324,7 +253,7 @@ impl Firefly {
             // Drawn to the goal or, half of the times, away from it: each is the other's way back.
             let sign = if uniform(rng) < 0.5 { 1.0 } else { -1.0 };
             let there = sign * pull(population.log_density(i), offset);
-            let flutter = scale.noise(rng).map(|x| deviation * x);
+            let flutter = scale.noise(rng).map(|x| sigma * x);
             let mut flown = flutter;
             for (flown, offset) in flown.iter_mut().zip(offset) {
                 *flown += there * offset;
@@ -337,8 +266,8 @@ impl Firefly {
             for (flutter, offset) in flutter_back.iter_mut().zip(offset) {
                 *flutter -= back * offset;
             }
-            let way_back = 0.5 * (dot(flutter, flutter) - dot(flutter_back, flutter_back))
-                / (deviation * deviation);
+            let way_back =
+                0.5 * (dot(flutter, flutter) - dot(flutter_back, flutter_back)) / (sigma * sigma);
             population.metropolis(i, &trial, way_back, rng);
         }
     }
@@ -357,10 +286,10 @@ impl<const D: usize> Refinement<D> for Firefly {
         for iteration in 0..self.iterations {
             population.report.iterations += 1;
             match (self.acceptance, self.attraction) {
-                (Acceptance::Greedy, Attraction::Standard) => {
+                (Acceptance::Greedy, Attraction::Brighter) => {
                     self.fly_to_all(&mut population, &scale, &mut workspace.grid, rng);
                 }
-                (Acceptance::Greedy, Attraction::Improved { .. }) => {
+                (Acceptance::Greedy, Attraction::Brightest) => {
                     self.fly_to_brightest(&mut population, &scale, iteration, rng);
                 }
                 (Acceptance::Metropolis, _) => {
@@ -376,6 +305,16 @@ impl<const D: usize> Refinement<D> for Firefly {
     fn evaluations(&self, particles: usize) -> usize {
         Self::evaluations(self, particles)
     }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        Self::check(self)
+    }
+}
+
+impl Default for Firefly {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
 }
 
 #[cfg(test)]
@@ -387,7 +326,12 @@ mod tests {
     #[test]
     fn only_a_negligible_attraction_is_left_out() {
         let brighter_to_the_right = |[x]: &[f32; 1]| *x;
-        let swarm = Firefly::standard(Lengths::Absolute, 0.5, f32::MIN_POSITIVE).unwrap();
+        let swarm = Firefly {
+            lengths: Lengths::Absolute,
+            absorption: 0.5,
+            flutter: f32::MIN_POSITIVE,
+            ..Firefly::STANDARD
+        };
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(88);
         let mut memory = Memory::<1, 2>::new();
         for tenth in 1..100 {
@@ -407,23 +351,48 @@ mod tests {
     }
 
     #[test]
-    fn settings_are_checked() {
-        for bad in [-1.0, f32::NAN, f32::INFINITY] {
-            let swarm = Firefly::standard(Lengths::Absolute, bad, 0.1);
-            assert_eq!(swarm, Err(ConfigurationError::Absorption));
+    fn fields_out_of_range_are_named() {
+        let field = |swarm: Firefly| swarm.check().unwrap_err().field();
+        let swarm = Firefly::DEFAULT;
+        for absorption in [-1.0, f32::NAN, f32::INFINITY] {
+            assert_eq!(
+                field(Firefly {
+                    absorption,
+                    ..swarm
+                }),
+                "absorption"
+            );
         }
         for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-            let swarm = Firefly::improved(Lengths::Absolute, 1.0, bad);
-            assert_eq!(swarm, Err(ConfigurationError::Flutter));
-            let swarm = Firefly::improved(Lengths::Absolute, 1.0, 0.1).unwrap();
-            assert_eq!(swarm.decay(bad), Err(ConfigurationError::Decay));
+            let (flutter, decay_iterations) = (bad, bad);
+            assert_eq!(field(Firefly { flutter, ..swarm }), "flutter");
+            let decaying = Firefly {
+                decay_iterations,
+                ..swarm
+            };
+            assert_eq!(field(decaying), "decay_iterations");
         }
-        let swarm = Firefly::improved(Lengths::Relative, 0.0, 0.1).unwrap();
-        for bad in [-0.1, 1.1, f32::NAN] {
-            let result = swarm.least_attraction(bad);
-            assert_eq!(result, Err(ConfigurationError::LeastAttraction));
+        for least_attraction in [-0.1, 1.1, f32::NAN] {
+            let least = Firefly {
+                least_attraction,
+                ..swarm
+            };
+            assert_eq!(field(least), "least_attraction");
         }
-        assert_eq!(swarm.iterations(0), Err(ConfigurationError::Iterations));
-        assert_eq!(swarm.iterations(7).unwrap().evaluations(10), 80);
+        assert_eq!(
+            field(Firefly {
+                iterations: 0,
+                ..swarm
+            }),
+            "iterations"
+        );
+        for preset in [swarm, Firefly::STANDARD, Firefly::METROPOLIS] {
+            assert_eq!(preset.check(), Ok(()));
+        }
+        let seven = Firefly {
+            iterations: 7,
+            ..swarm
+        };
+        assert_eq!(seven.evaluations(10), 80);
     }
 }

@@ -17,11 +17,10 @@
 
 mod swim;
 
-use core::fmt;
-
-use super::Acceptance;
 use super::lengths::Lengths;
-use crate::math::ln;
+use super::refinement::Acceptance;
+use crate::ConfigError;
+use crate::config::{is_positive, require};
 
 /// A school of fish: each particle is one.
 ///
@@ -36,7 +35,7 @@ use crate::math::ln;
 ///
 /// ```
 /// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
-/// use foxhunt::refine::{FishSchool, Lengths, Memory, Refinement};
+/// use foxhunt::refine::{FishSchool, Memory, Refinement};
 ///
 /// let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
 /// let (mut x, mut y) = ([0.0; 200], [0.0; 200]);
@@ -44,28 +43,37 @@ use crate::math::ln;
 /// y.fill_with(|| 3.0 * normal(&mut rng));
 /// let target = |[x, y]: &[f32; 2]| -(x - 5.0).powi(2) - (y - 5.0).powi(2);
 ///
-/// let school = FishSchool::new(Lengths::Relative, 0.5, 0.3)?.iterations(30)?;
+/// const SCHOOL: FishSchool = foxhunt::config!(FishSchool { perception: 0.5, iterations: 30, ..FishSchool::DEFAULT });
 /// let mut memory = Memory::<2, 200>::new();
-/// let report = school.refine(&mut [&mut x, &mut y], &target, &mut memory.workspace(), &mut rng);
-/// assert!(report.evaluations <= school.evaluations(200));
+/// let report = SCHOOL.refine(&mut [&mut x, &mut y], &target, &mut memory.workspace(), &mut rng);
+/// assert!(report.evaluations <= SCHOOL.evaluations(200));
 /// // The school has found its prey.
 /// assert!((x.iter().sum::<f32>() / 200.0 - 5.0).abs() < 0.5);
-/// # Ok::<(), foxhunt::refine::fish::ConfigurationError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FishSchool {
-    lengths: Lengths,
-    perception: f32,
-    step: f32,
-    /// ln delta
-    log_crowding: f32,
-    tries: u16,
-    iterations: u16,
-    threshold: f32,
-    behaviour: Behaviour,
-    heading: Heading,
-    acceptance: Acceptance,
+    /// The unit of `perception` and `step`.
+    pub lengths: Lengths,
+    /// How far a fish sees.
+    pub perception: f32,
+    /// How far a fish swims at most in an iteration.
+    pub step: f32,
+    /// The density that a fish asks of a place where mates are: the product with their number, relative to its
+    /// own density. The smaller, the denser the school.
+    pub crowding: f32,
+    /// How many places a fish looks at before it takes a random step.
+    pub tries: u16,
+    /// How many times every fish moves.
+    pub iterations: u16,
+    /// The school stops when the log-density of its best fish changes by less than this in an iteration; never if zero.
+    pub threshold: f32,
+    /// What a fish does when it sees mates.
+    pub behaviour: Behaviour,
+    /// Where a random step goes.
+    pub heading: Heading,
+    /// As published, or with the target invariant.
+    pub acceptance: Acceptance,
 }
 
 /// What a fish does when it sees mates.
@@ -105,138 +113,57 @@ pub enum Heading {
     Diagonal,
 }
 
-/// Why a school was refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum ConfigurationError {
-    /// `perception` is not positive and finite.
-    Perception,
-    /// `step` is not positive and finite.
-    Step,
-    /// `crowding` is not positive and finite.
-    Crowding,
-    /// `tries` is zero.
-    Tries,
-    /// `iterations` is zero.
-    Iterations,
-    /// `threshold` is negative or not finite.
-    Threshold,
-}
-
-impl fmt::Display for ConfigurationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Perception => "perception is not positive and finite",
-            Self::Step => "step is not positive and finite",
-            Self::Crowding => "crowding is not positive and finite",
-            Self::Tries => "tries is zero",
-            Self::Iterations => "iterations is zero",
-            Self::Threshold => "threshold is negative or not finite",
-        })
-    }
-}
-
-impl core::error::Error for ConfigurationError {}
-
 impl FishSchool {
-    /// A school that sees as far as `perception` and swims up to `step` at a time, both in the unit of `lengths`.
-    ///
-    /// The rest is as published, where it is: a crowding factor of 0.618, 50 tries, one iteration.
-    ///
-    /// # Errors
-    /// When a length is not positive and finite.
-    pub const fn new(
-        lengths: Lengths,
-        perception: f32,
-        step: f32,
-    ) -> Result<Self, ConfigurationError> {
-        if !is_length(perception) {
-            return Err(ConfigurationError::Perception);
-        }
-        if !is_length(step) {
-            return Err(ConfigurationError::Step);
-        }
-        Ok(Self {
-            lengths,
-            perception,
-            step,
-            log_crowding: ln(0.618),
-            tries: 50,
-            iterations: 1,
-            threshold: 0.0,
-            behaviour: Behaviour::Swarm,
-            heading: Heading::Random,
-            acceptance: Acceptance::Greedy,
-        })
-    }
+    /// The numbers of Du et al., with lengths in standard deviations of the cloud.
+    pub const DEFAULT: Self = Self {
+        lengths: Lengths::Relative,
+        perception: 1.0,
+        step: 0.3,
+        crowding: 0.618,
+        tries: 50,
+        iterations: 1,
+        threshold: 0.0,
+        behaviour: Behaviour::Swarm,
+        heading: Heading::Random,
+        acceptance: Acceptance::Greedy,
+    };
 
-    /// How much of its own density a fish asks of a place, times the number of mates that it shares it with: the smaller,
-    /// the denser the school.
+    /// As published by Du et al.: a perception of 1 m and a step of 0.3 m.
+    pub const PUBLISHED: Self = Self {
+        lengths: Lengths::Absolute,
+        ..Self::DEFAULT
+    };
+
+    /// A school that leaves the target invariant, with steps that suit clouds in the plane. Each fish is offered four
+    /// places, which is enough to move copies apart.
+    pub const METROPOLIS: Self = Self {
+        step: 3.0,
+        iterations: 2,
+        acceptance: Acceptance::Metropolis,
+        ..Self::DEFAULT
+    };
+
+    /// Checks the fields.
     ///
     /// # Errors
-    /// When it is not positive and finite.
-    pub const fn crowding(mut self, factor: f32) -> Result<Self, ConfigurationError> {
-        if !is_length(factor) {
-            return Err(ConfigurationError::Crowding);
-        }
-        self.log_crowding = ln(factor);
-        Ok(self)
-    }
-
-    /// How many places a fish looks at before it takes a random step.
-    ///
-    /// # Errors
-    /// For none.
-    pub const fn tries(mut self, tries: u16) -> Result<Self, ConfigurationError> {
-        if tries == 0 {
-            return Err(ConfigurationError::Tries);
-        }
-        self.tries = tries;
-        Ok(self)
-    }
-
-    /// How many times every fish moves.
-    ///
-    /// # Errors
-    /// For none.
-    pub const fn iterations(mut self, iterations: u16) -> Result<Self, ConfigurationError> {
-        if iterations == 0 {
-            return Err(ConfigurationError::Iterations);
-        }
-        self.iterations = iterations;
-        Ok(self)
-    }
-
-    /// The school rests when the log-density of the best fish changes by less than this in an iteration: zero, never,
-    /// unless set.
-    ///
-    /// # Errors
-    /// When it is negative or not finite.
-    pub const fn threshold(mut self, change: f32) -> Result<Self, ConfigurationError> {
-        if !(change >= 0.0 && change <= f32::MAX) {
-            return Err(ConfigurationError::Threshold);
-        }
-        self.threshold = change;
-        Ok(self)
-    }
-
-    /// What a fish does when it sees mates.
-    pub const fn behaviour(mut self, behaviour: Behaviour) -> Self {
-        self.behaviour = behaviour;
-        self
-    }
-
-    /// Where a random step goes.
-    pub const fn heading(mut self, heading: Heading) -> Self {
-        self.heading = heading;
-        self
-    }
-
-    /// As published, or with the target invariant.
-    pub const fn acceptance(mut self, acceptance: Acceptance) -> Self {
-        self.acceptance = acceptance;
-        self
+    /// Names the first field that is out of range.
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        require!(
+            is_positive(self.perception),
+            "perception is not positive and finite"
+        );
+        require!(is_positive(self.step), "step is not positive and finite");
+        require!(
+            is_positive(self.crowding),
+            "crowding is not positive and finite"
+        );
+        require!(self.tries > 0, "tries is zero");
+        require!(self.iterations > 0, "iterations is zero");
+        require!(
+            self.threshold >= 0.0 && self.threshold <= f32::MAX,
+            "threshold is negative or not finite"
+        );
+        Ok(())
     }
 
     /// The most evaluations of the density that a refinement of so many particles takes.
@@ -250,38 +177,49 @@ impl FishSchool {
     }
 }
 
-/// Positive, finite, and not so small that its inverse is infinite.
-const fn is_length(x: f32) -> bool {
-    x >= f32::MIN_POSITIVE && x <= f32::MAX
+impl Default for FishSchool {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const NOT_LENGTHS: [f32; 5] = [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-45];
-
     #[test]
-    fn lengths_are_positive_and_finite() {
-        for bad in NOT_LENGTHS {
-            let school = |perception, step| FishSchool::new(Lengths::Absolute, perception, step);
-            assert_eq!(school(bad, 1.0), Err(ConfigurationError::Perception));
-            assert_eq!(school(1.0, bad), Err(ConfigurationError::Step));
+    fn fields_out_of_range_are_named() {
+        let field = |school: FishSchool| school.check().unwrap_err().field();
+        let school = FishSchool::DEFAULT;
+        for bad in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-45] {
+            let (perception, step, crowding) = (bad, bad, bad);
+            assert_eq!(
+                field(FishSchool {
+                    perception,
+                    ..school
+                }),
+                "perception"
+            );
+            assert_eq!(field(FishSchool { step, ..school }), "step");
+            assert_eq!(field(FishSchool { crowding, ..school }), "crowding");
         }
-    }
-
-    #[test]
-    fn settings_are_checked() {
-        const SCHOOL: Result<FishSchool, ConfigurationError> =
-            FishSchool::new(Lengths::Relative, 0.5, 0.3);
-        let school = SCHOOL.unwrap();
-        for bad in NOT_LENGTHS {
-            assert_eq!(school.crowding(bad), Err(ConfigurationError::Crowding));
+        assert_eq!(field(FishSchool { tries: 0, ..school }), "tries");
+        let none = FishSchool {
+            iterations: 0,
+            ..school
+        };
+        assert_eq!(field(none), "iterations");
+        for threshold in [-0.1, f32::NAN, f32::INFINITY] {
+            assert_eq!(
+                field(FishSchool {
+                    threshold,
+                    ..school
+                }),
+                "threshold"
+            );
         }
-        assert_eq!(school.tries(0), Err(ConfigurationError::Tries));
-        assert_eq!(school.iterations(0), Err(ConfigurationError::Iterations));
-        for bad in [-0.1, f32::NAN, f32::INFINITY] {
-            assert_eq!(school.threshold(bad), Err(ConfigurationError::Threshold));
+        for preset in [school, FishSchool::PUBLISHED, FishSchool::METROPOLIS] {
+            assert_eq!(preset.check(), Ok(()));
         }
         assert_eq!(school.evaluations(10), 10 * (1 + 1 + 50 + 1));
         assert_eq!(school.evaluations(usize::MAX), usize::MAX);

@@ -1,4 +1,4 @@
-//! What a distance between states is measured in.
+//! The unit of distances between states.
 
 use core::f32::consts::TAU;
 
@@ -30,7 +30,7 @@ impl<const D: usize> Scale<D> {
     pub(super) fn new(lengths: Lengths, columns: &[&[f32]; D]) -> Self {
         let unit = match lengths {
             Lengths::Absolute => [1.0; D],
-            Lengths::Relative => columns.map(deviation),
+            Lengths::Relative => columns.map(sigma),
         };
         let inverse = unit.map(|u| if u > 0.0 { 1.0 / u } else { 0.0 });
         Self { unit, inverse }
@@ -65,14 +65,14 @@ impl<const D: usize> Scale<D> {
 }
 
 /// Standard deviation of a column; zero of an empty one or one that holds no numbers.
-fn deviation(column: &[f32]) -> f32 {
-    let share = 1.0 / column.len() as f32;
-    let mean = share * column.iter().sum::<f32>();
+fn sigma(column: &[f32]) -> f32 {
+    let inverse = 1.0 / column.len() as f32;
+    let mean = inverse * column.iter().sum::<f32>();
     let squares: f32 = column.iter().map(|x| (x - mean) * (x - mean)).sum();
-    let deviation = sqrt(share * squares);
+    let sigma = sqrt(inverse * squares);
     // False for NaN. Below, the inverse would not be finite.
-    if (f32::MIN_POSITIVE..=f32::MAX).contains(&deviation) {
-        deviation
+    if (f32::MIN_POSITIVE..=f32::MAX).contains(&sigma) {
+        sigma
     } else {
         0.0
     }
@@ -109,7 +109,7 @@ pub(super) fn direction<const D: usize>(offset: [f32; D]) -> Option<[f32; D]> {
     (length > 0.0 && inverse > 0.0).then(|| offset.map(|x| x * inverse))
 }
 
-/// A direction of length one, each as likely, and a share of the way, uniform between 0 and 1.
+/// A direction of length one, each as likely, and a part of the way, uniform between 0 and 1.
 #[inline(always)]
 pub(super) fn anywhere<const D: usize, R: Rng + ?Sized>(rng: &mut R) -> ([f32; D], f32) {
     let mut direction_taken = [0.0; D];

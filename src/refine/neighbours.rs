@@ -4,7 +4,7 @@
 //! given one of 256 cells, over and over like the pattern of a wallpaper: the next cell to its neighbour on the right,
 //! the sixteenth from it to the one above. What is within reach is then in the same cell or one of the eight around
 //! it, and one distance settles whether it is. There is no edge and so no outlier that could spoil the grid:
-//! particles 16 squares apart share cells, and know each other only as a comparison in vain.
+//! particles 16 squares apart are in the same cell, and know each other only as a comparison in vain.
 
 use core::ops::Range;
 
@@ -445,7 +445,7 @@ mod tests {
 
     #[test]
     fn comparisons_are_few_whatever_the_outliers() {
-        // With a reach of a tenth of a deviation, the three cells of a line hold 88 of 1000 normal particles on average,
+        // With a reach of a tenth of a sigma, the three cells of a line hold 88 of 1000 normal particles on average,
         // the nine of the plane 36, both by the normal density and because 16 tiles are narrower than the cloud.
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(82);
         let line: Vec<[f32; 1]> = (0..1000).map(|_| [normal(&mut rng)]).collect();
@@ -456,7 +456,7 @@ mod tests {
         assert!(assert_exact("plane", &plane, 0.1) < 45.0);
         let mut with_outlier = plane.clone();
         with_outlier[0] = [3000.0, 3000.0];
-        // The outlier makes a deviation a hundred times as long, and the reach what it was.
+        // The outlier makes sigma a hundred times as long, and the reach what it was.
         assert!(assert_exact("outlier", &with_outlier, 0.001) < 45.0);
     }
 }

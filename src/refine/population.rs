@@ -1,13 +1,26 @@
-//! Particles, their log-densities, and the three ways to take a place that is offered: what all refinements share.
+//! Particles, their log-densities, and the three ways to take a place that is offered: common to all refinements.
 
 use core::ops::Range;
 
-use super::Report;
 use super::lengths::{Lengths, Scale, difference, dot};
 use crate::math::ln;
 use crate::model::Likelihood;
 use crate::particles::{read, write};
 use crate::random::{Rng, uniform, uniform_open};
+
+/// What a refinement did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Report {
+    /// Iterations, or generations; fewer than were asked for if it stopped early.
+    pub iterations: usize,
+    /// Evaluations of the density.
+    pub evaluations: usize,
+    /// Places that particles were offered.
+    pub proposals: usize,
+    /// Places that they took.
+    pub moves: usize,
+}
 
 /// The particles under refinement. A state and its density change together or not at all.
 pub(super) struct Population<'a, 'c, const D: usize, T> {
@@ -160,10 +173,10 @@ impl<'a, 'c, const D: usize, T: Likelihood<D>> Population<'a, 'c, D, T> {
         let line = scale.measure(difference(here, anchor));
         let apart = scale.measure(difference(self.state(a), self.state(b)));
         let factor = 1.2 + uniform(rng);
-        // A share of the distance from the anchor; NaN, and thus rejected, for a particle that sits on it.
-        let share = factor * dot(apart, line) / dot(line, line);
-        let trial = self.trial(scale.away(here, share, line));
-        let way_back = (D as f32 - 1.0) * ln((1.0 + share).abs());
+        // A part of the distance from the anchor; NaN, and thus rejected, for a particle that sits on it.
+        let part = factor * dot(apart, line) / dot(line, line);
+        let trial = self.trial(scale.away(here, part, line));
+        let way_back = (D as f32 - 1.0) * ln((1.0 + part).abs());
         self.metropolis(i, &trial, way_back, rng);
     }
 
@@ -248,7 +261,7 @@ mod tests {
 
     #[test]
     fn others_are_different_and_each_order_is_as_likely() {
-        // 24 orders of three out of four others, 1000 each on average: six of their deviations of 31.
+        // 24 orders of three out of four others, 1000 each on average: six of their sigmas of 31.
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(85);
         let mut counts = [[[0u32; 5]; 5]; 5];
         for _ in 0..24_000 {

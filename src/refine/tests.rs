@@ -8,7 +8,6 @@ use std::vec::Vec;
 
 use rand_core::TryRng;
 
-use super::fish::{Behaviour, Heading};
 use super::*;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
 
@@ -36,12 +35,12 @@ const KNOWN: [Known; 3] = [
             (left + right).ln()
         },
         draw: |rng| {
-            let (centre, deviation) = if uniform(rng) < 0.3 {
+            let (centre, sigma) = if uniform(rng) < 0.3 {
                 ([-2.0, 0.0], 0.5)
             } else {
                 ([2.0, 1.0], 0.8)
             };
-            centre.map(|c| c + deviation * normal(rng))
+            centre.map(|c| c + sigma * normal(rng))
         },
     },
     // A normal distribution, far from the origin, with a correlation of 0.95.
@@ -98,11 +97,11 @@ fn discrepancy(refinement: &impl Refinement<2>, known: &Known, seed: u64) -> f64
             values
         };
         let (a, b) = (sorted(&ends), sorted(&exact));
-        let share = |v: &[f32], x: f32| v.partition_point(|y| *y <= x) as f64 / v.len() as f64;
+        let below = |v: &[f32], x: f32| v.partition_point(|y| *y <= x) as f64 / v.len() as f64;
         let gap = a
             .iter()
             .chain(&b)
-            .map(|x| (share(&a, *x) - share(&b, *x)).abs())
+            .map(|x| (below(&a, *x) - below(&b, *x)).abs())
             .fold(0.0, f64::max);
         let (n, m) = (a.len() as f64, b.len() as f64);
         gap * (n * m / (n + m)).sqrt()
@@ -147,34 +146,41 @@ fn fish_leave_the_target_invariant() {
         Behaviour::Follow,
         Behaviour::SwarmAndFollow,
     ] {
-        assert_exact(&std::format!("{behaviour:?}"), |acceptance| {
-            let school = FishSchool::new(Lengths::Relative, 0.5, 1.0).unwrap();
-            school.behaviour(behaviour).acceptance(acceptance)
+        assert_exact(&std::format!("{behaviour:?}"), |acceptance| FishSchool {
+            perception: 0.5,
+            step: 1.0,
+            behaviour,
+            acceptance,
+            ..FishSchool::DEFAULT
         });
     }
-    assert_exact("absolute", |acceptance| {
-        let school = FishSchool::new(Lengths::Absolute, 0.5, 1.0).unwrap();
-        school.acceptance(acceptance)
+    assert_exact("absolute", |acceptance| FishSchool {
+        perception: 0.5,
+        step: 1.0,
+        acceptance,
+        ..FishSchool::PUBLISHED
     });
 }
 
 #[test]
 fn fireflies_leave_the_target_invariant() {
-    assert_exact("standard", |acceptance| {
-        let swarm = Firefly::standard(Lengths::Relative, 1.0, 1.0).unwrap();
-        swarm.acceptance(acceptance)
-    });
-    assert_exact("improved", |acceptance| {
-        let swarm = Firefly::improved(Lengths::Relative, 1.0, 1.0).unwrap();
-        swarm.acceptance(acceptance)
-    });
+    for swarm in [Firefly::STANDARD, Firefly::DEFAULT] {
+        assert_exact(&std::format!("{:?}", swarm.attraction), |acceptance| {
+            Firefly {
+                flutter: 1.0,
+                acceptance,
+                ..swarm
+            }
+        });
+    }
 }
 
 #[test]
 fn evolution_leaves_the_target_invariant() {
-    assert_exact("evolution", |acceptance| {
-        let evolution = DifferentialEvolution::new().generations(1).unwrap();
-        evolution.acceptance(acceptance)
+    assert_exact("evolution", |acceptance| DifferentialEvolution {
+        generations: 1,
+        acceptance,
+        ..DifferentialEvolution::DEFAULT
     });
 }
 
@@ -188,21 +194,33 @@ fn for_each_refinement<const D: usize>(mut check: impl FnMut(&str, &dyn Run<D>))
                 Behaviour::Follow,
                 Behaviour::SwarmAndFollow,
             ] {
-                let school = FishSchool::new(lengths, 0.5, 0.3).unwrap();
-                let school = school.iterations(3).unwrap().tries(4).unwrap();
-                let school = school.behaviour(behaviour).acceptance(acceptance);
+                let school = FishSchool {
+                    lengths,
+                    perception: 0.5,
+                    iterations: 3,
+                    tries: 4,
+                    behaviour,
+                    acceptance,
+                    ..FishSchool::DEFAULT
+                };
                 check(&std::format!("{school:?}"), &school);
             }
-            for swarm in [
-                Firefly::standard(lengths, 1.0, 0.3),
-                Firefly::improved(lengths, 1.0, 0.3),
-            ] {
-                let swarm = swarm.unwrap().iterations(3).unwrap().acceptance(acceptance);
+            for swarm in [Firefly::STANDARD, Firefly::DEFAULT] {
+                let swarm = Firefly {
+                    lengths,
+                    flutter: 0.3,
+                    iterations: 3,
+                    acceptance,
+                    ..swarm
+                };
                 check(&std::format!("{swarm:?}"), &swarm);
             }
         }
-        let evolution = DifferentialEvolution::new().generations(3).unwrap();
-        let evolution = evolution.acceptance(acceptance);
+        let evolution = DifferentialEvolution {
+            generations: 3,
+            acceptance,
+            ..DifferentialEvolution::DEFAULT
+        };
         check(&std::format!("{evolution:?}"), &evolution);
     }
 }
@@ -399,10 +417,12 @@ fn copies_part_and_a_frozen_dimension_stays() {
 #[test]
 fn few_particles_do_not_evolve() {
     let target = |[x]: &[f32; 1]| -x * x;
-    for acceptance in [Acceptance::Greedy, Acceptance::Metropolis] {
+    for evolution in [
+        DifferentialEvolution::DEFAULT,
+        DifferentialEvolution::METROPOLIS,
+    ] {
         let before = normals::<1>(3);
         let mut after = before.clone();
-        let evolution = DifferentialEvolution::new().acceptance(acceptance);
         let (report, ..) = evolution.run(&mut after, &target);
         assert_eq!((after, report.moves), (before, 0));
     }
@@ -411,14 +431,19 @@ fn few_particles_do_not_evolve() {
 #[test]
 fn the_printed_step_drifts() {
     let flat = |_: &[f32; 2]| 0.0;
-    let school = FishSchool::new(Lengths::Absolute, 0.1, 0.3).unwrap();
-    let school = school.iterations(20).unwrap().tries(1).unwrap();
-    let school = school.behaviour(Behaviour::Prey);
     let mean = |columns: [Vec<f32>; 2]| columns.map(|c| c.iter().sum::<f32>() / 64.0);
     let start = mean(normals(64));
     for (heading, drift) in [(Heading::Random, 0.0), (Heading::Diagonal, 20.0 * 0.15)] {
         let mut columns = normals::<2>(64);
-        school.heading(heading).run(&mut columns, &flat);
+        let school = FishSchool {
+            perception: 0.1,
+            iterations: 20,
+            tries: 1,
+            behaviour: Behaviour::Prey,
+            heading,
+            ..FishSchool::PUBLISHED
+        };
+        school.run(&mut columns, &flat);
         let end = mean(columns);
         // The mean of 64 particles has a standard error of 0.07 after the random steps, 0.05 after the printed ones.
         assert!(
@@ -431,12 +456,16 @@ fn the_printed_step_drifts() {
 #[test]
 fn a_school_that_has_settled_rests() {
     let target = |[x]: &[f32; 1]| -x * x;
-    let school = FishSchool::new(Lengths::Relative, 0.5, 0.3).unwrap();
-    let school = school.iterations(1000).unwrap();
-    let (report, ..) = school
-        .threshold(1e-3)
-        .unwrap()
-        .run(&mut normals(64), &target);
+    let school = FishSchool {
+        perception: 0.5,
+        iterations: 1000,
+        ..FishSchool::DEFAULT
+    };
+    let settling = FishSchool {
+        threshold: 1e-3,
+        ..school
+    };
+    let (report, ..) = settling.run(&mut normals(64), &target);
     assert!(report.iterations < 100, "{report:?}");
     let (report, ..) = school.run(&mut normals(8), &target);
     assert_eq!(report.iterations, 1000);

@@ -14,7 +14,7 @@ use crate::filter::ParticleFilter;
 use crate::math::atan2;
 use crate::model::RandomWalk;
 use crate::random::{Rng, SeedableRng, Xoshiro128PlusPlus, normal};
-use crate::refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths};
+use crate::refine::{DifferentialEvolution, Firefly, FishSchool};
 
 const SOURCE: [f32; 2] = [1200.0, 800.0];
 
@@ -124,11 +124,9 @@ fn so_does_one_with_any_moves() {
         let config = clean::Config::with_refinement(refinement);
         goes_on(&config, false, |a, b| assert_eq!(state(a), state(b)));
     }
-    let fish = FishSchool::new(Lengths::Relative, 1.0, 3.0).unwrap();
-    refined(fish.acceptance(Acceptance::Metropolis));
-    let fireflies = Firefly::improved(Lengths::Relative, 0.1, 4.0).unwrap();
-    refined(fireflies.acceptance(Acceptance::Metropolis));
-    refined(DifferentialEvolution::new().acceptance(Acceptance::Metropolis));
+    refined(FishSchool::METROPOLIS);
+    refined(Firefly::METROPOLIS);
+    refined(DifferentialEvolution::METROPOLIS);
 }
 
 #[test]
@@ -157,9 +155,7 @@ fn so_does_a_robust_one() {
 
 #[test]
 fn so_does_a_filter() {
-    let walk = RandomWalk {
-        deviation: [1.0; 2],
-    };
+    let walk = RandomWalk { sigma: [1.0; 2] };
     let step = |(filter, rng): &mut (ParticleFilter<2, 50>, Xoshiro128PlusPlus), x: f32| {
         filter.predict(&walk, 1.0, rng);
         let fits = |&[a, b]: &[f32; 2]| -0.5 * ((a - x).powi(2) + (b - x).powi(2));

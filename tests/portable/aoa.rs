@@ -294,10 +294,14 @@ fn refined<F: Refinement<2> + Moves<100>>(metropolis: F, greedy: F) -> Digest {
 }
 
 fn locator_with_fish() -> Digest {
-    let school = |lengths, step, acceptance| {
-        let school = FishSchool::new(lengths, 2.0 * step, step).and_then(|school| school.tries(5));
-        let school = school.and_then(|school| school.iterations(2));
-        school.expect("in range").acceptance(acceptance)
+    let school = |lengths, step, acceptance| FishSchool {
+        lengths,
+        perception: 2.0 * step,
+        step,
+        tries: 5,
+        iterations: 2,
+        acceptance,
+        ..FishSchool::DEFAULT
     };
     refined(
         school(Lengths::Relative, 3.0, Acceptance::Metropolis),
@@ -306,10 +310,13 @@ fn locator_with_fish() -> Digest {
 }
 
 fn locator_with_fireflies() -> Digest {
-    let swarm = |lengths, absorption, flutter, acceptance| {
-        let swarm = Firefly::improved(lengths, absorption, flutter);
-        let swarm = swarm.and_then(|swarm| swarm.iterations(3));
-        swarm.expect("in range").acceptance(acceptance)
+    let swarm = |lengths, absorption, flutter, acceptance| Firefly {
+        lengths,
+        absorption,
+        flutter,
+        iterations: 3,
+        acceptance,
+        ..Firefly::DEFAULT
     };
     refined(
         swarm(Lengths::Relative, 0.1, 4.0, Acceptance::Metropolis),
@@ -318,11 +325,11 @@ fn locator_with_fireflies() -> Digest {
 }
 
 fn locator_with_evolution() -> Digest {
-    let evolution = DifferentialEvolution::new().generations(4).expect("some");
-    refined(
-        evolution.acceptance(Acceptance::Metropolis),
-        evolution.acceptance(Acceptance::Greedy),
-    )
+    let greedy = DifferentialEvolution {
+        generations: 4,
+        ..DifferentialEvolution::DEFAULT
+    };
+    refined(DifferentialEvolution::METROPOLIS, greedy)
 }
 
 fn gauss_newton_finds_the_source() -> Digest {

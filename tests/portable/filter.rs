@@ -19,7 +19,7 @@ fn tracks_a_walk() -> Digest {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
     let mut filter = ParticleFilter::<1, 200>::new();
     filter.initialise(&mut rng, |rng| [normal(rng)]);
-    let dynamics = RandomWalk { deviation: [0.5] };
+    let dynamics = RandomWalk { sigma: [0.5] };
     let mut digest = Digest::new();
     let mut truth = 0.0;
     for _ in 0..50 {
@@ -48,7 +48,7 @@ fn tracks_a_velocity() -> Digest {
         ]
     });
     let dynamics = ConstantVelocity {
-        acceleration: [0.05, 0.05],
+        sigma_m_s2: [0.05, 0.05],
     };
     let mut digest = Digest::new();
     for second in 1..=20_u8 {

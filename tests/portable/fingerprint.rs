@@ -1,8 +1,8 @@
 use foxhunt::{
     fingerprint::{
-        GaussianMatcher, KernelDensity, Lattice, Match, Matcher, Missing, Neighbours, Packet,
-        PacketModel, Posterior, RadioMap, Reading, Samples, Settings, TableMatcher,
-        tracker::{self, Site, State, Tracker, Workspace},
+        Config, GaussianMatcher, KernelDensity, Lattice, Match, Matcher, Missing, Neighbours,
+        PacketModel, Posterior, RadioMap, Reading, TableMatcher,
+        tracker::{self, Packet, Site, State, Tracker, Workspace},
     },
     model::Likelihood,
     random::{SeedableRng, Xoshiro128PlusPlus, uniform},
@@ -36,12 +36,15 @@ fn add(digest: &mut Digest, found: Match, weights: &[f32]) {
 fn scans() -> Digest {
     let (moments, levels) = (open(MOMENTS), open(LEVELS));
     let mut digest = Digest::new();
-    let mut posterior = Posterior::<80>::new();
+    let mut posterior = Posterior::<80>::EMPTY;
     for missing in [Missing::Ignored, Missing::Modelled] {
-        let settings = Settings::new().with_missing(missing);
-        let gaussian = GaussianMatcher::new(moments, &settings).expect("moments");
-        let table = TableMatcher::new(levels, &settings).expect("levels");
-        let neighbours = Neighbours::new(moments, 4, &settings).expect("moments");
+        let config = Config {
+            missing,
+            ..Config::DEFAULT
+        };
+        let gaussian = GaussianMatcher::new(moments, &config).expect("moments");
+        let table = TableMatcher::new(levels, &config).expect("levels");
+        let neighbours = Neighbours::new(moments, 4, &config).expect("moments");
         for point in (0..80).step_by(7) {
             let scan = [0, 1, 2, 3].map(|beacon: u8| {
                 let there = moments.moments(beacon.into(), point).expect("surveyed");
@@ -61,7 +64,12 @@ fn scans() -> Digest {
                 add(&mut digest, found, posterior.weights());
                 let found = neighbours.locate(scan, &mut posterior).expect("matches");
                 add(&mut digest, found, posterior.weights());
-                digest.add(posterior.covariance(moments.lattice()).as_flattened());
+                digest.add(
+                    posterior
+                        .covariance(moments.lattice())
+                        .rows()
+                        .as_flattened(),
+                );
             }
         }
     }
@@ -71,10 +79,10 @@ fn scans() -> Digest {
 fn kernel_density() -> Digest {
     let lattice = Lattice::new([0.0, 0.0], 1.0, 5, 2).expect("ten points");
     let values: [i8; 80] = core::array::from_fn(|i| -90 + (i * 37 % 50) as i8);
-    let samples = Samples::new(lattice, 2, &values).expect("four each");
-    let matcher = KernelDensity::new(samples, 4.0, &Settings::new()).expect("a bandwidth");
+    let matcher = KernelDensity::new(lattice, 2, &values, 4.0, &Config::DEFAULT);
+    let matcher = matcher.expect("four each, and a bandwidth");
     let mut digest = Digest::new();
-    let mut posterior = Posterior::<10>::new();
+    let mut posterior = Posterior::<10>::EMPTY;
     for rssi in -95..-35 {
         let scan = [0, 1].map(|beacon: u8| Reading {
             beacon,
@@ -89,13 +97,13 @@ fn kernel_density() -> Digest {
 fn packets() -> Digest {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
     let mut digest = Digest::new();
-    let model = PacketModel::new(&Settings::new());
+    let model = PacketModel::new(&Config::DEFAULT).expect("the defaults");
     let (mut x, mut y) = ([0.0; 200], [0.0; 200]);
     x.fill_with(|| 90.0 * uniform(&mut rng) - 5.0);
     y.fill_with(|| 18.0 * uniform(&mut rng) - 2.0);
     for bytes in [MOMENTS, HALL] {
-        for rssi_dbm in [-80, -65, -50] {
-            let packet = Packet {
+        for rssi_dbm in [-80.0, -65.0, -50.0] {
+            let packet = Reading {
                 beacon: 2,
                 rssi_dbm,
             };
@@ -119,10 +127,10 @@ fn a_walk_is_tracked() -> Digest {
         (HALL, 15, [(2, 16, 0.0), (48, 62, 0.0), (94, 110, 0.0)]),
     ] {
         let map = open(bytes);
-        let site = Site::new(map, tracker::Settings::new()).expect("moments");
+        let site = Site::new(map, tracker::Config::DEFAULT).expect("moments");
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
-        let mut workspace = Workspace::<300, 256>::new();
-        let mut tracker = Tracker::<300, 4>::new();
+        let mut workspace = Workspace::<300, 256>::EMPTY;
+        let mut tracker = Tracker::<300, 4>::EMPTY;
         let mut was_lost = false;
         let ways = ways.into_iter().enumerate();
         for (number, (from, to, offset)) in ways {
@@ -133,15 +141,19 @@ fn a_walk_is_tracked() -> Digest {
                 let there = map.moments(beacon.into(), point).expect("surveyed");
                 let noise = 6.0 * uniform(&mut rng) - 3.0;
                 let rssi = (there.mean_dbm + offset + noise) as i8;
-                let time = 125 * (packet + 8 * seconds * number as u32);
-                let led = tracker
-                    .push(time, beacon, rssi.into(), &site, &mut workspace, &mut rng)
+                let packet = Packet {
+                    time_ms: 125 * (packet + 8 * seconds * number as u32),
+                    beacon,
+                    rssi_dbm: rssi.into(),
+                };
+                let fix = tracker
+                    .push(packet, &site, &mut workspace, &mut rng)
                     .expect("it can be used");
-                let Some(fix) = led else { continue };
+                let Some(fix) = fix else { continue };
                 was_lost |= fix.state == State::Lost;
                 digest.add(&fix.position);
                 digest.add(&fix.velocity);
-                digest.add(fix.covariance.as_flattened());
+                digest.add(fix.covariance.rows().as_flattened());
                 digest.add(&[fix.offset_db, fix.effective_sample_size]);
                 digest.add_bytes(&[fix.state as u8]);
             }

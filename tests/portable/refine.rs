@@ -1,7 +1,7 @@
 use foxhunt::{
     filter::ParticleFilter,
     random::{SeedableRng, Xoshiro128PlusPlus, normal},
-    refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Memory, Refinement},
+    refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Memory, Refinement},
 };
 
 use crate::{Case, digest::Digest};
@@ -38,23 +38,35 @@ fn refined(refinements: [impl Refinement<2>; 2]) -> Digest {
 const BOTH: [Acceptance; 2] = [Acceptance::Greedy, Acceptance::Metropolis];
 
 fn schools() -> Digest {
-    let school = FishSchool::new(Lengths::Relative, 0.8, 0.4).expect("lengths are positive");
-    let school = school
-        .tries(5)
-        .and_then(|school| school.iterations(4))
-        .expect("in range");
-    refined(BOTH.map(|acceptance| school.acceptance(acceptance)))
+    refined(BOTH.map(|acceptance| FishSchool {
+        perception: 0.8,
+        step: 0.4,
+        tries: 5,
+        iterations: 4,
+        acceptance,
+        ..FishSchool::DEFAULT
+    }))
 }
 
 fn fireflies() -> Digest {
-    let standard = Firefly::standard(Lengths::Relative, 1.0, 0.3).expect("in range");
-    let improved = Firefly::improved(Lengths::Relative, 1.0, 0.3).expect("in range");
-    let mut digest = refined(BOTH.map(|acceptance| improved.acceptance(acceptance)));
+    let flutter = 0.3;
+    let mut digest = refined(BOTH.map(|acceptance| Firefly {
+        flutter,
+        acceptance,
+        ..Firefly::DEFAULT
+    }));
+    let standard = Firefly {
+        flutter,
+        ..Firefly::STANDARD
+    };
     let Digest(of_standard) = refined([standard; 2]);
     digest.add_bytes(&of_standard.to_le_bytes());
     digest
 }
 
 fn evolution() -> Digest {
-    refined(BOTH.map(|acceptance| DifferentialEvolution::new().acceptance(acceptance)))
+    refined(BOTH.map(|acceptance| DifferentialEvolution {
+        acceptance,
+        ..DifferentialEvolution::DEFAULT
+    }))
 }

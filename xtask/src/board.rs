@@ -24,8 +24,11 @@ pub const VEHICLES: [&str; 6] = [
     "vehicle_evolution",
 ];
 
-/// The firmware of a tunnel.
-pub const BEACONS: &str = "beacon_gateway";
+/// The firmware of a tunnel that reads lines.
+pub const BEACON: &str = "beacon_gateway";
+
+/// The firmwares of a tunnel, which read lines or frames.
+pub const BEACONS: [&str; 2] = [BEACON, "beacon_gateway_frames"];
 
 /// Asks a gateway for its answer and its status.
 pub const QUERY: &[u8] = b"$PFOXQ*50\r\n";

@@ -6,9 +6,9 @@ use anyhow::{Context, Result, ensure};
 use foxhunt_host::figures::Figure;
 
 use crate::{
-    board::{BEACONS, VEHICLES},
+    board::{BEACON, BEACONS, ROBUST, VEHICLES},
     expected::Expected,
-    figures,
+    figures, kernels,
     measure::{regions, sections, stack},
     project::{self, BOARD},
     qemu::Machine,
@@ -24,18 +24,27 @@ pub struct Options {
     /// Take the figures of the firmware as the expected ones of `cargo xtask test`.
     #[arg(long)]
     bless: bool,
+    /// Only compare the elementary functions, and write their table into a page of the guide.
+    #[arg(long, value_name = "FILE")]
+    kernels: Option<PathBuf>,
     /// Leave out the other filters.
     #[arg(long)]
     no_peers: bool,
 }
 
+const KIB: f64 = 1024.0;
+
 /// The most that a figure may be.
-const LIMITS: [(&str, f64); 14] = [
+const LIMITS: [(&str, f64); 18] = [
     ("m4f.step.n200.instructions", 300.0),
     ("m4f.refine.fish.n1000.cycles_modelled", 1500.0),
     ("host.step.n1000.ns", 25.0),
     ("filter.d2.n200.bytes", 16.0 * 200.0 + 256.0),
-    ("vehicle.flash.bytes", 65_536.0),
+    ("vehicle.flash.bytes", 60.0 * KIB),
+    ("vehicle.flash.s.bytes", 44.0 * KIB),
+    ("vehicle.robust.flash.bytes", 160.0 * KIB),
+    ("vehicle.robust.flash.s.bytes", 120.0 * KIB),
+    ("beacon.flash.bytes", 48.0 * KIB),
     ("vehicle.robust.memory.bytes", 98_304.0),
     ("vehicle.kept.memory.bytes", 98_304.0),
     // At 168 MHz.
@@ -47,6 +56,12 @@ const LIMITS: [(&str, f64); 14] = [
     ("fingerprint.map.moments.bytes", 1_024.0),
     ("fingerprint.map.levels.bytes", 5_427.0),
 ];
+
+/// The firmwares that are also built for size.
+const SMALL: [&str; 3] = ["vehicle", ROBUST, BEACON];
+
+/// The most that variables of a firmware with an initial value other than zero may take.
+const DATA: f64 = 256.0;
 
 /// Instructions and modelled cycles that short polynomials with errors of about 1e-6 are known to take, per
 /// call in a loop over an array. They are rounded, so a kernel may take half an instruction or cycle more, and a
@@ -63,8 +78,17 @@ const KERNELS: [(&str, f64, f64); 5] = [
 /// Measures everything, prints it, and fails if a limit is missed.
 pub fn run(options: &Options) -> Result<()> {
     setup::ensure(setup::COST)?;
+    if let Some(page) = &options.kernels {
+        let mut figures = regions::measure(&project::firmware("cost")?)?;
+        figures.retain(|figure| figure.name.contains(".math."));
+        let mut figures = with_limits(figures);
+        figures.extend(kernels::errors()?);
+        figures::print(&figures);
+        return kernels::write(&figures, page);
+    }
     let firmware = firmware()?;
     let mut figures = firmware.clone();
+    figures.extend(kernels::errors()?);
     figures.extend(host()?);
     if !options.no_peers {
         figures.extend(peers()?);
@@ -94,27 +118,43 @@ pub fn run(options: &Options) -> Result<()> {
 pub fn firmware() -> Result<Vec<Figure>> {
     let mut figures = phases(regions::measure(&project::firmware("cost")?)?)?;
     figures.extend(regions::measure(&project::firmware("fingerprint_cost")?)?);
-    for firmware in VEHICLES.into_iter().chain([BEACONS]) {
-        let elf = project::firmware(firmware)?;
-        let occupied = sections::occupied(&elf)?;
-        let name = match firmware {
-            BEACONS => "beacon".into(),
-            vehicle => vehicle.replace('_', "."),
-        };
-        let (ram, stack) = (occupied.ram as f64, f64::from(stack::deepest(&elf)?.bytes));
-        for (what, bytes) in [
-            ("flash", occupied.flash as f64),
-            ("ram", ram),
-            ("stack", stack),
-            ("memory", ram + stack),
-        ] {
-            figures.push(Figure::new(format!("{name}.{what}.bytes"), bytes, "bytes"));
-        }
+    for firmware in VEHICLES.into_iter().chain(BEACONS) {
+        figures.extend(memory(firmware)?);
+    }
+    for firmware in SMALL {
+        let flash = sections::occupied(&project::small_firmware(firmware)?)?.flash as f64;
+        let name = format!("{}.flash.s.bytes", figure_of(firmware));
+        figures.push(Figure::new(name, flash, "bytes"));
     }
     figures.extend(updates()?);
     let milliseconds = worst_milliseconds(&figures)?;
     figures.push(milliseconds);
     Ok(with_limits(figures))
+}
+
+/// What a firmware takes of the memories.
+fn memory(firmware: &str) -> Result<Vec<Figure>> {
+    let elf = project::firmware(firmware)?;
+    let occupied = sections::occupied(&elf)?;
+    let (ram, stack) = (occupied.ram as f64, f64::from(stack::deepest(&elf)?.bytes));
+    let parts = [
+        ("flash", occupied.flash as f64),
+        ("data", occupied.data as f64),
+        ("ram", ram),
+        ("stack", stack),
+        ("memory", ram + stack),
+    ];
+    let name = figure_of(firmware);
+    let figures =
+        parts.map(|(part, bytes)| Figure::new(format!("{name}.{part}.bytes"), bytes, "bytes"));
+    Ok(figures.into())
+}
+
+/// What the figures of a firmware begin with.
+fn figure_of(firmware: &str) -> String {
+    firmware
+        .replace("beacon_gateway", "beacon")
+        .replace('_', ".")
 }
 
 /// The longest that a bearing takes of which much may be wrong, with one locator, several, or all of the gateway: its
@@ -233,10 +273,7 @@ fn limit(name: &str) -> Option<f64> {
             _ => None,
         }
     });
-    kernel.or_else(|| {
-        LIMITS
-            .iter()
-            .find(|(known, _)| *known == name)
-            .map(|&(_, limit)| limit)
-    })
+    let known = LIMITS.iter().find(|(known, _)| *known == name);
+    let data = name.ends_with(".data.bytes").then_some(DATA);
+    kernel.or(known.map(|&(_, limit)| limit)).or(data)
 }

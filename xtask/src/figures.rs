@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use comfy_table::{Cell, CellAlignment, Color, Table, presets::ASCII_MARKDOWN};
 use foxhunt_host::figures::Figure;
 
@@ -38,17 +38,30 @@ pub fn write_json(figures: &[Figure], file: &Path) -> Result<()> {
 
 /// Fails, naming them, if figures miss their limits.
 pub fn check(figures: &[Figure]) -> Result<()> {
-    let missed: Vec<_> = figures
-        .iter()
-        .filter(|figure| !figure.ok())
-        .map(|figure| figure.name.as_str())
-        .collect();
-    anyhow::ensure!(missed.is_empty(), "missed its limit: {}", missed.join(", "));
+    let missed = figures.iter().filter(|figure| !figure.ok());
+    let missed = missed.map(|figure| {
+        let limit = figure.limit.map(number).unwrap_or_default();
+        format!(
+            "{}: {}, at most {limit} {}",
+            figure.name,
+            number(figure.value),
+            figure.unit
+        )
+    });
+    let missed: Vec<String> = missed.collect();
+    ensure!(
+        missed.is_empty(),
+        "figures miss their limits:\n  {}",
+        missed.join("\n  ")
+    );
     Ok(())
 }
 
-/// Four significant digits, or all digits of a whole number.
+/// Four significant digits, or all digits of a whole number; of very small ones three.
 fn number(value: f64) -> String {
+    if value.abs() < 1e-3 && value != 0.0 {
+        return format!("{value:.2e}");
+    }
     if value == value.trunc() || value.abs() >= 1000.0 {
         return format!("{value:.0}");
     }
@@ -66,5 +79,6 @@ mod tests {
         assert_eq!(number(65_536.0), "65536");
         assert_eq!(number(24.1234), "24.12");
         assert_eq!(number(0.012_345), "0.01235");
+        assert_eq!(number(0.000_000_789_1), "7.89e-7");
     }
 }

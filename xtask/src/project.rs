@@ -47,7 +47,19 @@ pub fn firmware(example: &str) -> Result<PathBuf> {
     executable(&["--release", "--target", BOARD, "--example", example])
 }
 
-/// The same with variables in the compiler's environment.
+/// The same at the level of optimisation for size.
+pub fn small_firmware(example: &str) -> Result<PathBuf> {
+    executable(&[
+        "--profile",
+        "small",
+        "--target",
+        BOARD,
+        "--example",
+        example,
+    ])
+}
+
+/// The firmware in release mode with variables in the compiler's environment.
 pub fn firmware_with(example: &str, variables: &[(&str, &OsStr)]) -> Result<PathBuf> {
     let mut cargo = cargo();
     cargo.envs(variables.iter().copied());

@@ -10,13 +10,8 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail, ensure};
-use foxhunt::aoa::{
-    Locate,
-    locator::{self, Locator},
-    pursuit::{self, Pursuit},
-    robust::RobustLocator,
-};
-use foxhunt_gateways::robust;
+use foxhunt::aoa::{Locate, Manoeuvring, Robust, clean, manoeuvring, multi};
+use foxhunt_gateways::{plain, robust};
 use foxhunt_host::archive::Recorder;
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -51,24 +46,23 @@ pub fn run(options: &Options) -> Result<()> {
     match options.locator {
         Kind::Plain => {
             options.belief.ensure_default()?;
-            let locator = Locator::<200, 64>::new(locator::Settings::new());
-            options.replay(locator)
+            options.replay::<plain::Locator>(clean::Config::DEFAULT)
         }
-        Kind::Robust => options.replay(robust::locator(options.belief.settings()?)),
-        Kind::Single => {
-            let locator = RobustLocator::<256, 64>::new(options.belief.settings()?);
-            options.replay(locator)
+        Kind::Robust => {
+            let track = manoeuvring::Config::new(options.belief.config()?);
+            options.replay::<robust::Locator>(multi::Config::new(track))
         }
+        Kind::Single => options.replay::<Robust<256>>(options.belief.config()?),
         Kind::Moving => {
-            let settings = pursuit::Settings::new(options.belief.settings()?);
-            options.replay(Pursuit::<256, 64>::new(settings))
+            let config = manoeuvring::Config::new(options.belief.config()?);
+            options.replay::<Manoeuvring<Robust<256>>>(config)
         }
     }
 }
 
 impl Options {
-    fn replay<L: Locate>(&self, locator: L) -> Result<()> {
-        let mut recorder = Recorder::new(self.input.settings()?, locator);
+    fn replay<L: Locate>(&self, locator: L::Config) -> Result<()> {
+        let mut recorder = Recorder::<L>::new(self.input.config(locator)?)?;
         // It is said before a long log is read.
         let directory = self.directory();
         if let Some(there) = directory.ancestors().find(|path| path.exists()) {

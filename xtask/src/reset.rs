@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
-use foxhunt::{aoa::locator::Fix, gateway::Event};
+use foxhunt::{aoa::Fix, gateway::Event};
 use foxhunt_gateways::kept;
 use foxhunt_host::scripts::Script;
 
@@ -76,7 +76,7 @@ struct Host {
 
 impl Host {
     fn new(kept: Option<&[u8]>) -> Result<Self> {
-        let mut gateway = Box::new(kept::gateway());
+        let mut gateway = Box::new(kept::Gateway::EMPTY);
         if let Some(kept) = kept {
             gateway.restore(kept)?;
         }
@@ -91,7 +91,7 @@ impl Host {
     fn push(&mut self, bytes: &[u8]) -> Result<()> {
         let mut buffer = vec![0; foxhunt::snapshot::largest::<kept::Gateway>()];
         for byte in bytes {
-            let Some(event) = self.gateway.push(*byte) else {
+            let Some(event) = self.gateway.push(0, *byte, &kept::CONFIG) else {
                 continue;
             };
             self.output.extend(self.gateway.report().as_bytes());

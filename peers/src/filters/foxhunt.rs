@@ -28,7 +28,7 @@ impl<const N: usize> Filter<N> for Foxhunt<N> {
 
     fn step(&mut self, sighting: &Sighting) -> Option<[f32; 2]> {
         let walk = RandomWalk {
-            deviation: [libm::sqrtf(WALK_VARIANCE); 2],
+            sigma: [libm::sqrtf(WALK_VARIANCE); 2],
         };
         let bearing = Bearing::from_radians(sighting.bearing);
         let sigma = libm::sqrtf(BEARING_VARIANCE);

@@ -60,11 +60,10 @@ impl<M> Config<M> {
     ///
     /// ```
     /// use foxhunt::aoa::{Clean, Locator, clean::Config};
-    /// use foxhunt::refine::{Acceptance, FishSchool, Lengths, fish};
+    /// use foxhunt::refine::FishSchool;
     ///
-    /// let school = FishSchool::new(Lengths::Relative, 1.0, 3.0)?.iterations(2)?.acceptance(Acceptance::Metropolis);
+    /// let school = FishSchool::METROPOLIS;
     /// let locator = Locator::<Clean<100, 64, FishSchool>>::new(Config::with_refinement(school));
-    /// # Ok::<(), fish::ConfigurationError>(())
     /// ```
     ///
     /// With [`Acceptance::Metropolis`](crate::refine::Acceptance::Metropolis), as here, the posterior stays exact and so
@@ -85,7 +84,7 @@ impl<M> Config<M> {
         }
     }
 
-    /// Checks the fields, but not the refinement.
+    /// Checks the fields, but not the refinement, which has a check of its own.
     ///
     /// # Errors
     /// Names the field that is out of range.
@@ -144,7 +143,8 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
     };
 
     fn check(config: &Config<M>) -> Result<(), ConfigError> {
-        config.check()
+        config.check()?;
+        config.refinement.check()
     }
 
     /// Evaluates `N` likelihoods when no particle needs to move, `N (1 + B (moves + 1))` when they do, `10 N B` for the

@@ -4,6 +4,7 @@ use core::fmt::Debug;
 
 use super::posterior::{Posterior, mode};
 use super::proposal::ModeProposal;
+use crate::ConfigError;
 use crate::aoa::core::sweep;
 use crate::filter::ParticleFilter;
 use crate::random::Rng;
@@ -29,6 +30,9 @@ pub trait Rejuvenate<const N: usize> {
     /// An unused memory.
     const EMPTY: Self::Memory;
 
+    /// Checks the configuration.
+    fn check(&self) -> Result<(), ConfigError>;
+
     /// Resamples the particles and moves them by what the bearings say.
     fn rejuvenate<const B: usize, R: Rng + ?Sized>(
         &self,
@@ -44,6 +48,10 @@ impl<const N: usize> Rejuvenate<N> for ModeMoves {
     type Memory = ();
 
     const EMPTY: () = ();
+
+    fn check(&self) -> Result<(), ConfigError> {
+        Ok(())
+    }
 
     fn rejuvenate<const B: usize, R: Rng + ?Sized>(
         &self,
@@ -72,6 +80,10 @@ impl<const N: usize, F: Refinement<2>> Rejuvenate<N> for F {
     type Memory = Memory<2, N>;
 
     const EMPTY: Self::Memory = Memory::EMPTY;
+
+    fn check(&self) -> Result<(), ConfigError> {
+        Refinement::check(self)
+    }
 
     fn rejuvenate<const B: usize, R: Rng + ?Sized>(
         &self,

@@ -2,6 +2,7 @@
 
 use super::{Model, StepError, check_match, check_time};
 use crate::filter::ParticleFilter;
+use crate::model::ConstantVelocity;
 use crate::particles::Particles;
 use crate::random::{Rng, normal, uniform};
 use crate::resample::Scheme;
@@ -13,12 +14,10 @@ pub struct Cloud<const N: usize> {
 }
 
 impl<const N: usize> Cloud<N> {
-    /// All particles at the origin: start it before use. Fit for a `static`.
-    pub const fn new() -> Self {
-        Self {
-            filter: ParticleFilter::new(),
-        }
-    }
+    /// All particles at the origin, in bits that are all zero: start it before use.
+    pub const EMPTY: Self = Self {
+        filter: ParticleFilter::EMPTY,
+    };
 
     /// Starts around the first match: places scatter about it by the covariance of a match, velocities about zero.
     ///
@@ -33,13 +32,13 @@ impl<const N: usize> Cloud<N> {
         check_match(found)?;
         self.filter.initialise(rng, |rng| {
             let [dx, dy] = model.observation.colour([normal(rng), normal(rng)]);
-            let [vx, vy] = model.velocity.map(|deviation| deviation * normal(rng));
+            let [vx, vy] = model.velocity_sigma_m_s.map(|sigma| sigma * normal(rng));
             [found[0] + dx, found[1] + dy, vx, vy]
         });
         Ok(())
     }
 
-    /// Starts anywhere in a box, as somebody would who has no first match, and takes the first match in.
+    /// Starts anywhere in a box, and takes the first match.
     ///
     /// # Errors
     /// [`StepError::Match`], [`StepError::Box`], or [`StepError::Impossible`] when the match is far from the box; in the
@@ -60,13 +59,13 @@ impl<const N: usize> Cloud<N> {
         self.filter.initialise(rng, |rng| {
             let x = least[0] + sizes[0] * uniform(rng);
             let y = least[1] + sizes[1] * uniform(rng);
-            let [vx, vy] = model.velocity.map(|deviation| deviation * normal(rng));
+            let [vx, vy] = model.velocity_sigma_m_s.map(|sigma| sigma * normal(rng));
             [x, y, vx, vy]
         });
         self.weigh(found, model)
     }
 
-    /// Takes in where a scan was found, `dt` seconds after the last one (eq. 8 to 16). Resamples before it moves the
+    /// Takes the match of a scan, `dt` seconds after the last one (eq. 8 to 16). Resamples before it moves the
     /// particles, so that [`Cloud::mean`] is that of the weighted cloud.
     ///
     /// # Errors
@@ -82,7 +81,10 @@ impl<const N: usize> Cloud<N> {
         check_match(found)?;
         check_time(dt)?;
         self.filter.resample(Scheme::Systematic, rng);
-        self.filter.predict(&model.motion, dt, rng);
+        let motion = ConstantVelocity {
+            sigma_m_s2: model.acceleration_sigma_m_s2,
+        };
+        self.filter.predict(&motion, dt, rng);
         self.weigh(found, model)
     }
 
@@ -91,10 +93,8 @@ impl<const N: usize> Cloud<N> {
             let white = (model.observation).whiten([found[0] - state[0], found[1] - state[1]]);
             -0.5 * (white[0] * white[0] + white[1] * white[1])
         };
-        match self.filter.update(&likelihood) {
-            Ok(_) => Ok(()),
-            Err(_) => Err(StepError::Impossible),
-        }
+        let updated = self.filter.update(&likelihood);
+        updated.map(drop).map_err(|_| StepError::Impossible)
     }
 
     /// The estimate: the weighted mean of the states.
@@ -110,11 +110,5 @@ impl<const N: usize> Cloud<N> {
     /// The states and their log-weights.
     pub fn particles(&self) -> &Particles<4, N> {
         self.filter.particles()
-    }
-}
-
-impl<const N: usize> Default for Cloud<N> {
-    fn default() -> Self {
-        Self::new()
     }
 }

@@ -11,7 +11,8 @@ impl Model {
     pub fn kalman_start(&self, found: [f32; 2]) -> Result<Gaussian<4>, StepError> {
         check_match(found)?;
         let [[a, b], [_, c]] = *self.observation.columns();
-        let mut covariance = Covariance::diagonal([0.0, 0.0, self.velocity[0], self.velocity[1]]);
+        let [vx, vy] = self.velocity_sigma_m_s;
+        let mut covariance = Covariance::diagonal([0.0, 0.0, vx, vy]);
         covariance.add([a, b, 0.0, 0.0]);
         covariance.add([0.0, c, 0.0, 0.0]);
         Ok(Gaussian {
@@ -20,7 +21,7 @@ impl Model {
         })
     }
 
-    /// Takes in where a scan was found, `dt` seconds after the last one.
+    /// Takes the match of a scan, `dt` seconds after the last one.
     ///
     /// # Errors
     /// [`StepError::Match`], [`StepError::Time`], or [`StepError::Impossible`] when the result would not be finite.
@@ -39,7 +40,7 @@ impl Model {
             [0.0, 0.0, 1.0, 0.0],
             [0.0, 0.0, 0.0, 1.0],
         ];
-        let [ax, ay] = self.motion.acceleration;
+        let [ax, ay] = self.acceleration_sigma_m_s2;
         let half = 0.5 * dt * dt;
         let mut noise = Covariance::ZERO;
         noise.add([half * ax, 0.0, dt * ax, 0.0]);

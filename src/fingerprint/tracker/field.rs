@@ -1,31 +1,25 @@
-//! What a scan says of every point of the map, and of places between them.
+//! The likelihood of a scan at every point of the map, and between the points.
 
+use super::Config;
 use super::offset::OffsetBelief;
-use super::settings::Channel;
+use super::pending::Level;
 use crate::fingerprint::{Lattice, RadioMap, map::LOWEST_MEAN_DBM};
 use crate::math::{exp_of_weight, ln};
 
-/// One beacon of a scan: the mean of so many packets, less nothing.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Level {
-    pub mean_dbm: f32,
-    pub packets: u16,
-}
-
 /// The log-likelihood of every point, up to a common summand.
 ///
-/// It is found point by point, not particle by particle: the points are about as many as the particles, and what is left
-/// for a particle is an interpolation.
+/// It is computed for each point, not for each particle: there are about as many points as particles, and a particle then
+/// takes only an interpolation.
 #[derive(Debug, Clone)]
 pub(super) struct Field<const P: usize> {
     log_likelihoods: [f32; P],
-    /// What each point makes of the offset: what is to be added to its mean, if there is one at all.
+    /// By point: the correction of the mean of the offset, if the tag has one.
     shifts: [f32; P],
-    /// How probable each point finds it that there is one.
+    /// By point: the probability that the tag has an offset.
     probabilities: [f32; P],
-    /// Mean over the points of what the scan adds to the precision of the offset, per dB^2.
+    /// How much the scan adds to the precision of the offset, per dB^2: the mean over the points.
     pub precision: f32,
-    /// The mean over the points of the likelihood, where the best point has one.
+    /// The mean over the points of the likelihood, relative to that of the best point.
     pub mean: f32,
 }
 
@@ -34,27 +28,25 @@ struct Comparison<'a> {
     row: &'a [[u8; 2]],
     /// Above the lowest mean.
     level: f32,
-    /// What the square of a deviation, in quarters of a dB, is multiplied with: for the mean of several packets.
-    share: f32,
+    /// The factor of the squared sigma, in quarters of a dB, for the mean of several packets.
+    scale: f32,
 }
 
 impl<const P: usize> Field<P> {
-    pub const fn new() -> Self {
-        Self {
-            log_likelihoods: [0.0; P],
-            shifts: [0.0; P],
-            probabilities: [0.0; P],
-            precision: 0.0,
-            mean: 0.0,
-        }
-    }
+    pub const EMPTY: Self = Self {
+        log_likelihoods: [0.0; P],
+        shifts: [0.0; P],
+        probabilities: [0.0; P],
+        precision: 0.0,
+        mean: 0.0,
+    };
 
     /// Compares a scan with every point: under the better of two hypotheses, that the tag has no offset and that it has
     /// one.
     pub fn look_up<const B: usize>(
         &mut self,
         map: &RadioMap<'_>,
-        channel: &Channel,
+        config: &Config,
         belief: &OffsetBelief,
         scan: &[Level; B],
     ) {
@@ -65,8 +57,8 @@ impl<const P: usize> Field<P> {
                 let _ = comparisons.push(Comparison {
                     row: row.as_chunks().0,
                     level: 2.0 * (level.mean_dbm - LOWEST_MEAN_DBM),
-                    share: 0.25 / f32::from(level.packets)
-                        + 0.25 / f32::from(channel.survey_samples),
+                    scale: 0.25 / f32::from(level.packets)
+                        + 0.25 / f32::from(config.survey_samples),
                 });
             }
         }
@@ -79,11 +71,11 @@ impl<const P: usize> Field<P> {
             .zip(&mut self.shifts)
             .zip(&mut self.probabilities);
         for (point, ((log_likelihood, shift), probability)) in each.enumerate().take(points) {
-            let mut sums = Sums::new(channel, belief);
-            for Comparison { row, level, share } in &comparisons {
-                if let Some([deviation, mean]) = row.get(point) {
-                    let deviation = f32::from(*deviation);
-                    sums.add(level - f32::from(*mean), deviation * deviation * share);
+            let mut sums = Sums::new(config, belief);
+            for Comparison { row, level, scale } in &comparisons {
+                if let Some([sigma, mean]) = row.get(point) {
+                    let sigma = f32::from(*sigma);
+                    sums.add(level - f32::from(*mean), sigma * sigma * scale);
                 }
             }
             let found = sums.conclude();
@@ -109,44 +101,43 @@ impl<const P: usize> Field<P> {
         self.mean = sum * each;
     }
 
-    /// The log-likelihood of a place, between those of the points about it; none beyond the lattice.
+    /// The log-likelihood of a place on a map of one row or one column, by its coordinate along that; minus infinity
+    /// beyond the map.
     #[inline(always)]
-    pub fn at(&self, lattice: &Lattice, [x, y]: [f32; 2]) -> f32 {
-        let along = |x: f32, origin: f32, points: usize| {
-            let steps = (x - origin) * lattice.per_metre();
-            let last = points.saturating_sub(1);
-            // False for NaN.
-            let inside = steps >= 0.0 && steps <= last as f32;
-            let first = (steps as usize).min(last.saturating_sub(1));
-            (inside, first, steps - first as f32)
-        };
-        let [x0, y0] = lattice.origin();
-        let (inside, column, s) = along(x, x0, lattice.columns());
-        if !inside {
-            return f32::NEG_INFINITY;
+    pub fn on_line(&self, lattice: &Lattice, coordinate: f32, origin: f32) -> f32 {
+        let steps = (coordinate - origin) * lattice.per_metre();
+        match before(steps, lattice.points()) {
+            Some((first, fraction)) => self.between(first, fraction),
+            None => f32::NEG_INFINITY,
         }
-        let between = |first: usize| {
-            let Some([a, b]) = self
-                .log_likelihoods
-                .get(first..)
-                .and_then(|rest| rest.first_chunk())
-            else {
-                return f32::NEG_INFINITY;
-            };
-            mix(*a, *b, s)
-        };
-        if lattice.rows() == 1 {
-            return between(column);
-        }
-        let (inside, row, t) = along(y, y0, lattice.rows());
-        if !inside {
-            return f32::NEG_INFINITY;
-        }
-        let first = row * lattice.columns() + column;
-        mix(between(first), between(first + lattice.columns()), t)
     }
 
-    /// What the point nearest to a place makes of the offset: the probability that there is one, and what to add to its mean.
+    /// The log-likelihood of a place on a map of several rows and columns; minus infinity beyond the map.
+    #[inline(always)]
+    pub fn in_plane(&self, lattice: &Lattice, [x, y]: [f32; 2]) -> f32 {
+        let [x0, y0] = lattice.origin();
+        let Some((column, s)) = before((x - x0) * lattice.per_metre(), lattice.columns()) else {
+            return f32::NEG_INFINITY;
+        };
+        let Some((row, t)) = before((y - y0) * lattice.per_metre(), lattice.rows()) else {
+            return f32::NEG_INFINITY;
+        };
+        let first = row * lattice.columns() + column;
+        let above = first + lattice.columns();
+        mix(self.between(first, s), self.between(above, s), t)
+    }
+
+    /// Interpolates between a point and the next one.
+    #[inline(always)]
+    fn between(&self, first: usize, fraction: f32) -> f32 {
+        let pair = self.log_likelihoods.get(first..);
+        match pair.and_then(|rest| rest.first_chunk()) {
+            Some([a, b]) => mix(*a, *b, fraction),
+            None => f32::NEG_INFINITY,
+        }
+    }
+
+    /// By the point nearest to a place: the probability of an offset, and the correction of its mean.
     #[inline(always)]
     pub fn offset_at(&self, lattice: &Lattice, place: [f32; 2]) -> [f32; 2] {
         let nearest = |x: f32, origin: f32, points: usize| {
@@ -167,27 +158,39 @@ impl<const P: usize> Field<P> {
         }
     }
 
-    /// The likelihood of every point, where the best has one.
+    /// The likelihood of every point, relative to the best one.
     pub fn likelihoods(&self, lattice: &Lattice) -> impl Iterator<Item = f32> {
         let points = self.log_likelihoods.iter().take(lattice.points());
         points.map(|log_likelihood| exp_of_weight(*log_likelihood))
     }
 }
 
-/// Between `a` and `b`; minus infinity if one of them is.
+/// The last point at or before a place, so many `steps` from the first of `points` in a line, and the fraction of a step
+/// beyond it; none beyond the line, or for NaN.
 #[inline(always)]
-fn mix(a: f32, b: f32, share: f32) -> f32 {
+fn before(steps: f32, points: usize) -> Option<(usize, f32)> {
+    let last = points.saturating_sub(1);
+    if !(steps >= 0.0 && steps <= last as f32) {
+        return None;
+    }
+    let first = (steps as usize).min(last.saturating_sub(1));
+    Some((first, steps - first as f32))
+}
+
+/// Interpolates between `a` and `b`; minus infinity if one of them is.
+#[inline(always)]
+fn mix(a: f32, b: f32, fraction: f32) -> f32 {
     let lowest = if a < b { a } else { b };
     if lowest == f32::NEG_INFINITY {
         lowest
     } else {
-        a + share * (b - a)
+        a + fraction * (b - a)
     }
 }
 
-/// What the beacons of a scan add up to at one point, in halves of a dB.
+/// Sums over the beacons of a scan at one point, in halves of a dB.
 struct Sums<'a> {
-    channel: &'a Channel,
+    config: &'a Config,
     belief: &'a OffsetBelief,
     /// Of the offset.
     mean: f32,
@@ -199,14 +202,14 @@ struct Sums<'a> {
     cost: f32,
     /// With the mean of the offset.
     cost_with: f32,
-    /// Of the readings that are no outliers even with the offset: precisions, and differences weighted by them.
+    /// Over the readings within the gate of the offset: precisions, and differences weighted by them.
     precision: f32,
     weighted: f32,
-    /// Of all precisions; its logarithm is taken when it gets small.
+    /// Product of all precisions; its logarithm is taken when it gets small.
     product: f32,
 }
 
-/// What one point makes of a scan.
+/// The result of one point.
 struct Found {
     log_likelihood: f32,
     precision: f32,
@@ -216,14 +219,14 @@ struct Found {
 
 impl<'a> Sums<'a> {
     #[inline(always)]
-    fn new(channel: &'a Channel, belief: &'a OffsetBelief) -> Self {
+    fn new(config: &'a Config, belief: &'a OffsetBelief) -> Self {
         Self {
-            channel,
+            config,
             belief,
             mean: 2.0 * belief.mean_db,
             variance: 4.0 * belief.variance,
-            gate: channel.gate_deviations * channel.gate_deviations,
-            mismatch: 4.0 * channel.mismatch_db * channel.mismatch_db,
+            gate: config.gate_sigmas * config.gate_sigmas,
+            mismatch: 4.0 * config.mismatch_sigma_db * config.mismatch_sigma_db,
             cost: 0.0,
             cost_with: 0.0,
             precision: 0.0,
@@ -261,7 +264,7 @@ impl<'a> Sums<'a> {
 
     #[inline(always)]
     fn conclude(self) -> Found {
-        let tempering = self.channel.tempering;
+        let tempering = self.config.tempering;
         let logarithm = ln(self.product);
         let half = 0.5 * tempering;
         let without = half * (logarithm - self.cost);

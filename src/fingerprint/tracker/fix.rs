@@ -1,21 +1,21 @@
-//! What a tracker says.
+//! What a tracker knows of a tag.
 
-use crate::estimate::{Ellipse, largest_variance};
+use crate::estimate::{Ellipse, Symmetric2};
 use crate::math::sqrt;
+use crate::snapshot::{Error, Reader, Value, Writer, value};
 
-/// How far a place is to be trusted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// How reliable a place is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum State {
     /// It is where the fix says.
     Tracking,
-    /// The fix is the mean of places too far apart: the deviation is above [`super::Settings::with_uncertain_m`].
-    #[default]
+    /// The fix is the mean of places too far apart: its sigma is above [`super::Config::uncertain_sigma_m`].
     Uncertain,
-    /// The evidence has gone against all particles, and some or all were just drawn anew.
+    /// The evidence has gone against the particles, and some or all were just drawn anew.
     Lost,
-    /// It was lost, and the evidence has been for the particles since, but not for long.
+    /// It was lost, and the evidence has supported the particles since then, but not for long.
     Recovered,
 }
 
@@ -25,27 +25,38 @@ pub enum State {
 pub struct Fix {
     /// When it was there: the mean time of the packets of the last update.
     pub time_ms: u32,
-    /// How far it is to be trusted.
+    /// How reliable the place is.
     pub state: State,
-    /// Posterior mean in metres. A map of one row knows nothing of y.
+    /// Posterior mean in metres. On a map of one row or column, the other coordinate is that of its points.
     pub position: [f32; 2],
     /// Posterior covariance in square metres.
-    pub covariance: [[f32; 2]; 2],
+    pub covariance: Symmetric2,
     /// Posterior mean in metres a second.
     pub velocity: [f32; 2],
     /// By how many dB the tag reads stronger than the one of the survey: the posterior mean.
     pub offset_db: f32,
-    /// How many equally weighted particles the cloud was worth.
+    /// How many equally weighted particles the cloud is worth.
     pub effective_sample_size: f32,
 }
 
 impl Fix {
-    /// The ellipse that holds the tag with the given probability (0 to 1), if the posterior is normal.
+    pub(super) const EMPTY: Self = Self {
+        time_ms: 0,
+        state: State::Tracking,
+        position: [0.0; 2],
+        covariance: Symmetric2::ZERO,
+        velocity: [0.0; 2],
+        offset_db: 0.0,
+        effective_sample_size: 0.0,
+    };
+
+    /// The region that holds the tag with the given probability (0 to 1), if the posterior is normal: an ellipse, or on a map
+    /// of one row or column a segment.
     pub fn ellipse(&self, probability: f32) -> Ellipse {
         Ellipse::of_normal(self.position, self.covariance, probability)
     }
 
-    /// Where it is at another time, if it goes on as it did.
+    /// The place at another time if the velocity stays.
     pub fn position_at(&self, time_ms: u32) -> [f32; 2] {
         let seconds = seconds(time_ms.wrapping_sub(self.time_ms) as i32);
         [
@@ -55,8 +66,32 @@ impl Fix {
     }
 
     /// Standard deviation along the longest axis, in metres.
-    pub fn deviation(&self) -> f32 {
-        sqrt(largest_variance(&self.covariance))
+    pub fn sigma_m(&self) -> f32 {
+        sqrt(self.covariance.largest_eigenvalue())
+    }
+}
+
+value!(Fix {
+    time_ms,
+    state,
+    position,
+    covariance,
+    velocity,
+    offset_db,
+    effective_sample_size
+});
+
+impl Value for State {
+    const SIZE: usize = u8::SIZE;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        (*self as u8).write(to);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        let states = [Self::Tracking, Self::Uncertain, Self::Lost, Self::Recovered];
+        let number = usize::from(u8::read(from)?);
+        states.get(number).copied().ok_or(Error::Malformed)
     }
 }
 

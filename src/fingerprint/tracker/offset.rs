@@ -1,7 +1,8 @@
-//! By how much a tag differs from the one of the survey.
+//! How a tag differs from the one of the survey.
 
-use super::settings::Offset;
+use super::Config;
 use crate::math::{exp, ln};
+use crate::snapshot::value;
 
 /// Either it has no offset at all, or one that is normal about a mean: spike and slab.
 ///
@@ -13,33 +14,40 @@ pub(super) struct OffsetBelief {
     pub mean_db: f32,
     /// Of the mean, in dB^2.
     pub variance: f32,
-    /// Log-odds for there being one; minus infinity when that is out of the question.
+    /// Log-odds that there is one.
     log_odds: f32,
     /// Log-probabilities that there is none and that there is one.
     pub log_none: f32,
     pub log_some: f32,
 }
 
+value!(OffsetBelief {
+    mean_db,
+    variance,
+    log_odds,
+    log_none,
+    log_some
+});
+
 impl OffsetBelief {
-    /// Evidence never makes it surer than a thousand to one: a tag may be changed.
+    /// The largest log-odds, a thousand to one: larger ones would take longer to revise when a tag is exchanged.
     const MOST: f32 = 6.9;
 
-    /// Knows nothing yet, and with the first update what the settings say.
-    pub const fn new() -> Self {
-        Self {
-            mean_db: 0.0,
-            variance: 0.0,
-            log_odds: f32::NEG_INFINITY,
-            log_none: 0.0,
-            log_some: f32::NEG_INFINITY,
-        }
-    }
+    /// No offset is estimated: the variance is zero, and the odds have no effect.
+    pub const EMPTY: Self = Self {
+        mean_db: 0.0,
+        variance: 0.0,
+        log_odds: 0.0,
+        log_none: 0.0,
+        log_some: 0.0,
+    };
 
-    pub fn prior(offset: &Offset) -> Self {
-        let mut belief = Self::new();
-        if offset.probability > 0.0 {
-            belief.variance = offset.deviation_db * offset.deviation_db;
-            belief.set_odds(ln(offset.probability / (1.0 - offset.probability)));
+    pub fn prior(config: &Config) -> Self {
+        let mut belief = Self::EMPTY;
+        let probability = config.offset_probability;
+        if probability > 0.0 {
+            belief.variance = config.offset_sigma_db * config.offset_sigma_db;
+            belief.set_odds(ln(probability / (1.0 - probability)));
         }
         belief
     }
@@ -61,16 +69,16 @@ impl OffsetBelief {
     }
 
     /// Lets `dt` seconds pass.
-    pub fn drift(&mut self, offset: &Offset, dt: f32) {
+    pub fn drift(&mut self, config: &Config, dt: f32) {
         if self.is_estimated() {
-            let most = offset.deviation_db * offset.deviation_db;
-            let variance = self.variance + offset.drift * dt;
+            let most = config.offset_sigma_db * config.offset_sigma_db;
+            let variance = self.variance + config.offset_noise_db2_s * dt;
             self.variance = if variance < most { variance } else { most };
         }
     }
 
-    /// Learns from what the particles say: weight, probability of an offset, and what to add to its mean.
-    /// `precision` is what the scan adds to its precision.
+    /// Learns from the particles: the weight of each, the probability of an offset given its place, and the correction
+    /// of the mean there. `precision` is how much the scan adds to the precision of the offset.
     pub fn learn(&mut self, precision: f32, opinions: impl Iterator<Item = (f32, [f32; 2])>) {
         if !self.is_estimated() {
             return;
@@ -83,7 +91,7 @@ impl OffsetBelief {
             first += with * shift;
             second += with * shift * shift;
         }
-        // Particles so light that nothing is left of them say nothing.
+        // The sums have underflowed: nothing can be learned.
         if !(some > 1e-12 && none >= 0.0) {
             return;
         }

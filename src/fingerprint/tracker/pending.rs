@@ -1,13 +1,34 @@
 //! The packets that wait for their update.
 
-use super::Heard;
-use super::field::Level;
+use crate::persist;
+use crate::snapshot::value;
+
+/// One beacon of a scan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Heard {
+    /// Its number, see [`RadioMap::beacon_index`](crate::fingerprint::RadioMap::beacon_index).
+    pub beacon: u8,
+    /// Mean strength of its packets, in dBm.
+    pub mean_dbm: f32,
+    /// How many there were.
+    pub packets: u16,
+}
+
+/// The packets of one beacon.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Level {
+    pub mean_dbm: f32,
+    pub packets: u16,
+}
+
+value!(Level { mean_dbm, packets });
 
 /// Sums over the packets since the last update, by beacon.
 #[derive(Debug, Clone)]
 pub(super) struct Pending<const B: usize> {
     levels: [Level; B],
-    /// When the window began that the next packets are in; none before the first packet of a walk.
+    /// When the window of the next packets began; none before the first packet of a walk.
     window_ms: Option<u32>,
     /// When the first of them came.
     first_ms: u32,
@@ -17,26 +38,22 @@ pub(super) struct Pending<const B: usize> {
 }
 
 impl<const B: usize> Pending<B> {
-    const NONE: Level = Level {
-        mean_dbm: 0.0,
+    pub const EMPTY: Self = Self {
+        levels: [Level {
+            mean_dbm: 0.0,
+            packets: 0,
+        }; B],
+        window_ms: None,
+        first_ms: 0,
+        elapsed_ms: 0,
         packets: 0,
     };
-
-    pub const fn new() -> Self {
-        Self {
-            levels: [Self::NONE; B],
-            window_ms: None,
-            first_ms: 0,
-            elapsed_ms: 0,
-            packets: 0,
-        }
-    }
 
     pub fn is_empty(&self) -> bool {
         self.packets == 0
     }
 
-    /// Whether the packets are those of a whole window, because a packet at `time_ms` is in a later one.
+    /// Whether the packets are those of a whole window, because a packet at `time_ms` belongs to a later one.
     ///
     /// Windows follow each other without gaps, from the first packet of a walk on. If each began with its first packet, tags
     /// that send a little faster than once in a window would be updated by every other packet.
@@ -57,7 +74,7 @@ impl<const B: usize> Pending<B> {
         time_ms.wrapping_sub(self.first_ms) as i32
     }
 
-    /// Takes packets of a beacon in. Those beyond 65,535, and beacons that there is no room for, are left out.
+    /// Adds packets of a beacon. Those beyond 65,535 are left out, and so are beacons that there is no room for.
     pub fn add(&mut self, time_ms: u32, heard: &Heard) {
         let beacon = usize::from(heard.beacon);
         let (true, Some(packets)) = (beacon < B, self.packets.checked_add(heard.packets)) else {
@@ -73,8 +90,8 @@ impl<const B: usize> Pending<B> {
         self.packets = packets;
         if let (Some(level), 1..) = (self.levels.get_mut(beacon), heard.packets) {
             level.packets += heard.packets;
-            let share = f32::from(heard.packets) / f32::from(level.packets);
-            level.mean_dbm += share * (heard.mean_dbm - level.mean_dbm);
+            let fraction = f32::from(heard.packets) / f32::from(level.packets);
+            level.mean_dbm += fraction * (heard.mean_dbm - level.mean_dbm);
         }
     }
 
@@ -91,17 +108,19 @@ impl<const B: usize> Pending<B> {
         self.first_ms.wrapping_add(mean)
     }
 
-    /// Those that wait; from now on none does.
+    /// Removes and returns the packets.
     pub fn take(&mut self) -> Self {
         let next = Self {
             window_ms: self.window_ms,
-            ..Self::new()
+            ..Self::EMPTY
         };
         core::mem::replace(self, next)
     }
 
-    /// Forgets them, and when windows begin.
+    /// Forgets the packets and the beginning of the windows.
     pub fn clear(&mut self) {
-        *self = Self::new();
+        *self = Self::EMPTY;
     }
 }
+
+persist!(impl[const B: usize] Pending<B> as "Pending"(B) { levels, window_ms, first_ms, elapsed_ms, packets });

@@ -1,49 +1,59 @@
 //! Where tags are tracked, and how.
 
-use super::{Settings, Walls};
-use crate::fingerprint::{Encoding, MapError, RadioMap};
+use super::{Config, Walls};
+use crate::ConfigError;
+use crate::config::require_all;
+use crate::fingerprint::{Encoding, RadioMap};
 
-/// Where tags are tracked, and how: what all trackers share and none changes.
+/// Where tags are tracked, and how: lent to every call of a tracker.
+///
+/// ```
+/// use foxhunt::fingerprint::tracker::{Config, Site, Walls};
+/// # use foxhunt::fingerprint::RadioMap;
+/// # const BYTES: &[u8] =
+/// #     include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/tunnel.map"));
+/// # const MAP: RadioMap<'static> = match RadioMap::new(BYTES) {
+/// #     Ok(map) => map,
+/// #     Err(_) => panic!("damaged"),
+/// # };
+///
+/// const SITE: Site<'static> = foxhunt::config!(Site {
+///     map: MAP,
+///     config: Config::TUNNEL,
+///     walls: Walls::None,
+/// });
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Site<'a> {
-    pub(super) map: RadioMap<'a>,
-    pub(super) walls: Walls<'a>,
-    pub(super) settings: Settings,
+    /// What was surveyed, in [`Encoding::Moments`].
+    pub map: RadioMap<'a>,
+    /// How tags are tracked.
+    pub config: Config,
+    /// What particles do not pass.
+    pub walls: Walls<'a>,
 }
 
 impl<'a> Site<'a> {
-    /// With no walls but the edges of the map.
+    /// A site without walls except the edges of the map.
     ///
     /// # Errors
-    /// [`MapError::Encoding`] unless the map holds [`Encoding::Moments`], [`MapError::Lattice`] for a single column of
-    /// points: a line has to be a row.
-    pub const fn new(map: RadioMap<'a>, settings: Settings) -> Result<Self, MapError> {
-        if map.lattice().columns() < 2 {
-            return Err(MapError::Lattice);
-        }
-        if !matches!(map.encoding(), Encoding::Moments) {
-            return Err(MapError::Encoding);
-        }
-        Ok(Self {
+    /// As [`Site::check`].
+    pub const fn new(map: RadioMap<'a>, config: Config) -> Result<Self, ConfigError> {
+        let site = Self {
             map,
+            config,
             walls: Walls::None,
-            settings,
-        })
+        };
+        require_all!(site);
+        Ok(site)
     }
 
-    /// Particles do not pass them.
-    pub const fn with_walls(mut self, walls: Walls<'a>) -> Self {
-        self.walls = walls;
-        self
-    }
-
-    /// As given.
-    pub const fn map(&self) -> &RadioMap<'a> {
-        &self.map
-    }
-
-    /// As given.
-    pub const fn settings(&self) -> &Settings {
-        &self.settings
+    /// Checks the encoding of the map, and the configuration.
+    ///
+    /// # Errors
+    /// The first field that is out of its range.
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        require_all!(self.config);
+        self.map.check_encoding(Encoding::Moments)
     }
 }

@@ -1,25 +1,39 @@
 //! Many tags on one gateway.
 
 use super::Tracker;
+use crate::persist;
+use crate::snapshot::{Error, Reader, Value, Writer};
 
-/// The identity of a tag: what its packets carry.
+/// The identity of a tag, which its packets carry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Tag(pub u32);
 
+impl Value for Tag {
+    const SIZE: usize = u32::SIZE;
+
+    fn write(&self, to: &mut Writer<'_>) {
+        self.0.write(to);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+        Value::read(from).map(Self)
+    }
+}
+
 /// Trackers for up to `T` tags at once: T times a [`Tracker`] and 12 bytes.
 ///
-/// A tag that comes when all are taken gets the tracker of the tag that was not heard for longest.
+/// A tag that comes when all are taken gets the tracker of the tag that was silent for longest.
 ///
 /// ```
 /// use foxhunt::fingerprint::tracker::{Tag, Trackers};
 ///
-/// let mut trackers = Trackers::<2, 100>::new();
+/// let mut trackers = Trackers::<2, 100>::EMPTY;
 /// assert_eq!(trackers.of(Tag(1), 10).1, None);
 /// assert_eq!(trackers.of(Tag(2), 20).1, None);
 /// trackers.of(Tag(1), 30);
 /// assert_eq!(trackers.of(Tag(3), 40).1, Some(Tag(2)));
-/// assert!(trackers.get(Tag(2)).is_none());
+/// assert!(trackers.iter().all(|(tag, _)| tag != Tag(2)));
 /// ```
 #[derive(Debug, Clone)]
 pub struct Trackers<const T: usize, const N: usize, const B: usize = 16> {
@@ -34,18 +48,18 @@ struct Slot<const N: usize, const B: usize> {
 }
 
 impl<const T: usize, const N: usize, const B: usize> Trackers<T, N, B> {
-    /// For no tags yet. Fit for a `static`.
-    pub const fn new() -> Self {
-        const { assert!(T > 0, "at least one tag") };
+    /// No tags yet, in bits that are all zero.
+    pub const EMPTY: Self = {
+        assert!(T > 0, "at least one tag");
         Self {
             slots: [const {
                 Slot {
                     owner: None,
-                    tracker: Tracker::new(),
+                    tracker: Tracker::EMPTY,
                 }
             }; T],
         }
-    }
+    };
 
     /// The tracker of a tag that was heard at a time in milliseconds, and the tag that lost it, if one did.
     pub fn of(&mut self, tag: Tag, time_ms: u32) -> (&mut Tracker<N, B>, Option<Tag>) {
@@ -62,7 +76,7 @@ impl<const T: usize, const N: usize, const B: usize> Trackers<T, N, B> {
         }
     }
 
-    /// The slot of a tag: its own, one that is free, or the one that was silent for longest.
+    /// The slot of a tag: its own, a free one, or that of the tag that was silent for longest.
     fn place_of(&self, tag: Tag, time_ms: u32) -> usize {
         let mut silent = (0, 0);
         let mut free = None;
@@ -90,12 +104,6 @@ impl<const T: usize, const N: usize, const B: usize> Trackers<T, N, B> {
         }
     }
 
-    /// The tracker of a tag.
-    pub fn get(&self, tag: Tag) -> Option<&Tracker<N, B>> {
-        self.iter()
-            .find_map(|(owner, tracker)| (owner == tag).then_some(tracker))
-    }
-
     /// All tags that are tracked, and their trackers.
     pub fn iter(&self) -> impl Iterator<Item = (Tag, &Tracker<N, B>)> {
         self.slots
@@ -110,8 +118,5 @@ impl<const T: usize, const N: usize, const B: usize> Trackers<T, N, B> {
     }
 }
 
-impl<const T: usize, const N: usize, const B: usize> Default for Trackers<T, N, B> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
+persist!(impl[const N: usize, const B: usize] Slot<N, B> as "Slot"(N, B) { owner, tracker });
+persist!(impl[const T: usize, const N: usize, const B: usize] Trackers<T, N, B> as "Trackers"(T) { slots });

@@ -3,8 +3,11 @@
 extern crate std;
 use super::*;
 use crate::checksum::crc32;
+use crate::estimate::Symmetric2;
 use crate::fingerprint::RadioMap;
+use crate::math::ln;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+use crate::snapshot;
 use std::vec::Vec;
 
 const N: usize = 200;
@@ -17,7 +20,19 @@ fn level(beacon: u8, x: f32) -> f32 {
     -40.0 - 8.686 * ln(1.0 + (x - BEACONS[usize::from(beacon)]).abs())
 }
 
-/// 41 points in each of so many rows, a deviation of 2 dB everywhere.
+/// Points along y instead of x, with levels by their number.
+fn turned(columns: u16) -> Vec<u8> {
+    let mut bytes = map(columns);
+    let (columns, rows): ([u8; 2], [u8; 2]) = ([bytes[10], bytes[11]], [bytes[8], bytes[9]]);
+    bytes[8..10].copy_from_slice(&columns);
+    bytes[10..12].copy_from_slice(&rows);
+    let end = bytes.len() - 4;
+    let sum = crc32(&bytes[..end]);
+    bytes[end..].copy_from_slice(&sum.to_le_bytes());
+    bytes
+}
+
+/// 41 points in each of so many rows, a sigma of 2 dB everywhere.
 pub(crate) fn map(rows: u16) -> Vec<u8> {
     let points = 41 * usize::from(rows);
     let mut bytes = b"FXRM\x01\x01\x04\x00\x29\x00".to_vec();
@@ -50,21 +65,31 @@ struct Walk {
 impl Walk {
     fn new() -> Self {
         Self {
-            tracker: Tracker::new(),
-            workspace: Workspace::new(),
+            tracker: Tracker::EMPTY,
+            workspace: Workspace::EMPTY,
             rng: Xoshiro128PlusPlus::seed_from_u64(91),
             time_ms: u32::MAX - 3_000,
         }
     }
 
-    fn push(&mut self, site: &Site<'_>, beacon: u8, rssi: f32) -> Result<Option<Fix>, PushError> {
+    fn push(
+        &mut self,
+        site: &Site<'_>,
+        beacon: u8,
+        rssi_dbm: f32,
+    ) -> Result<Option<Fix>, ReadingError> {
         let Self {
             tracker,
             workspace,
             rng,
             time_ms,
         } = self;
-        tracker.push(*time_ms, beacon, rssi, site, workspace, rng)
+        let packet = Packet {
+            time_ms: *time_ms,
+            beacon,
+            rssi_dbm,
+        };
+        tracker.push(packet, site, workspace, rng)
     }
 
     /// For so many seconds, four packets of each beacon a second, at the places that `path` tells.
@@ -88,7 +113,7 @@ impl Walk {
 #[test]
 fn follows_a_walk_while_the_clock_overflows() {
     let bytes = map(1);
-    let site = Site::new(RadioMap::new(&bytes).unwrap(), Settings::new()).unwrap();
+    let site = Site::new(RadioMap::new(&bytes).unwrap(), Config::DEFAULT).unwrap();
     let mut walk = Walk::new();
     walk.go(&site, 25, |t| 5.0 + t);
     assert!(walk.error(30.0) < 2.0, "{}", walk.error(30.0));
@@ -101,7 +126,7 @@ fn follows_a_walk_while_the_clock_overflows() {
 #[test]
 fn a_louder_tag_is_found_where_it_is() {
     let bytes = map(1);
-    let site = Site::new(RadioMap::new(&bytes).unwrap(), Settings::new()).unwrap();
+    let site = Site::new(RadioMap::new(&bytes).unwrap(), Config::DEFAULT).unwrap();
     let mut walk = Walk::new();
     for quarter in 0..120 {
         let x = 5.0 + 0.25 * quarter as f32;
@@ -118,7 +143,7 @@ fn a_louder_tag_is_found_where_it_is() {
 #[test]
 fn is_lost_and_recovers_when_a_tag_is_carried_away() {
     let bytes = map(1);
-    let site = Site::new(RadioMap::new(&bytes).unwrap(), Settings::new()).unwrap();
+    let site = Site::new(RadioMap::new(&bytes).unwrap(), Config::DEFAULT).unwrap();
     let mut walk = Walk::new();
     walk.go(&site, 20, |_| 5.0);
     let mut states = walk.go(&site, 40, |_| 35.0);
@@ -135,9 +160,11 @@ fn nobody_walks_through_a_wall() {
         least: [10.0, 0.5],
         most: [20.0, 2.5],
     };
-    let site = Site::new(RadioMap::new(&bytes).unwrap(), Settings::new())
-        .unwrap()
-        .with_walls(walls);
+    let site = Site {
+        map: RadioMap::new(&bytes).unwrap(),
+        config: Config::DEFAULT,
+        walls,
+    };
     let mut walk = Walk::new();
     walk.go(&site, 20, |t| 12.0 + t);
     let [x, y, ..] = walk.tracker.particles().columns();
@@ -147,34 +174,39 @@ fn nobody_walks_through_a_wall() {
 }
 
 #[test]
-fn what_cannot_be_used_changes_nothing() {
+fn a_refused_packet_changes_nothing() {
     let bytes = map(1);
-    let site = Site::new(RadioMap::new(&bytes).unwrap(), Settings::new()).unwrap();
+    let site = Site::new(RadioMap::new(&bytes).unwrap(), Config::DEFAULT).unwrap();
     let mut walk = Walk::new();
     walk.go(&site, 5, |_| 20.0);
     let fix = walk.tracker.fix();
-    assert_eq!(walk.push(&site, 4, -60.0), Err(PushError::Beacon));
+    assert_eq!(walk.push(&site, 4, -60.0), Err(ReadingError::Beacon));
     for rssi in [42.0, -127.0, f32::NAN] {
-        assert_eq!(walk.push(&site, 0, rssi), Err(PushError::Strength));
+        assert_eq!(walk.push(&site, 0, rssi), Err(ReadingError::Strength));
     }
     walk.time_ms = walk.time_ms.wrapping_sub(3_000);
-    assert_eq!(walk.push(&site, 0, -60.0), Err(PushError::TimeBackwards));
-    let mut small = Workspace::<N, 40>::new();
+    assert_eq!(walk.push(&site, 0, -60.0), Err(ReadingError::TooOld));
+    let mut small = Workspace::<N, 40>::EMPTY;
     let Walk {
         tracker,
         rng,
         time_ms,
         ..
     } = &mut walk;
-    let refused = tracker.push(*time_ms, 0, -60.0, &site, &mut small, rng);
-    assert_eq!(refused, Err(PushError::Points));
+    let packet = Packet {
+        time_ms: *time_ms,
+        beacon: 0,
+        rssi_dbm: -60.0,
+    };
+    let refused = tracker.push(packet, &site, &mut small, rng);
+    assert_eq!(refused, Err(ReadingError::Points));
     assert_eq!(walk.tracker.fix(), fix);
 }
 
 #[test]
 fn a_clock_that_was_set_back_is_believed_in_the_end() {
     let bytes = map(1);
-    let site = Site::new(RadioMap::new(&bytes).unwrap(), Settings::new()).unwrap();
+    let site = Site::new(RadioMap::new(&bytes).unwrap(), Config::DEFAULT).unwrap();
     let mut walk = Walk::new();
     walk.go(&site, 5, |_| 20.0);
     walk.time_ms = walk.time_ms.wrapping_sub(1_000_000);
@@ -188,9 +220,12 @@ fn a_clock_that_was_set_back_is_believed_in_the_end() {
 fn a_window_makes_one_update_and_no_window_many() {
     let bytes = map(1);
     let map = RadioMap::new(&bytes).unwrap();
-    for (window, updates) in [(0, 160), (500, 19), (1_000, 9)] {
-        let settings = Settings::new().with_window_ms(window).unwrap();
-        let site = Site::new(map, settings).unwrap();
+    for (window_ms, updates) in [(0, 160), (500, 19), (1_000, 9)] {
+        let config = Config {
+            window_ms,
+            ..Config::DEFAULT
+        };
+        let site = Site::new(map, config).unwrap();
         assert_eq!(Walk::new().go(&site, 10, |_| 20.0).len(), updates);
     }
 }
@@ -202,7 +237,7 @@ fn a_tag_of_300_particles_takes_less_than_six_and_a_half_kibibytes() {
 
 #[test]
 fn the_longest_silent_tag_is_evicted() {
-    let mut trackers = Trackers::<3, 10>::new();
+    let mut trackers = Trackers::<3, 10>::EMPTY;
     for (tag, time) in [(1, u32::MAX - 10), (2, 5), (3, 7), (1, 9)] {
         assert_eq!(trackers.of(Tag(tag), time).1, None);
     }
@@ -213,94 +248,67 @@ fn the_longest_silent_tag_is_evicted() {
 }
 
 #[test]
-fn settings_out_of_range_are_refused() {
-    let motion = Motion::new();
-    let channel = Channel::new();
-    let offset = Offset::new();
-    let settings = Settings::new();
-    let nan = f32::NAN;
-    for (refused, error) in [
-        (
-            settings.with_motion(Motion {
-                velocity_m_s: 0.0,
-                ..motion
-            }),
-            SettingsError::Velocity,
-        ),
-        (
-            settings.with_motion(Motion {
-                agility: -1.0,
-                ..motion
-            }),
-            SettingsError::Agility,
-        ),
-        (
-            settings.with_motion(Motion {
-                memory_s: nan,
-                ..motion
-            }),
-            SettingsError::Memory,
-        ),
-        (
-            settings.with_channel(Channel {
-                mismatch_db: 0.0,
-                ..channel
-            }),
-            SettingsError::Mismatch,
-        ),
-        (
-            settings.with_channel(Channel {
-                survey_samples: 0,
-                ..channel
-            }),
-            SettingsError::SurveySamples,
-        ),
-        (
-            settings.with_channel(Channel {
-                tempering: 1.1,
-                ..channel
-            }),
-            SettingsError::Tempering,
-        ),
-        (
-            settings.with_channel(Channel {
-                gate_deviations: nan,
-                ..channel
-            }),
-            SettingsError::Gate,
-        ),
-        (
-            settings.with_channel(Channel {
-                range_dbm: [-50.0, -50.0],
-                ..channel
-            }),
-            SettingsError::Range,
-        ),
-        (
-            settings.with_offset(Offset {
-                probability: 1.0,
-                ..offset
-            }),
-            SettingsError::OffsetProbability,
-        ),
-        (
-            settings.with_offset(Offset {
-                deviation_db: nan,
-                ..offset
-            }),
-            SettingsError::OffsetDeviation,
-        ),
-        (
-            settings.with_offset(Offset {
-                drift: -1.0,
-                ..offset
-            }),
-            SettingsError::OffsetDrift,
-        ),
-        (settings.with_window_ms(60_001), SettingsError::Window),
-        (settings.with_recovery(1.5), SettingsError::Recovery),
-        (settings.with_uncertain_m(0.0), SettingsError::Uncertain),
-    ] {
-        assert_eq!(refused, Err(error));
+fn a_wrong_field_of_a_configuration_is_named() {
+    type Change = fn(&mut Config);
+    let changes: [(Change, &str); 14] = [
+        (|c| c.velocity_sigma_m_s = 0.0, "velocity_sigma_m_s"),
+        (|c| c.velocity_noise_m2_s3 = -1.0, "velocity_noise_m2_s3"),
+        (|c| c.velocity_memory_s = f32::NAN, "velocity_memory_s"),
+        (|c| c.mismatch_sigma_db = 0.0, "mismatch_sigma_db"),
+        (|c| c.survey_samples = 0, "survey_samples"),
+        (|c| c.tempering = 1.1, "tempering"),
+        (|c| c.gate_sigmas = f32::NAN, "gate_sigmas"),
+        (|c| c.range_dbm = [-50.0, -50.0], "range_dbm"),
+        (|c| c.offset_probability = 1.0, "offset_probability"),
+        (|c| c.offset_sigma_db = f32::NAN, "offset_sigma_db"),
+        (|c| c.offset_noise_db2_s = -1.0, "offset_noise_db2_s"),
+        (|c| c.window_ms = 60_001, "window_ms"),
+        (|c| c.redraw_fraction = 1.5, "redraw_fraction"),
+        (|c| c.uncertain_sigma_m = 0.0, "uncertain_sigma_m"),
+    ];
+    for (change, field) in changes {
+        let mut config = Config::DEFAULT;
+        change(&mut config);
+        assert_eq!(config.check().unwrap_err().field(), field);
     }
+    for config in [Config::DEFAULT, Config::TUNNEL] {
+        assert_eq!(config.check(), Ok(()));
+    }
+}
+
+#[test]
+fn a_walk_is_followed_along_a_map_of_one_column() {
+    let bytes = turned(1);
+    let site = Site::new(RadioMap::new(&bytes).unwrap(), Config::DEFAULT).unwrap();
+    let mut walk = Walk::new();
+    walk.go(&site, 25, |t| 5.0 + t);
+    let fix = walk.tracker.fix().unwrap();
+    let [x, y] = fix.position_at(walk.time_ms);
+    assert_eq!((x, fix.velocity[0]), (0.0, 0.0));
+    assert!((y - 30.0).abs() < 2.0, "{y}");
+    let Symmetric2 { xx, xy, yy } = fix.covariance;
+    assert_eq!([xx, xy], [0.0; 2]);
+    let region = fix.ellipse(0.95);
+    assert!((region.semi_major - 1.96 * fix.sigma_m()).abs() < 1e-3);
+    assert!(region.contains([0.0, fix.position[1] + fix.sigma_m()]));
+    assert!(yy > 0.0 && fix.state == State::Tracking);
+}
+
+#[test]
+fn a_restored_tracker_goes_on_as_if_nothing_had_happened() {
+    let bytes = map(1);
+    let site = Site::new(RadioMap::new(&bytes).unwrap(), Config::DEFAULT).unwrap();
+    let mut walk = Walk::new();
+    walk.go(&site, 10, |t| 5.0 + t);
+    let mut buffer = std::vec![0; snapshot::largest::<Tracker<N, 4>>()];
+    let saved = snapshot::save(&walk.tracker, &mut buffer).unwrap();
+    let mut other = Walk::new();
+    other.time_ms = walk.time_ms;
+    snapshot::restore(&mut other.tracker, saved).unwrap();
+    other.rng = walk.rng.clone();
+    let walks = [&mut walk, &mut other].map(|walk| {
+        let states = walk.go(&site, 10, |t| 15.0 + t);
+        (states, walk.tracker.fix())
+    });
+    assert_eq!(walks[0], walks[1]);
 }

@@ -42,7 +42,7 @@ impl Walls<'_> {
         }
     }
 
-    /// Whether one can go straight from a place within them to another: looked at every half metre, at up to eight
+    /// Whether one can go straight from a place within them to another: checked every half metre, at up to eight
     /// places.
     pub fn allow(&self, from: [f32; 2], to: [f32; 2]) -> bool {
         const MOST: u32 = 8;
@@ -53,8 +53,8 @@ impl Walls<'_> {
         let way = [to[0] - from[0], to[1] - from[1]];
         let places = ((2.0 * sqrt(way[0] * way[0] + way[1] * way[1])) as u32 + 1).min(MOST);
         (1..=places).all(|place| {
-            let share = place as f32 / places as f32;
-            self.contain([from[0] + share * way[0], from[1] + share * way[1]])
+            let fraction = place as f32 / places as f32;
+            self.contain([from[0] + fraction * way[0], from[1] + fraction * way[1]])
         })
     }
 }
@@ -64,12 +64,12 @@ impl Piece {
         let along = [self.to[0] - self.from[0], self.to[1] - self.from[1]];
         let [dx, dy] = [x - self.from[0], y - self.from[1]];
         let square = along[0] * along[0] + along[1] * along[1];
-        let share = if square > 0.0 {
+        let fraction = if square > 0.0 {
             ((dx * along[0] + dy * along[1]) / square).clamp(0.0, 1.0)
         } else {
             0.0
         };
-        let [ox, oy] = [dx - share * along[0], dy - share * along[1]];
+        let [ox, oy] = [dx - fraction * along[0], dy - fraction * along[1]];
         let half = 0.5 * self.width;
         ox * ox + oy * oy <= half * half
     }

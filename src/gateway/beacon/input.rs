@@ -8,7 +8,7 @@ use crate::gateway::formats::Nmea;
 use crate::gateway::line::LineReader;
 use crate::gateway::sentence;
 
-/// What the line has said.
+/// What a message says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Message {
     Packet(Packet),
@@ -16,38 +16,32 @@ pub(super) enum Message {
     Query,
     /// The host begins anew.
     Restart,
-    /// A correct sentence that is of no use here.
+    /// A correct sentence of another kind.
     Other,
 }
 
 /// Collects the bytes of one message.
-#[expect(
-    clippy::large_enum_variant,
-    reason = "it never moves, and there is no heap to box into"
-)]
 #[derive(Debug)]
-pub(super) enum Input {
-    Lines(LineReader<(Nmea,)>),
-    Frames(FrameReader),
+pub(super) struct Input {
+    lines: LineReader<(Nmea,)>,
+    frames: FrameReader,
 }
 
 impl Input {
-    pub const fn new(framing: Framing) -> Self {
-        match framing {
-            Framing::Lines => Self::Lines(LineReader::EMPTY),
-            Framing::Frames => Self::Frames(FrameReader::new()),
-        }
-    }
+    pub const EMPTY: Self = Self {
+        lines: LineReader::EMPTY,
+        frames: FrameReader::EMPTY,
+    };
 
-    /// Takes a byte; says what has ended with it, if anything.
-    pub fn push(&mut self, byte: u8) -> Option<Result<Message, Rejected>> {
-        match self {
-            Self::Lines(reader) => Some(match reader.push(byte)? {
-                Ok(()) => from_line(reader.bytes()),
+    /// Takes a byte; returns the message that ends with it, if one does.
+    pub fn push(&mut self, byte: u8, framing: Framing) -> Option<Result<Message, Rejected>> {
+        match framing {
+            Framing::Lines => Some(match self.lines.push(byte)? {
+                Ok(()) => from_line(self.lines.bytes()),
                 Err(crate::gateway::Rejected::Overlong) => Err(Rejected::Overlong),
                 Err(_) => Err(Rejected::Unparsable),
             }),
-            Self::Frames(reader) => reader.push(byte),
+            Framing::Frames => self.frames.push(byte),
         }
     }
 }
@@ -68,26 +62,21 @@ fn from_line(line: &[u8]) -> Result<Message, Rejected> {
 pub(super) struct FrameReader {
     state: DecoderState,
     frame: Vec<u8, { Packet::FRAME_BYTES }>,
-    /// The frame cannot be one; what is left of it is skipped.
-    lost: Option<Rejected>,
+    /// The frame is too long; what is left of it is skipped.
+    overlong: bool,
 }
 
 impl FrameReader {
-    const fn new() -> Self {
-        Self {
-            state: DecoderState::Idle,
-            frame: Vec::new(),
-            lost: None,
-        }
-    }
+    const EMPTY: Self = Self {
+        state: DecoderState::Idle,
+        frame: Vec::new(),
+        overlong: false,
+    };
 
     fn push(&mut self, byte: u8) -> Option<Result<Message, Rejected>> {
-        if let Some(reason) = self.lost {
-            if byte != 0 {
-                return None;
-            }
-            self.lost = None;
-            return Some(Err(reason));
+        if self.overlong {
+            self.overlong = byte != 0;
+            return (!self.overlong).then_some(Err(Rejected::Overlong));
         }
         match self.state.feed(byte) {
             Ok(DecodeResult::NoData) => None,
@@ -98,7 +87,7 @@ impl FrameReader {
             Ok(DecodeResult::DataContinue(byte)) => {
                 if self.frame.push(byte).is_err() {
                     self.state = DecoderState::Idle;
-                    self.lost = Some(Rejected::Overlong);
+                    self.overlong = true;
                 }
                 None
             }
@@ -129,8 +118,11 @@ mod tests {
     };
 
     fn read(framing: Framing, bytes: &[u8]) -> Vec<Result<Message, Rejected>> {
-        let mut input = Input::new(framing);
-        bytes.iter().filter_map(|byte| input.push(*byte)).collect()
+        let mut input = Input::EMPTY;
+        let bytes = bytes.iter();
+        bytes
+            .filter_map(|byte| input.push(*byte, framing))
+            .collect()
     }
 
     fn stuffed(content: &[u8]) -> Vec<u8> {
@@ -162,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_after_whatever_was_lost() {
+    fn a_frame_after_lost_bytes_is_read() {
         let frame = stuffed(&PACKET.to_frame());
         let lost: [(&[u8], &[Rejected]); 4] = [
             (&[], &[]),

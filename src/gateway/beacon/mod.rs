@@ -1,12 +1,12 @@
-//! The gateway of a tunnel: what its radios hear in, where the tags are out.
+//! The gateway of a tunnel: reports of its radios in, the places of the tags out.
 //!
 //! [`BeaconGateway`] takes one byte after the other from the line that the radios share, as
-//! [`Vehicle`](super::Vehicle) does, and tells what each message led to. It holds no clock: every time is one that a
+//! [`Vehicle`](super::Vehicle) does, and returns what each message led to. It holds no clock: every time is one that a
 //! packet states.
 //!
 //! # Messages in
 //!
-//! As sentences, ended by CR, LF or both, or as binary frames: see [`Settings::with_framing`].
+//! As sentences, ended by CR, LF or both, or as binary frames: see [`Config::framing`].
 //!
 //! | sentence | frame | means |
 //! |---|---|---|
@@ -25,24 +25,29 @@
 //! metres along the longer and the shorter axis of its uncertainty, and the direction of the longer one in degrees
 //! counter-clockwise from x; by how many dB the tag is louder than the one of the survey; the effective sample size.
 //!
-//! **`$PFOXL,time,radio,SILENT*hh`**, a radio of the map has heard no tag for
-//! [`Settings::with_silence_ms`] while others have; **`...,HEARD*hh`** when it hears one again.
+//! **`$PFOXL,time,radio,SILENT*hh`**, a radio of the map has heard no tag for [`Config::silence_ms`] while others have;
+//! **`...,HEARD*hh`** when it hears one again.
 //!
-//! **`$PFOXS,messages,packets,tags,silent,ignored,evicted,...*hh`**, the status: [`Counters`], how many tags are tracked and
-//! how many radios are silent, and then, in the order of [`Rejected::ALL`], the counts of every reason for a rejection.
+//! **`$PFOXS,messages,packets,queries,restarts,ignored,...,tags,silent,evicted*hh`**, the status: all messages, and how
+//! many of them were packets that a tracker took, queries, restarts and sentences of other kinds; in the place of `...`,
+//! in the order of [`Rejected::ALL`], how many were rejected for each reason, so that the second to the eleventh number
+//! add up to the first; how many tags are tracked, how many radios are silent, and how many tags lost their tracker to
+//! another one.
 
-mod counters;
+mod config;
 mod input;
+mod outcome;
 mod packet;
 mod radios;
 mod report;
-mod settings;
 
-pub use counters::{Counters, Rejected};
+pub use config::{Config, Framing};
+pub use outcome::{Counters, Event, Rejected};
 pub use packet::Packet;
-pub use settings::{Framing, Settings, SettingsError};
 
-use crate::fingerprint::tracker::{Fix, PushError, Site, Tag, Tracker, Trackers, Workspace};
+use crate::fingerprint::ReadingError;
+use crate::fingerprint::tracker::{self, Tag, Tracker, Trackers, Workspace};
+use crate::persist;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 use input::{Input, Message};
 use radios::Radios;
@@ -51,85 +56,77 @@ use report::Report;
 /// The most tags of one gateway: the answer to a query has room for so many.
 pub const MAX_TAGS: usize = 16;
 
-/// What a message led to.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum Event {
-    /// A packet was taken, and waits for others.
-    Taken(Tag),
-    /// A packet led to an update: there the tag is.
-    Fix(Tag, Fix),
-    /// The message was not used.
-    Rejected(Rejected),
-    /// The host has asked, and [`BeaconGateway::report`] answers.
-    Queried,
-    /// All tags were forgotten.
-    Restarted,
-}
-
-/// What radios hear in, places of up to `T` tags out, with `N` particles for each, on a map of up to `P` points and `B`
+/// The state of a gateway that tracks up to `T` tags, with `N` particles for each, on a map of up to `P` points and `B`
 /// beacons. See the [module](self) for the messages.
 ///
 /// Takes T times a [`Tracker`], a [`Workspace`], and 3 kB.
+///
+/// ```
+/// use foxhunt::fingerprint::RadioMap;
+/// use foxhunt::fingerprint::tracker::{self, Site};
+/// use foxhunt::gateway::beacon::{BeaconGateway, Config, Event};
+///
+/// static TUNNEL: &[u8] =
+///     include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/tunnel.map"));
+/// let site = Site::new(RadioMap::new(TUNNEL)?, tracker::Config::TUNNEL)?;
+/// let config = Config { silence_ms: 10_000, ..Config::new(site) };
+/// config.check()?;
+/// let mut gateway = BeaconGateway::<8, 300, 81, 4>::EMPTY;
+/// let events = b"$PFOXQ*50\r\n".iter().filter_map(|byte| gateway.push(*byte, &config));
+/// assert_eq!(events.last(), Some(Event::Queried));
+/// assert!(gateway.report().starts_with("$PFOXS,1,0,1,0,0,"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
-pub struct BeaconGateway<'a, const T: usize, const N: usize, const P: usize, const B: usize = 16> {
-    site: Site<'a>,
+pub struct BeaconGateway<const T: usize, const N: usize, const P: usize, const B: usize = 16> {
     input: Input,
     counters: Counters,
     trackers: Trackers<T, N, B>,
     workspace: Workspace<N, P>,
     radios: Radios<B>,
-    seed: u64,
     generator: Option<Xoshiro128PlusPlus>,
     report: Report,
 }
 
-impl<'a, const T: usize, const N: usize, const P: usize, const B: usize>
-    BeaconGateway<'a, T, N, P, B>
-{
-    /// Knows of no tag yet. Fit for a `static`.
-    pub const fn new(site: Site<'a>, settings: Settings) -> Self {
-        const { assert!(T <= MAX_TAGS, "at most 16 tags") };
+impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGateway<T, N, P, B> {
+    /// No tags yet, in bits that are all zero.
+    pub const EMPTY: Self = {
+        assert!(T <= MAX_TAGS, "at most 16 tags");
         Self {
-            site,
-            input: Input::new(settings.framing),
-            counters: Counters::new(),
-            trackers: Trackers::new(),
-            workspace: Workspace::new(),
-            radios: Radios::new(settings.silence_ms),
-            seed: settings.seed,
+            input: Input::EMPTY,
+            counters: Counters::EMPTY,
+            trackers: Trackers::EMPTY,
+            workspace: Workspace::EMPTY,
+            radios: Radios::EMPTY,
             generator: None,
             report: Report::new(),
         }
-    }
+    };
 
-    /// Takes the next byte of the line, and says what a message led to if it ends with that byte.
+    /// Takes the next byte of the line, and returns what the message led to that ends with it, if one does.
     ///
     /// Never waits. The byte that ends a packet runs at most one update, that of a query one for every tag.
-    pub fn push(&mut self, byte: u8) -> Option<Event> {
-        let message = self.input.push(byte)?;
+    pub fn push(&mut self, byte: u8, config: &Config<'_>) -> Option<Event> {
+        let message = self.input.push(byte, config.framing)?;
         self.report.clear();
-        self.counters.messages = self.counters.messages.saturating_add(1);
-        let result = message.and_then(|message| match message {
-            Message::Packet(packet) => self.packet(&packet).map(Some),
-            Message::Query => {
-                self.query();
-                Ok(Some(Event::Queried))
+        let event = match message {
+            Ok(Message::Packet(packet)) => {
+                let result = self.packet(&packet, config);
+                result.unwrap_or_else(Event::Rejected)
             }
-            Message::Restart => {
+            Ok(Message::Query) => Event::Queried,
+            Ok(Message::Restart) => {
                 self.restart();
-                Ok(Some(Event::Restarted))
+                Event::Restarted
             }
-            Message::Other => {
-                self.counters.ignored = self.counters.ignored.saturating_add(1);
-                Ok(None)
-            }
-        });
-        result.unwrap_or_else(|reason| {
-            self.counters.reject(reason);
-            Some(Event::Rejected(reason))
-        })
+            Ok(Message::Other) => Event::Other,
+            Err(reason) => Event::Rejected(reason),
+        };
+        self.counters.count(&event);
+        if event == Event::Queried {
+            self.answer(config);
+        }
+        Some(event)
     }
 
     /// What to send for the last message: sentences with their line ends, or nothing. Holds until the next message ends.
@@ -137,7 +134,7 @@ impl<'a, const T: usize, const N: usize, const P: usize, const B: usize>
         self.report.as_str()
     }
 
-    /// What became of the messages so far.
+    /// The counts of the messages so far.
     pub fn counters(&self) -> &Counters {
         &self.counters
     }
@@ -150,52 +147,51 @@ impl<'a, const T: usize, const N: usize, const P: usize, const B: usize>
     /// Forgets all tags, and which radios are silent; keeps the counts.
     pub fn restart(&mut self) {
         self.trackers.clear();
-        self.radios.clear();
+        self.radios = Radios::EMPTY;
         self.generator = None;
         self.report.clear();
     }
 
     #[inline(never)]
-    fn packet(&mut self, packet: &Packet) -> Result<Event, Rejected> {
-        let map = self.site.map();
-        let beacon = map.beacon_index(packet.radio.into());
+    fn packet(&mut self, packet: &Packet, config: &Config<'_>) -> Result<Event, Rejected> {
+        let &Packet {
+            time_ms,
+            radio,
+            tag,
+            rssi_dbm,
+        } = packet;
+        let (site, tag) = (&config.site, Tag(tag));
+        let beacon = site.map.beacon_index(radio.into());
         let beacon = beacon.and_then(|beacon| u8::try_from(beacon).ok());
-        let beacon = beacon.ok_or(Rejected::UnknownRadio)?;
-        let rssi = f32::from(packet.rssi_dbm);
+        let packet = tracker::Packet {
+            time_ms,
+            beacon: beacon.ok_or(Rejected::UnknownRadio)?,
+            rssi_dbm: rssi_dbm.into(),
+        };
         // Before a tag is evicted for it.
-        if !self.site.settings().accepts(rssi) {
+        if !site.config.accepts(packet.rssi_dbm) {
             return Err(Rejected::OutOfRange);
         }
-        let seed = self.seed;
         let rng = self
             .generator
-            .get_or_insert_with(|| Xoshiro128PlusPlus::seed_from_u64(seed));
-        let tag = Tag(packet.tag);
-        let (tracker, evicted) = self.trackers.of(tag, packet.time_ms);
+            .get_or_insert_with(|| Xoshiro128PlusPlus::seed_from_u64(config.seed));
+        let (tracker, evicted) = self.trackers.of(tag, time_ms);
         if evicted.is_some() {
             self.counters.evicted = self.counters.evicted.saturating_add(1);
         }
-        let workspace = &mut self.workspace;
-        let led = tracker
-            .push(packet.time_ms, beacon, rssi, &self.site, workspace, rng)
+        let fix = tracker
+            .push(packet, site, &mut self.workspace, rng)
             .map_err(|error| match error {
-                PushError::TimeBackwards => Rejected::TimeBackwards,
-                PushError::Beacon | PushError::Points => Rejected::UnknownRadio,
-                PushError::Strength => Rejected::OutOfRange,
+                ReadingError::TooOld => Rejected::TooOld,
+                ReadingError::Strength => Rejected::OutOfRange,
+                _ => Rejected::UnknownRadio,
             })?;
-        self.counters.packets = self.counters.packets.saturating_add(1);
-        let identifier = |radio: usize| map.beacon(radio).map_or(0, |beacon| beacon.identifier);
-        let beacons = map.beacons();
-        self.radios.hear(
-            packet.time_ms,
-            beacon.into(),
-            beacons,
-            |radio, is_silent| {
-                self.report
-                    .radio(packet.time_ms, identifier(radio), is_silent);
-            },
-        );
-        Ok(match led {
+        let report = &mut self.report;
+        (self.radios).hear(time_ms, packet.beacon.into(), config, |radio, is_silent| {
+            let identifier = site.map.beacon(radio).map_or(0, |beacon| beacon.identifier);
+            report.radio(time_ms, identifier, is_silent);
+        });
+        Ok(match fix {
             Some(fix) => {
                 self.report.tag(tag, &fix);
                 Event::Fix(tag, fix)
@@ -204,13 +200,14 @@ impl<'a, const T: usize, const N: usize, const P: usize, const B: usize>
         })
     }
 
+    /// Reports every tag and the status.
     #[inline(never)]
-    fn query(&mut self) {
+    fn answer(&mut self, config: &Config<'_>) {
         let mut tags = 0;
         for (tag, tracker) in self.trackers.iter_mut() {
             tags += 1;
             if let Some(rng) = &mut self.generator {
-                tracker.flush(&self.site, &mut self.workspace, rng);
+                tracker.flush(&config.site, &mut self.workspace, rng);
             }
             if let Some(fix) = tracker.fix() {
                 self.report.tag(tag, &fix);
@@ -220,6 +217,12 @@ impl<'a, const T: usize, const N: usize, const P: usize, const B: usize>
             .status(&self.counters, tags, self.radios.silent());
     }
 }
+
+persist!(
+    impl[const T: usize, const N: usize, const P: usize, const B: usize]
+    BeaconGateway<T, N, P, B> as "BeaconGateway"(T, N, B)
+    { counters, trackers, radios, generator } without { input, workspace, report }
+);
 
 #[cfg(test)]
 mod tests;

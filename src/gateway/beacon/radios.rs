@@ -1,9 +1,11 @@
 //! Which radios still hear anything.
 
+use super::Config;
+use crate::persist;
+
 /// When each radio of the map was heard of last.
 #[derive(Debug)]
 pub(super) struct Radios<const B: usize> {
-    silence_ms: u32,
     /// Time of the last packet of any tag, by radio; of the first packet of all for a radio that has heard none.
     heard_ms: [u32; B],
     is_silent: [bool; B],
@@ -11,18 +13,11 @@ pub(super) struct Radios<const B: usize> {
 }
 
 impl<const B: usize> Radios<B> {
-    pub const fn new(silence_ms: u32) -> Self {
-        Self {
-            silence_ms,
-            heard_ms: [0; B],
-            is_silent: [false; B],
-            has_begun: false,
-        }
-    }
-
-    pub fn clear(&mut self) {
-        *self = Self::new(self.silence_ms);
-    }
+    pub const EMPTY: Self = Self {
+        heard_ms: [0; B],
+        is_silent: [false; B],
+        has_begun: false,
+    };
 
     /// How many are silent.
     pub fn silent(&self) -> u32 {
@@ -32,19 +27,20 @@ impl<const B: usize> Radios<B> {
             .sum()
     }
 
-    /// Takes note that one of the map's radios has heard a tag, and calls `tell` for each that has fallen silent, and for
-    /// this one if it had: with its number and whether it is silent.
+    /// Notes that one of the map's radios has heard a tag, and calls `tell` for each that has fallen silent, and for this
+    /// one if it had: with its number and whether it is silent.
     pub fn hear(
         &mut self,
         time_ms: u32,
         radio: usize,
-        radios: usize,
+        config: &Config<'_>,
         mut tell: impl FnMut(usize, bool),
     ) {
         if !self.has_begun {
             self.heard_ms = [time_ms; B];
             self.has_begun = true;
         }
+        let radios = config.site.map.beacons();
         let each = self.heard_ms.iter_mut().zip(&mut self.is_silent);
         for (number, (heard_ms, is_silent)) in each.enumerate().take(radios) {
             if number == radio {
@@ -52,7 +48,7 @@ impl<const B: usize> Radios<B> {
             }
             // Clocks overflow; a time ahead is no silence.
             let silence = time_ms.wrapping_sub(*heard_ms) as i32;
-            let silent = u32::try_from(silence).is_ok_and(|silence| silence > self.silence_ms);
+            let silent = u32::try_from(silence).is_ok_and(|silence| silence > config.silence_ms);
             if silent != *is_silent {
                 *is_silent = silent;
                 tell(number, silent);
@@ -61,15 +57,23 @@ impl<const B: usize> Radios<B> {
     }
 }
 
+persist!(impl[const B: usize] Radios<B> as "Radios"(B) { heard_ms, is_silent, has_begun });
+
 #[cfg(test)]
 mod tests {
     extern crate std;
     use super::*;
+    use crate::fingerprint::RadioMap;
+    use crate::fingerprint::tracker::{self, Site, tests::map};
     use std::vec::Vec;
 
     #[test]
     fn a_silent_radio_is_told_of_once_and_again_when_it_is_heard() {
-        let mut radios = Radios::<3>::new(5_000);
+        let bytes = map(1);
+        let map = RadioMap::new(&bytes).unwrap();
+        let config = Config::new(Site::new(map, tracker::Config::DEFAULT).unwrap());
+        // The fourth radio of the map has no room.
+        let mut radios = Radios::<3>::EMPTY;
         let start = u32::MAX - 2_000;
         let mut told = Vec::new();
         for (after, radio) in [
@@ -81,7 +85,7 @@ mod tests {
             (7_000, 2),
         ] {
             let time = start.wrapping_add(after);
-            radios.hear(time, radio, 3, |radio, silent| {
+            radios.hear(time, radio, &config, |radio, silent| {
                 told.push((after, radio, silent))
             });
         }

@@ -1,4 +1,4 @@
-//! The sentences out.
+//! The sentences of the gateway.
 
 use super::{Counters, Rejected};
 use crate::estimate::Ellipse;
@@ -47,15 +47,17 @@ impl Report {
         for count in [
             counters.messages,
             counters.packets,
-            tags,
-            silent_radios,
+            counters.queries,
+            counters.restarts,
             counters.ignored,
-            counters.evicted,
         ] {
             self.field(count);
         }
         for reason in Rejected::ALL {
             self.field(counters.rejected(reason));
+        }
+        for count in [tags, silent_radios, counters.evicted] {
+            self.field(count);
         }
         self.end();
     }
@@ -71,7 +73,7 @@ mod tests {
             time_ms: 12_500,
             state: State::Tracking,
             position: [31.25, -0.5],
-            covariance: [[4.0, 0.0], [0.0, 1.0]],
+            covariance: [[4.0, 0.0], [0.0, 1.0]].into(),
             velocity: [1.0, 0.0],
             offset_db: -3.25,
             effective_sample_size: 211.04,
@@ -98,7 +100,7 @@ mod tests {
             time_ms: u32::MAX,
             state: State::Recovered,
             position: [-9e5; 2],
-            covariance: [[1e12, 0.0], [0.0, 1e12]],
+            covariance: [[1e12, 0.0], [0.0, 1e12]].into(),
             velocity: [-9e5; 2],
             offset_db: -100.0,
             effective_sample_size: 65_536.0,
@@ -106,9 +108,9 @@ mod tests {
         for _ in 0..MAX_TAGS {
             report.tag(Tag(u32::MAX), &fix);
         }
-        report.status(&Counters::new(), 8, 0);
+        report.status(&Counters::EMPTY, 8, 0);
         // Every count, now one digit, may have ten.
-        let counts = 6 + Rejected::ALL.len();
+        let counts = 8 + Rejected::ALL.len();
         assert!(report.as_str().ends_with("\r\n"));
         assert!(report.as_str().len() + counts * 9 <= 2560);
     }

@@ -2,17 +2,29 @@
 
 extern crate std;
 use super::*;
-use crate::fingerprint::tracker::{Settings as Tracking, State};
+use crate::fingerprint::tracker::{Site, State};
 use crate::fingerprint::{RadioMap, tracker::tests::map};
 use crate::gateway::sentence::checksum;
+use crate::snapshot;
 use proptest::prelude::*;
 use std::{format, string::String, vec::Vec};
 
-type Gateway<'a> = BeaconGateway<'a, 2, 100, 64, 4>;
+/// A gateway and its configuration.
+struct Gateway<'a> {
+    state: BeaconGateway<2, 100, 64, 4>,
+    config: Config<'a>,
+}
 
-fn gateway(map: &[u8], settings: Settings) -> Gateway<'_> {
+fn gateway(map: &[u8], framing: Framing) -> Gateway<'_> {
     let map = RadioMap::new(map).unwrap();
-    Gateway::new(Site::new(map, Tracking::new()).unwrap(), settings)
+    let site = Site::new(map, tracker::Config::DEFAULT).unwrap();
+    Gateway {
+        state: BeaconGateway::EMPTY,
+        config: Config {
+            framing,
+            ..Config::new(site)
+        },
+    }
 }
 
 fn sentence(payload: &str) -> String {
@@ -23,9 +35,9 @@ fn run(gateway: &mut Gateway<'_>, bytes: &[u8]) -> (Vec<Event>, String) {
     let mut events = Vec::new();
     let mut output = String::new();
     for byte in bytes {
-        if let Some(event) = gateway.push(*byte) {
+        if let Some(event) = gateway.state.push(*byte, &gateway.config) {
             events.push(event);
-            output.push_str(gateway.report());
+            output.push_str(gateway.state.report());
         }
     }
     (events, output)
@@ -69,41 +81,41 @@ fn both_framings_give_the_same_answers() {
         .flat_map(|packet| frame(&packet.to_frame()))
         .collect();
     frames.extend(frame(b"Q"));
-    let by_lines = run(&mut gateway(&map, Settings::new()), lines.as_bytes());
-    let settings = Settings::new().with_framing(Framing::Frames);
-    assert_eq!(by_lines, run(&mut gateway(&map, settings), &frames));
+    let by_lines = run(&mut gateway(&map, Framing::Lines), lines.as_bytes());
+    let by_frames = run(&mut gateway(&map, Framing::Frames), &frames);
+    assert_eq!(by_lines, by_frames);
     let (events, output) = by_lines;
     assert!(matches!(events[0], Event::Taken(Tag(7))));
     assert_eq!(events.last(), Some(&Event::Queried));
     assert!(output.contains("$PFOXT,") && output.contains(",7,"));
-    assert!(output.contains("$PFOXS,41,40,1,0,0,0,0,"));
+    assert!(output.contains("$PFOXS,41,40,1,0,0,0,0,0,0,0,0,1,0,0*"));
 }
 
 #[test]
 fn tags_are_tracked_apart_and_the_silent_one_is_evicted() {
     let map = map(1);
-    let mut gateway = gateway(&map, Settings::new());
+    let mut gateway = gateway(&map, Framing::Lines);
     for (time, tag) in [(0, 1), (10, 2), (20, 1), (30, 3)] {
         run(&mut gateway, line(&packet(time, 0, tag)).as_bytes());
     }
-    let tags: Vec<u32> = gateway.tags().map(|(tag, _)| tag.0).collect();
+    let tags: Vec<u32> = gateway.state.tags().map(|(tag, _)| tag.0).collect();
     assert_eq!(tags, [1, 3]);
-    assert_eq!(gateway.counters().evicted, 1);
+    assert_eq!(gateway.state.counters().evicted, 1);
     run(&mut gateway, sentence("PFOXR").as_bytes());
-    assert_eq!(gateway.tags().count(), 0);
+    assert_eq!(gateway.state.tags().count(), 0);
 }
 
 #[test]
 fn rejected_with_the_reason() {
     let map = map(1);
-    let mut gateway = gateway(&map, Settings::new());
+    let mut gateway = gateway(&map, Framing::Lines);
     run(&mut gateway, line(&packet(10_000, 0, 1)).as_bytes());
     run(&mut gateway, sentence("PFOXQ").as_bytes());
     for (message, reason) in [
         (sentence("PFOXB,10000,9,1,-60"), Rejected::UnknownRadio),
         (sentence("PFOXB,10000,0,1,42"), Rejected::OutOfRange),
         (sentence("PFOXB,10000,0,1,-200"), Rejected::OutOfRange),
-        (sentence("PFOXB,9000,0,1,-60"), Rejected::TimeBackwards),
+        (sentence("PFOXB,9000,0,1,-60"), Rejected::TooOld),
         (sentence("PFOXB,10000,0,1"), Rejected::Unparsable),
         (
             String::from("$PFOXB,10000,0,1,-60*00\r"),
@@ -111,19 +123,19 @@ fn rejected_with_the_reason() {
         ),
         (format!("${}\r", "x".repeat(200)), Rejected::Overlong),
     ] {
-        let before = gateway.counters().rejected(reason);
+        let before = gateway.state.counters().rejected(reason);
         let (events, output) = run(&mut gateway, message.as_bytes());
         assert_eq!(events, [Event::Rejected(reason)], "{message}");
-        assert_eq!(gateway.counters().rejected(reason), before + 1);
+        assert_eq!(gateway.state.counters().rejected(reason), before + 1);
         assert_eq!(output, "");
     }
-    assert_eq!(gateway.tags().count(), 1);
+    assert_eq!(gateway.state.tags().count(), 1);
 }
 
 #[test]
-fn a_dead_radio_is_reported() {
+fn a_silent_radio_is_reported() {
     let map = map(1);
-    let mut gateway = gateway(&map, Settings::new());
+    let mut gateway = gateway(&map, Framing::Lines);
     let lines: String = (0..60)
         .map(|i| line(&packet(200 * i, (i % 3) as u16, 7)))
         .collect();
@@ -135,9 +147,9 @@ fn a_dead_radio_is_reported() {
 }
 
 #[test]
-fn the_state_is_told() {
+fn an_uncertain_fix_is_reported_as_such() {
     let map = map(1);
-    let mut gateway = gateway(&map, Settings::new());
+    let mut gateway = gateway(&map, Framing::Lines);
     let lines: String = (0..8)
         .map(|i| line(&packet(250 * i, (i % 4) as u16, 7)))
         .collect();
@@ -155,7 +167,7 @@ proptest! {
     fn any_bytes_leave_a_gateway_that_works(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
         let map = map(1);
         for framing in [Framing::Lines, Framing::Frames] {
-            let mut gateway = gateway(&map, Settings::new().with_framing(framing));
+            let mut gateway = gateway(&map, framing);
             run(&mut gateway, &bytes);
             let whole = match framing {
                 Framing::Lines => format!("\r{}", line(&packet(5, 0, 7))).into_bytes(),
@@ -164,5 +176,52 @@ proptest! {
             let (events, _) = run(&mut gateway, &whole);
             prop_assert_eq!(events.last(), Some(&Event::Taken(Tag(7))));
         }
+    }
+
+    #[test]
+    fn the_counts_of_the_status_add_up(
+        messages in proptest::collection::vec((0..8, any::<u16>()), 0..60)
+    ) {
+        let map = map(1);
+        let mut gateway = gateway(&map, Framing::Lines);
+        for (kind, number) in messages {
+            let time_ms = 100 * u32::from(number);
+            let message = match kind {
+                0 => sentence("PFOXQ"),
+                1 => sentence("PFOXR"),
+                2 => sentence("GPHDT,1,T"),
+                3 => format!("$PFOXB,{number}*00\r"),
+                4 => format!("{number}\n\r\n"),
+                5 => sentence(&format!("PFOXB,{number}")),
+                _ => line(&packet(time_ms, number % 5, u32::from(number % 3))),
+            };
+            run(&mut gateway, message.as_bytes());
+        }
+        let (_, output) = run(&mut gateway, sentence("PFOXQ").as_bytes());
+        let (_, status) = output.rsplit_once("$PFOXS,").unwrap();
+        let (counts, _) = status.split_once('*').unwrap();
+        let counts: Vec<u32> = counts.split(',').map(|count| count.parse().unwrap()).collect();
+        prop_assert_eq!(counts[0], counts[1..11].iter().sum::<u32>(), "{}", status);
+    }
+
+    #[test]
+    fn a_restored_gateway_goes_on_as_if_nothing_had_happened(
+        packets in proptest::collection::vec((0..400u32, 0..4u16, 0..3u32), 0..40)
+    ) {
+        let map = map(1);
+        let mut first = gateway(&map, Framing::Lines);
+        let mut time_ms = 0;
+        let mut lines = packets.iter().map(|(after, radio, tag)| {
+            time_ms += after;
+            line(&packet(time_ms, *radio, *tag))
+        });
+        let before: String = lines.by_ref().take(packets.len() / 2).collect();
+        run(&mut first, before.as_bytes());
+        let mut buffer = std::vec![0; snapshot::largest::<BeaconGateway<2, 100, 64, 4>>()];
+        let bytes = snapshot::save(&first.state, &mut buffer).unwrap();
+        let mut second = gateway(&map, Framing::Lines);
+        snapshot::restore(&mut second.state, bytes).unwrap();
+        let after: String = lines.chain([sentence("PFOXQ")]).collect();
+        prop_assert_eq!(run(&mut first, after.as_bytes()), run(&mut second, after.as_bytes()));
     }
 }

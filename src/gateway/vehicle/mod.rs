@@ -325,14 +325,14 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Gateway<L, F, R, 
         self.vehicle.push(port, byte, &self.config)
     }
 
-    /// Forgets the source and the origin: see [`Vehicle::restart`].
-    pub fn restart(&mut self) {
-        self.vehicle.restart();
-    }
-
     /// The state, with reports, counts and the locator.
     pub const fn vehicle(&self) -> &Vehicle<L, F, R, PORTS> {
         &self.vehicle
+    }
+
+    /// The state, to restart or restore it.
+    pub const fn vehicle_mut(&mut self) -> &mut Vehicle<L, F, R, PORTS> {
+        &mut self.vehicle
     }
 
     /// The configuration.

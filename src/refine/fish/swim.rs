@@ -3,13 +3,14 @@
 use core::ops::Range;
 
 use super::{Behaviour, FishSchool, Heading};
+use crate::ConfigError;
 use crate::math::ln;
 use crate::model::Likelihood;
 use crate::random::{Rng, uniform};
 use crate::refine::lengths::{Scale, anywhere, difference, direction};
 use crate::refine::neighbours::{Grid, Mate, Neighbours};
-use crate::refine::population::{Population, halves, others};
-use crate::refine::{Acceptance, Refinement, Report, Workspace};
+use crate::refine::population::{Population, Report, halves, others};
+use crate::refine::refinement::{Acceptance, Refinement, Workspace};
 
 /// With [`Acceptance::Metropolis`], this many mates have a centre and a best.
 const COMPANIONS: usize = 4;
@@ -24,15 +25,16 @@ impl FishSchool {
         neighbours: &Neighbours<'_, D>,
         fish: &Mate<D>,
         scale: &Scale<D>,
+        log_crowding: f32,
     ) -> Option<[f32; D]> {
         if fish.met == 0 {
             return None;
         }
-        let required = self.log_crowding + fish.log_density + log_of_count(fish.met);
+        let required = log_crowding + fish.log_density + log_of_count(fish.met);
         let mut goal = None;
         if self.behaviour.swarms() {
-            let share = 1.0 / f32::from(fish.met);
-            let centre = fish.offsets.map(|x| x * share);
+            let inverse = 1.0 / f32::from(fish.met);
+            let centre = fish.offsets.map(|x| x * inverse);
             let trial = population.trial(scale.away(here, 1.0, centre));
             if trial.log_density > required {
                 goal = Some((centre, trial.log_density));
@@ -60,8 +62,8 @@ impl FishSchool {
         rng: &mut R,
     ) -> [f32; D] {
         for _ in 0..self.tries {
-            let (direction, share) = anywhere(rng);
-            let trial = population.trial(scale.away(here, self.perception * share, direction));
+            let (direction, part) = anywhere(rng);
+            let trial = population.trial(scale.away(here, self.perception * part, direction));
             if trial.log_density > log_density {
                 return direction;
             }
@@ -87,13 +89,14 @@ impl FishSchool {
             neighbours.meet();
         }
         let mates = neighbours.as_ref().map_or([].as_slice(), Neighbours::mates);
+        let log_crowding = ln(self.crowding);
         for k in 0..population.len() {
             let fish = mates.get(k);
             let i = fish.map_or(k, |fish| usize::from(fish.index));
             let here = population.state(i);
             let company = match (&neighbours, fish) {
                 (Some(neighbours), Some(fish)) => {
-                    self.company(population, here, neighbours, fish, scale)
+                    self.company(population, here, neighbours, fish, scale, log_crowding)
                 }
                 _ => None,
             };
@@ -117,9 +120,9 @@ impl FishSchool {
         let scale = population.scale(self.lengths, rest);
         let particles = population.len();
         for i in members {
-            let (heading, share) = anywhere(rng);
+            let (heading, part) = anywhere(rng);
             let here = population.state(i);
-            let trial = population.trial(scale.away(here, self.step * share, heading));
+            let trial = population.trial(scale.away(here, self.step * part, heading));
             population.metropolis(i, &trial, 0.0, rng);
 
             let mut companions = [i; COMPANIONS];
@@ -187,6 +190,10 @@ impl<const D: usize> Refinement<D> for FishSchool {
 
     fn evaluations(&self, particles: usize) -> usize {
         Self::evaluations(self, particles)
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        Self::check(self)
     }
 }
 

@@ -2,9 +2,9 @@
 
 use foxhunt::{
     aoa::{
-        Bearing, Observation,
+        Bearing, Clean, Locator, Observation,
+        clean::Config,
         gauss_newton::{self, Errors},
-        locator::{Answer, Locator, Settings},
         triangulation::intersection,
     },
     filter::ParticleFilter,
@@ -12,8 +12,8 @@ use foxhunt::{
     model::{Likelihood, RandomWalk},
     random::{Xoshiro128PlusPlus, normal, uniform},
     refine::{
-        Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Memory, Refinement,
-        fish::{Behaviour, Heading},
+        Acceptance, Behaviour, DifferentialEvolution, Firefly, FishSchool, Heading, Lengths,
+        Memory, Refinement,
     },
     resample::Scheme,
 };
@@ -44,7 +44,7 @@ pub trait Watch {
     fn estimate(&mut self, position: Option<[f32; 2]>);
 
     /// A locator that moves its particles so often has taken a bearing.
-    fn pushed<const N: usize>(&mut self, locator: &Locator<N>, moves: u8);
+    fn pushed<const N: usize>(&mut self, locator: &Clean<N>, moves: u8);
 }
 
 /// A method.
@@ -89,8 +89,6 @@ pub(crate) const IMPROVED: &str = "improved";
 pub(crate) const RELATIVE: &str = "improved.relative";
 pub(crate) const IMPROVED_METROPOLIS: &str = "improved.metropolis";
 
-const VALID: &str = "the settings are valid";
-
 /// The study of the locator.
 pub fn aoa(visit: &mut impl Visit) {
     let plain = Bootstrap::<100>(Start::AnyPair);
@@ -112,18 +110,27 @@ pub fn aoa(visit: &mut impl Visit) {
 /// The study of the fish school, with the published number of particles.
 pub fn fish<const N: usize>(visit: &mut impl Visit) {
     // Metres, as printed.
-    let printed = FishSchool::new(Lengths::Absolute, 1.0, 0.3).expect(VALID);
+    let printed = FishSchool::PUBLISHED;
     // Many short looks around: each iteration is one, and a random step if the place is not better.
-    let restless = printed.behaviour(Behaviour::Prey).tries(1).expect(VALID);
-    let restless = restless.iterations(50).expect(VALID);
-    let relative = FishSchool::new(Lengths::Relative, 1.0, 0.3).expect(VALID);
+    let restless = FishSchool {
+        behaviour: Behaviour::Prey,
+        tries: 1,
+        iterations: 50,
+        ..printed
+    };
+    let relative = FishSchool::DEFAULT;
     // The best length of a random walk in two dimensions, of which a fish swims half on average.
-    let metropolis = FishSchool::new(Lengths::Relative, 1.0, 3.4).expect(VALID);
-    let metropolis = metropolis
-        .behaviour(Behaviour::SwarmAndFollow)
-        .acceptance(Acceptance::Metropolis);
-    let evolution = DifferentialEvolution::new().crossover(1.0).expect(VALID);
-    let evolution = evolution.generations(3).expect(VALID);
+    let metropolis = FishSchool {
+        step: 3.4,
+        behaviour: Behaviour::SwarmAndFollow,
+        acceptance: Acceptance::Metropolis,
+        ..FishSchool::DEFAULT
+    };
+    let evolution = DifferentialEvolution {
+        crossover: 1.0,
+        generations: 3,
+        ..DifferentialEvolution::METROPOLIS
+    };
 
     let plain = Bootstrap::<N>(Start::AnyPair);
     visit.method("particle filter as published", PUBLISHED, plain);
@@ -139,10 +146,13 @@ pub fn fish<const N: usize>(visit: &mut impl Visit) {
     );
     let many = Gathered::<N, _>(restless);
     visit.method("prey only, 50 iterations of one try", FISH_50, many);
-    let literal = Gathered::<N, _>(restless.heading(Heading::Diagonal));
+    let literal = Gathered::<N, _>(FishSchool {
+        heading: Heading::Diagonal,
+        ..restless
+    });
     visit.method("the same, random step as printed", FISH_LITERAL, literal);
     visit.method("fish, Metropolis", METROPOLIS, Moved::<N, _>(metropolis));
-    let evolution = Moved::<N, _>(evolution.acceptance(Acceptance::Metropolis));
+    let evolution = Moved::<N, _>(evolution);
     visit.method("evolution, Metropolis", EVOLUTION, evolution);
     visit.method("locator", LOCATOR, Located::<N>(2));
     visit.method("locator, 4 moves", LOCATOR_4, Located::<N>(4));
@@ -152,9 +162,11 @@ pub fn fish<const N: usize>(visit: &mut impl Visit) {
 /// The study of the fireflies.
 pub fn fireflies<const N: usize>(visit: &mut impl Visit) {
     let [standard, improved, _] = published_fireflies();
-    let drawn_in = Firefly::improved(Lengths::Relative, 1.0, 0.2).expect(VALID);
-    let metropolis = Firefly::improved(Lengths::Relative, 0.1, 4.0).expect(VALID);
-    let metropolis = metropolis.iterations(3).expect(VALID);
+    let drawn_in = Firefly::DEFAULT;
+    let metropolis = Firefly {
+        iterations: 3,
+        ..Firefly::METROPOLIS
+    };
 
     let plain = Bootstrap::<N>(Start::AnyPair);
     visit.method("particle filter as published", PUBLISHED, plain);
@@ -168,7 +180,7 @@ pub fn fireflies<const N: usize>(visit: &mut impl Visit) {
         RELATIVE,
         relative,
     );
-    let metropolis = Moved::<N, _>(metropolis.acceptance(Acceptance::Metropolis));
+    let metropolis = Moved::<N, _>(metropolis);
     visit.method(
         "improved firefly, Metropolis, 3 moves",
         IMPROVED_METROPOLIS,
@@ -181,14 +193,23 @@ pub fn fireflies<const N: usize>(visit: &mut impl Visit) {
 /// As published as far as it can be known: gamma, alpha and the least attraction are not printed. The standard form
 /// sees far; the improved one is tuned to do least harm.
 pub fn published_fireflies() -> [Firefly; 3] {
-    let standard = Firefly::standard(Lengths::Absolute, 0.1, 0.2).expect(VALID);
-    let improved = Firefly::improved(Lengths::Absolute, 1.0, 0.2).expect(VALID);
-    let five_moves = improved.least_attraction(0.05).expect(VALID);
-    [
-        standard,
-        improved.least_attraction(0.0).expect(VALID),
-        five_moves.iterations(5).expect(VALID),
-    ]
+    let lengths = Lengths::Absolute;
+    let standard = Firefly {
+        lengths,
+        absorption: 0.1,
+        ..Firefly::STANDARD
+    };
+    let improved = Firefly {
+        lengths,
+        least_attraction: 0.0,
+        ..Firefly::DEFAULT
+    };
+    let five_moves = Firefly {
+        least_attraction: 0.05,
+        iterations: 5,
+        ..improved
+    };
+    [standard, improved, five_moves]
 }
 
 /// The bootstrap filter with more and more particles.
@@ -241,9 +262,16 @@ fn any<'a>(observations: &'a [Observation], rng: &mut Xoshiro128PlusPlus) -> &'a
 }
 
 fn disturbed(observation: &Observation, rng: &mut Xoshiro128PlusPlus) -> Option<Observation> {
-    let sigma = observation.deviation();
+    let sigma = observation.sigma_rad();
     let angle = observation.bearing().radians() + sigma * normal(rng);
-    Observation::new(observation.position(), Bearing::from_radians(angle), sigma).ok()
+    let bearing = Bearing::from_radians(angle);
+    Observation::new(
+        observation.time_ms(),
+        observation.position(),
+        bearing,
+        sigma,
+    )
+    .ok()
 }
 
 /// How many places `b` is from `a` in the order of their angles.
@@ -302,7 +330,7 @@ fn bootstrap<const N: usize, L: Likelihood<2>>(
     mut refine: impl FnMut(&mut ParticleFilter<2, N>, &L, &mut Xoshiro128PlusPlus),
 ) -> Option<Estimate> {
     let walk = RandomWalk {
-        deviation: [sqrt(bearings.process); 2],
+        sigma: [sqrt(bearings.process); 2],
     };
     let mut filter = ParticleFilter::<2, N>::new();
     filter.initialise(rng, |rng| start.draw(bearings.observations, rng));
@@ -395,19 +423,19 @@ impl<const N: usize> Method for Located<N> {
         rng: &mut Xoshiro128PlusPlus,
         watch: &mut impl Watch,
     ) -> Option<Estimate> {
-        let fix = |answer| match answer {
-            Answer::Fix(fix) => Some(fix),
-            Answer::NotObservable(_) => None,
+        let config = Config {
+            moves: self.0,
+            ..Config::DEFAULT
         };
-        let mut locator = Locator::<N>::new(Settings::new().moves(self.0).ok()?);
+        let mut locator = Locator::<Clean<N>>::new(config).ok()?;
         for observation in bearings.observations {
-            let answer = locator.push(*observation, rng);
-            watch.estimate(fix(answer).map(|fix| fix.position));
-            watch.pushed(&locator, self.0);
+            let answer = locator.push(observation, rng).ok()?;
+            watch.estimate(answer.fix().map(|fix| fix.position));
+            watch.pushed(locator.state(), self.0);
         }
-        fix(locator.answer()).map(|fix| Estimate {
+        locator.fix().map(|fix| Estimate {
             position: fix.position,
-            covariance: fix.covariance,
+            covariance: fix.covariance.rows(),
         })
     }
 }
@@ -438,7 +466,7 @@ impl Method for GaussNewton {
         let solution = gauss_newton::solve(bearings.observations, Errors::Gaussian, middle).ok()?;
         Some(Estimate {
             position: solution.position,
-            covariance: solution.covariance,
+            covariance: solution.covariance.rows(),
         })
     }
 }

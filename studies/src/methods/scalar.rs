@@ -8,7 +8,7 @@ use foxhunt::{
         AuxiliaryFilter, PointMassFilter, Posterior, Sensor, Transition, UnscentedParticleFilter,
     },
     random::Xoshiro128PlusPlus,
-    refine::{Acceptance, DifferentialEvolution, Firefly, Lengths, Memory, Refinement},
+    refine::{Acceptance, DifferentialEvolution, Firefly, Memory, Refinement},
     resample::Scheme,
 };
 
@@ -55,14 +55,15 @@ pub(crate) const EVOLUTION: &str = "evolution.metropolis";
 pub(crate) const AUXILIARY: &str = "auxiliary";
 pub(crate) const POINT_MASS: &str = "point_mass";
 
-const VALID: &str = "the settings are valid";
-
 /// The study of the fireflies: 50 particles.
 pub fn growth(visit: &mut impl Visit) {
     const N: usize = 50;
     let [standard, improved, five_moves] = published_fireflies();
-    let metropolis = Firefly::improved(Lengths::Relative, 1.0, 0.2).expect(VALID);
-    let metropolis = metropolis.iterations(5).expect(VALID);
+    let metropolis = Firefly {
+        iterations: 5,
+        acceptance: Acceptance::Metropolis,
+        ..Firefly::DEFAULT
+    };
 
     visit.method("particle filter", BOOTSTRAP, Bootstrap::<N>);
     visit.method(
@@ -77,7 +78,7 @@ pub fn growth(visit: &mut impl Visit) {
         IMPROVED_5,
         Gathered::<N, _>(five_moves),
     );
-    let metropolis = Moved::<N, _>(metropolis.acceptance(Acceptance::Metropolis));
+    let metropolis = Moved::<N, _>(metropolis);
     visit.method(
         "improved firefly, Metropolis, 5 moves",
         IMPROVED_METROPOLIS,
@@ -90,9 +91,11 @@ pub fn growth(visit: &mut impl Visit) {
 /// The study of differential evolution: 10 particles.
 pub fn gamma(visit: &mut impl Visit) {
     const N: usize = 10;
-    let greedy = DifferentialEvolution::new();
-    let chain = greedy.generations(2).expect(VALID);
-    let chain = chain.acceptance(Acceptance::Metropolis);
+    let greedy = DifferentialEvolution::DEFAULT;
+    let chain = DifferentialEvolution {
+        generations: 2,
+        ..DifferentialEvolution::METROPOLIS
+    };
     let posterior = Evolved::<N, _>(greedy, Target::Posterior);
     let likelihood = Evolved::<N, _>(greedy, Target::Likelihood);
 

@@ -12,6 +12,8 @@ pub struct Occupied {
     pub flash: u64,
     /// Variables, initialised or not; the stack is not among them.
     pub ram: u64,
+    /// Those of the variables that have an initial value other than zero: they take flash, too.
+    pub data: u64,
 }
 
 /// Adds up the sections of the firmware in `elf` that are loaded or reserved. Debugging information and
@@ -19,7 +21,11 @@ pub struct Occupied {
 pub fn occupied(elf: &Path) -> Result<Occupied> {
     let data = fs::read(elf).with_context(|| format!("cannot read {}", elf.display()))?;
     let file = File::parse(data.as_slice())?;
-    let mut occupied = Occupied { flash: 0, ram: 0 };
+    let mut occupied = Occupied {
+        flash: 0,
+        ram: 0,
+        data: 0,
+    };
     for section in file.sections() {
         let SectionFlags::Elf { sh_flags, .. } = section.flags() else {
             continue;
@@ -31,8 +37,12 @@ pub fn occupied(elf: &Path) -> Result<Occupied> {
         if !zeroed {
             occupied.flash += section.size();
         }
-        if zeroed || section.kind() == SectionKind::Data {
+        let initialised = section.kind() == SectionKind::Data;
+        if zeroed || initialised {
             occupied.ram += section.size();
+        }
+        if initialised {
+            occupied.data += section.size();
         }
     }
     Ok(occupied)

@@ -2,14 +2,17 @@
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use foxhunt::{
-    aoa::robust::{self, Tails},
+    aoa::{
+        Mixture,
+        robust::{self, Correlation, Errors, Tails},
+    },
     gateway::{
-        BearingReference, DeviationTable, Finder as Device, KrakenConfidence, Sense as Turn,
-        Settings, UbloxQuality,
+        self, BearingReference,
+        formats::{Finder, Sense as Turn, agrelo, kraken, ublox},
     },
 };
-use foxhunt_gateways::robust as firmware;
 
 /// What takes the bearings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -22,14 +25,6 @@ pub enum Kind {
     Single,
     /// One source that may move, with such bearings.
     Moving,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Finder {
-    Any,
-    Agrelo,
-    Kraken,
-    Ublox,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -63,9 +58,9 @@ enum Sigmas {
 #[derive(clap::Args)]
 #[command(next_help_heading = "The log")]
 pub struct Input {
-    /// The direction finder; lines of others are rejected.
-    #[arg(long, value_enum, default_value_t = Finder::Any)]
-    finder: Finder,
+    /// The only direction finder that is heard: lines of others are rejected. Unless given, every one is heard.
+    #[arg(long, value_parser = finders())]
+    finder: Option<Finder>,
     /// What the angles count from.
     #[arg(long, value_enum, default_value_t = Reference::Relative)]
     reference: Reference,
@@ -119,6 +114,13 @@ pub struct Input {
     seed: u64,
 }
 
+/// The direction finders that the library knows, by their names.
+fn finders() -> impl TypedValueParser<Value = Finder> {
+    let named = |name: String| Finder::ALL.iter().copied().find(|one| one.name() == name);
+    PossibleValuesParser::new(Finder::ALL.iter().map(|finder| finder.name()))
+        .map(move |name| named(name).expect("a possible value"))
+}
+
 fn tag(text: &str) -> Result<u64> {
     ensure!(text.len() == 12, "a tag has 12 digits");
     u64::from_str_radix(text, 16).context("a tag has hexadecimal digits")
@@ -128,8 +130,8 @@ impl Input {
     /// Fails if anything is told that another setting makes idle.
     fn ensure_of_use(&self) -> Result<()> {
         let (by_device, finder) = (self.sigmas == Sigmas::Devices, self.finder);
-        let only = |device| ![Finder::Any, device].contains(&finder);
-        let no_angle_of_choice = finder == Finder::Agrelo;
+        let only = |device| finder.is_some_and(|finder| finder != device);
+        let no_angle_of_choice = finder == Some(Finder::Agrelo);
         for (name, given, idle, other) in [
             (
                 "--best-sigma",
@@ -173,56 +175,52 @@ impl Input {
         Ok(())
     }
 
-    /// The settings of the gateway.
+    /// The configuration of the gateway, with that of its locator.
     ///
     /// # Errors
-    /// If one is out of range, or of no use beside another.
-    pub fn settings(&self) -> Result<Settings> {
+    /// If a value is of no use beside another.
+    pub fn config<C>(&self, locator: C) -> Result<gateway::Config<C>> {
         self.ensure_of_use()?;
-        let best = self.best_sigma.unwrap_or(2.0).to_radians();
-        let worst = self.worst_sigma.unwrap_or(10.0).to_radians();
-        let mut settings = Settings::new()
-            .with_finder(match self.finder {
-                Finder::Any => Device::Any,
-                Finder::Agrelo => Device::Agrelo,
-                Finder::Kraken => Device::Kraken,
-                Finder::Ublox => Device::Ublox,
-            })
-            .with_reference(match self.reference {
+        let by_device = self.sigmas == Sigmas::Devices;
+        let sense = match self.sense {
+            Sense::Clockwise => Turn::Clockwise,
+            Sense::CounterClockwise => Turn::CounterClockwise,
+        };
+        let confidence = match self.confidence {
+            Confidence::Percent => kraken::Confidence::Percent,
+            Confidence::Decibels => kraken::Confidence::Decibels,
+        };
+        let in_decibels = self.confidence == Confidence::Decibels;
+        let mut config = gateway::Config {
+            reference: match self.reference {
                 Reference::Relative => BearingReference::Relative,
                 Reference::TrueNorth => BearingReference::TrueNorth,
-            })
-            .with_sense(match self.sense {
-                Sense::Clockwise => Turn::Clockwise,
-                Sense::CounterClockwise => Turn::CounterClockwise,
-            })
-            .with_kraken_confidence(match self.confidence {
-                Confidence::Percent => KrakenConfidence::Percent,
-                Confidence::Decibels => KrakenConfidence::Decibels,
-            })
-            .with_seed(self.seed)
-            .with_minimum_quality(self.minimum_quality)?
-            .with_deviations(best, worst)?
-            .with_maximum_age_ms(self.maximum_age)?
-            .with_minimum_speed_m_s(self.minimum_speed)?;
-        if let Some(frequency) = self.frequency {
-            settings = settings.with_kraken_frequency_hz(frequency)?;
+            },
+            seed: self.seed,
+            min_quality: self.minimum_quality,
+            best_sigma_rad: self.best_sigma.unwrap_or(2.0).to_radians(),
+            worst_sigma_rad: self.worst_sigma.unwrap_or(10.0).to_radians(),
+            max_age_ms: self.maximum_age,
+            min_speed_m_s: self.minimum_speed,
+            ..gateway::Config::new(locator)
+        };
+        let formats = &mut config.formats;
+        formats.finder = self.finder;
+        formats.agrelo.sigmas = by_device.then_some(&agrelo::SIGMAS);
+        formats.kraken = kraken::Config {
+            sense,
+            confidence,
+            frequency_hz: self.frequency,
+            sigmas: (by_device && in_decibels).then_some(&kraken::SIGMAS_BY_DECIBELS),
+            ..kraken::Config::DEFAULT
+        };
+        formats.ublox.sense = sense;
+        formats.ublox.tag = self.tag;
+        if by_device {
+            formats.ublox.sigmas = Some(&ublox::SIGMAS);
+            formats.ublox.quality = ublox::Quality::Azimuth;
         }
-        if let Some(tag) = self.tag {
-            settings = settings.with_ublox_tag(tag);
-        }
-        if self.sigmas == Sigmas::Devices {
-            let kraken = match self.confidence {
-                Confidence::Percent => &DeviationTable::KRAKEN_PERCENT,
-                Confidence::Decibels => &DeviationTable::KRAKEN_DECIBELS,
-            };
-            settings = settings
-                .with_deviation_table(Device::Agrelo, &DeviationTable::AGRELO)
-                .with_deviation_table(Device::Kraken, kraken)
-                .with_deviation_table(Device::Ublox, &DeviationTable::UBLOX)
-                .with_ublox_quality(UbloxQuality::Azimuth);
-        }
-        Ok(settings)
+        Ok(config)
     }
 }
 
@@ -276,29 +274,40 @@ impl Belief {
         Ok(())
     }
 
-    /// The settings of the locator.
-    pub fn settings(&self) -> Result<robust::Settings> {
-        let mut errors = firmware::ERRORS;
+    /// The configuration of the locator: that of the firmware, but for what is told.
+    ///
+    /// # Errors
+    /// Names the field that is out of range.
+    pub fn config(&self) -> Result<robust::Config> {
+        let mut config = robust::Config::CITY;
+        let Errors {
+            tails,
+            rates,
+            bias_sigma_rad,
+            position_sigma_m,
+            correlation: Correlation { distance_m, .. },
+            ..
+        } = &mut config.errors;
         if let Some(degrees) = self.bias_sigma {
-            errors = errors.bias_deviation(degrees.to_radians())?;
+            *bias_sigma_rad = degrees.to_radians();
         }
         if let Some(metres) = self.position_sigma {
-            errors = errors.position_deviation(metres)?;
+            *position_sigma_m = metres;
         }
-        if self.mirrored.is_some() || self.outliers.is_some() {
-            let mirrored = self.mirrored.unwrap_or(0.08);
-            errors = errors.shares(mirrored, self.outliers.unwrap_or(0.12))?;
-        }
-        if let Some(distance) = self.correlation_distance {
-            errors = errors.correlation(0.9, distance, f32::INFINITY)?;
+        *rates = Mixture::new(
+            self.mirrored.unwrap_or(rates.mirrored),
+            self.outliers.unwrap_or(rates.outlier),
+        );
+        if let Some(metres) = self.correlation_distance {
+            *distance_m = metres;
         }
         if let Some(freedom) = self.freedom {
-            errors = errors.tails(Tails::Student { freedom })?;
+            *tails = Tails::Student { freedom };
         }
-        let settings = robust::Settings::new(errors);
-        Ok(match self.range {
-            Some(metres) => settings.range_m(metres)?,
-            None => settings,
-        })
+        if let Some(metres) = self.range {
+            config.range_m = metres;
+        }
+        config.check()?;
+        Ok(config)
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use comfy_table::{Cell, CellAlignment, Table, presets::ASCII_MARKDOWN};
 use foxhunt::{
-    aoa::locator::{Answer, NotObservable},
+    aoa::{Answer, NotObservable},
     gateway::{Counters, Rejected},
 };
 use foxhunt_host::archive::{Answered, Archive, Kind, coordinates};
@@ -20,7 +20,9 @@ pub fn lines(bytes: u64, counters: &Counters) -> String {
     row("all", counters.lines);
     row("sentences used", counters.sentences);
     row("bearings used", counters.bearings);
-    row("sentences of no use here", counters.ignored);
+    row("sentences for others", counters.ignored);
+    row("queries", counters.queries);
+    row("restarts", counters.restarts);
     for reason in Rejected::ALL {
         let count = counters.rejected(reason);
         if count > 0 {
@@ -68,7 +70,7 @@ pub fn answer(archive: &Archive) -> String {
             source.identity, ellipse.semi_major, ellipse.semi_minor, source.fix.bearings,
         ));
         if let Some(motion) = source.motion {
-            let [east, north] = motion.velocity;
+            let [east, north] = motion.velocity_m_s;
             line(format_args!(
                 "  moves with {:.0} % probability, at {:.1} m/s",
                 100.0 * motion.moving,
@@ -79,22 +81,22 @@ pub fn answer(archive: &Archive) -> String {
     if let Answer::NotObservable(reason) = last.answer {
         line(format_args!("no fix: {}", why(reason)));
     }
-    let likely = archive.hypotheses.iter().filter(|h| h.mass >= 0.01);
+    let likely = archive.hypotheses.iter().filter(|h| h.probability >= 0.01);
     if last.sources.is_empty() || likely.clone().count() > 1 {
         for hypothesis in likely {
             if let Some([longitude, latitude]) = coordinates(&last.plane, hypothesis.position) {
                 line(format_args!(
                     "hypothesis at {latitude:.7}, {longitude:.7}: {:.0} %",
-                    100.0 * hypothesis.mass,
+                    100.0 * hypothesis.probability,
                 ));
             }
         }
     }
     if let Some(bias) = last.bias {
         line(format_args!(
-            "bearings are off by {:+.1} degrees (standard deviation {:.1})",
-            -bias.mean.to_degrees(),
-            bias.deviation.to_degrees(),
+            "bearings have a common bias of {:+.1} degrees (sigma {:.1})",
+            -bias.mean_rad.to_degrees(),
+            bias.sigma_rad.to_degrees(),
         ));
     }
     if archive.last_bearings().any(|taken| taken.kind().is_some()) {
@@ -123,10 +125,13 @@ pub fn answer(archive: &Archive) -> String {
 fn why(reason: NotObservable) -> String {
     match reason {
         NotObservable::TooFewBearings { have } => format!("{have} bearings are too few"),
-        NotObservable::CrossingAngle { radians, needed } => format!(
+        NotObservable::CrossingAngle {
+            have_rad,
+            needed_rad,
+        } => format!(
             "the bearings cross at {:.1} degrees, {:.1} are needed",
-            radians.to_degrees(),
-            needed.to_degrees(),
+            have_rad.to_degrees(),
+            needed_rad.to_degrees(),
         ),
         NotObservable::NoIntersection => {
             "the bearings part, or hypotheses are similarly likely".into()

@@ -2,10 +2,7 @@
 
 use anyhow::{Context, Result};
 use foxhunt::{
-    aoa::{
-        BearingLikelihood,
-        locator::{Answer, Locator},
-    },
+    aoa::{BearingLikelihood, Clean, Locate},
     estimate::Ellipse,
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
@@ -126,10 +123,10 @@ impl Watch for Watcher<'_> {
     }
 
     /// What a locator evaluates for each particle can be told from whether they moved.
-    fn pushed<const N: usize>(&mut self, locator: &Locator<N>, moves: u8) {
-        let Answer::Fix(_) = locator.answer() else {
+    fn pushed<const N: usize>(&mut self, locator: &Clean<N>, moves: u8) {
+        if locator.fix().is_none() {
             return;
-        };
+        }
         let (kept, moves) = (locator.observations().len(), usize::from(moves));
         let columns = locator.columns().map(<[f32]>::to_vec);
         self.counter.add(match &self.locator {

@@ -258,7 +258,7 @@ fn cloud(
 /// The bootstrap filter, its particles weighed by the map between the ends of the tunnel.
 fn direct(run: &Run, map: &LineMap, rng: &mut (impl Rng + ?Sized)) -> Result<Vec<f64>> {
     let motion = ConstantVelocity {
-        acceleration: [0.5, 0.1],
+        sigma_m_s2: [0.5, 0.1],
     };
     let mut filter = ParticleFilter::<4, PARTICLES>::new();
     filter.initialise(rng, |rng| {

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use foxhunt::aoa::robust::{Errors, Settings};
+use foxhunt::aoa::robust::{Config, Correlation, Errors};
 use foxhunt_host::{Sight, figures::Figure, measured::Measured, reference::mahalanobis, simulate};
 use indicatif::ParallelProgressIterator;
 use nalgebra::Vector2;
@@ -27,11 +27,19 @@ const TRANSMITTERS: [&str; 3] = ["tx2", "tx3", "tx4"];
 const SIGMA_DEGREES: f64 = 3.0;
 
 /// One for all: a room of ten metres, places that are decimetres apart.
-fn settings() -> Result<Settings> {
-    let errors = Errors::new().bias_deviation(SIGMA_DEGREES.to_radians() as f32)?;
-    let errors = errors.correlation(0.95, 0.2, f32::INFINITY)?;
-    Ok(Settings::new(errors).range_m(10.0)?)
-}
+const CONFIG: Config = foxhunt::config!(Config {
+    errors: Errors {
+        bias_sigma_rad: SIGMA_DEGREES.to_radians() as f32,
+        correlation: Correlation {
+            at_rest: 0.95,
+            distance_m: 0.2,
+            time_s: f32::INFINITY,
+        },
+        ..Errors::DEFAULT
+    },
+    range_m: 10.0,
+    ..Config::DEFAULT
+});
 
 /// Runs all transmitters of both sets.
 pub fn run(study: &Study, orders: u32) -> Result<Vec<Figure>> {
@@ -120,12 +128,12 @@ impl Transmitter {
             .bearings
             .iter()
             .map(|&(position, degrees)| Sight {
+                time_ms: 0,
                 position,
                 bearing: degrees.to_radians(),
                 sigma: SIGMA_DEGREES.to_radians(),
             })
             .collect();
-        let settings = settings()?;
         let ours = (0..orders)
             .into_par_iter()
             .progress_with(progress(orders.into(), name.join(" "))?)
@@ -135,7 +143,10 @@ impl Transmitter {
                 for last in (1..sights.len()).rev() {
                     sights.swap(last, rng.random_range(0..=last));
                 }
-                let answer = locate(settings, &sights, seed ^ u64::from(order))?;
+                for (index, sight) in sights.iter_mut().enumerate() {
+                    sight.time_ms = 1000 * index as u32;
+                }
+                let answer = locate(&CONFIG, &sights, seed ^ u64::from(order))?;
                 Ok(Outcome::of(answer, source))
             })
             .collect::<Result<_>>()?;

@@ -2,10 +2,7 @@
 
 use anyhow::Result;
 use foxhunt::{
-    aoa::{
-        locator::{Answer, Fix},
-        robust::{RobustLocator, Settings},
-    },
+    aoa::{Answer, Fix, Locate, Robust, robust::Config},
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
 use foxhunt_host::{
@@ -56,11 +53,11 @@ fn distance(fix: &Fix, source: [f64; 2]) -> f64 {
 }
 
 /// The last answer to the bearings.
-pub fn locate(settings: Settings, sights: &[Sight], seed: u64) -> Result<Answer> {
+pub fn locate(config: &Config, sights: &[Sight], seed: u64) -> Result<Answer> {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
-    let mut locator = Box::new(RobustLocator::<256, 64>::new(settings));
+    let mut locator = Box::new(Robust::<256>::EMPTY);
     for sight in sights {
-        locator.push((*sight).try_into()?, &mut rng);
+        locator.push(&(*sight).try_into()?, config, &mut rng)?;
     }
     Ok(locator.answer())
 }

@@ -2,10 +2,7 @@
 
 use anyhow::Result;
 use foxhunt::{
-    aoa::{
-        locator::Answer,
-        robust::{RobustLocator, Settings},
-    },
+    aoa::{Locator, Robust, robust},
     estimate::Ellipse,
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
@@ -25,13 +22,16 @@ pub fn draw(study: &Study) -> Result<()> {
     };
     faults.spoil(&mut sights, &mut simulate::generator(!seed, 0));
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
-    let mut locator = Box::new(RobustLocator::<256, 64>::new(Settings::default()));
+    let mut locator = Box::new(Locator::<Robust<256>>::new(robust::Config::DEFAULT)?);
     let mut competing = false;
     for k in 1..=sights.len() {
-        locator.push(sights[k - 1].try_into()?, &mut rng);
+        locator.push(&sights[k - 1].try_into()?, &mut rng)?;
         let last = k == sights.len();
         // Early on, when a few bearings cross here and there.
-        let heavy = locator.hypotheses().filter(|h| h.mass > 0.02).count();
+        let heavy = locator
+            .hypotheses()
+            .filter(|h| h.probability > 0.02)
+            .count();
         let compete = k > 5 && heavy > 1 && !competing;
         if last || compete {
             competing = true;
@@ -44,11 +44,8 @@ pub fn draw(study: &Study) -> Result<()> {
     Ok(())
 }
 
-fn map(track: &Track, sights: &[Sight], locator: &RobustLocator<256, 64>) -> Map {
-    let fix = match locator.answer() {
-        Answer::Fix(fix) => Some(fix),
-        Answer::NotObservable(_) => None,
-    };
+fn map(track: &Track, sights: &[Sight], locator: &Locator<Robust<256>>) -> Map {
+    let fix = locator.fix();
     // As lines: a mirrored bearing says as much as a direct one.
     let off = |sight: &Sight, place: [f32; 2]| {
         let residual = sight.residual(place.map(f64::from)).abs();
@@ -57,14 +54,14 @@ fn map(track: &Track, sights: &[Sight], locator: &RobustLocator<256, 64>) -> Map
     let (kept, rejected) = sights
         .iter()
         .partition(|sight| fix.is_none_or(|fix| off(sight, fix.position) < 3.0));
-    let [x, y, _] = locator.columns();
-    let rates = locator.shares();
+    let [x, y, _] = locator.state().columns();
+    let rates = locator.rates();
     Map {
         title: format!("Track {}: {} bearings", track.name, sights.len()),
         caption: format!(
             "30 % of the bearings are outliers and 10 % mirrored, which it does not know; learned so far: {:.0} % and {:.0} %",
-            100.0 * rates.wild,
-            100.0 * rates.mirror,
+            100.0 * rates.map_or(0.0, |rates| rates.outlier),
+            100.0 * rates.map_or(0.0, |rates| rates.mirrored),
         ),
         sights: kept,
         rejected,
@@ -75,11 +72,11 @@ fn map(track: &Track, sights: &[Sight], locator: &RobustLocator<256, 64>) -> Map
             .collect(),
         hypotheses: locator
             .hypotheses()
-            .filter(|h| h.mass > 1e-3)
+            .filter(|h| h.probability > 1e-3)
             .map(|h| {
                 (
                     Ellipse::of_normal(h.position, h.covariance, 0.95),
-                    h.mass.into(),
+                    h.probability.into(),
                 )
             })
             .collect(),

@@ -3,8 +3,8 @@
 use anyhow::{Context, Result};
 use foxhunt::{
     aoa::{
-        locator::{self, Answer, Locator},
-        robust::{Errors, Settings},
+        Answer, Clean, Locator, clean,
+        robust::{Config, Errors},
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
@@ -69,9 +69,9 @@ fn conditions() -> [Condition; 6] {
 
 fn locate_plainly(sights: &[Sight], seed: u64) -> Result<Answer> {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
-    let mut locator = Box::new(Locator::<256, 64>::new(locator::Settings::new()));
+    let mut locator = Box::new(Locator::<Clean<256>>::new(clean::Config::DEFAULT)?);
     for sight in sights {
-        locator.push((*sight).try_into()?, &mut rng);
+        locator.push(&(*sight).try_into()?, &mut rng)?;
     }
     Ok(locator.answer())
 }
@@ -95,8 +95,14 @@ impl Run {
         let floor = Posterior::new(&sights).context("no posterior")?;
         faults.spoil(&mut sights, &mut simulate::generator(!seed, run));
         let exact = Posterior::with_faults(&sights, faults).context("no posterior")?;
-        let errors = Errors::new().bias_deviation(faults.bias_sigma as f32)?;
-        let ours = locate(Settings::new(errors), &sights, seed ^ run)?;
+        let config = Config {
+            errors: Errors {
+                bias_sigma_rad: faults.bias_sigma as f32,
+                ..Errors::DEFAULT
+            },
+            ..Config::DEFAULT
+        };
+        let ours = locate(&config, &sights, seed ^ run)?;
         let plain = locate_plainly(&sights, seed ^ run)?;
         Ok(Self {
             floor: Outcome::exact(&floor, source),

@@ -1,7 +1,7 @@
-//! A stationary vehicle:  a thousand readings whose errors are correlated.
+//! A stationary vehicle: a thousand readings whose errors are correlated.
 
 use anyhow::Result;
-use foxhunt::aoa::robust::{Errors, Settings};
+use foxhunt::aoa::robust::{Config, Correlation, Errors};
 use foxhunt_host::{faults::Stationary, figures::Figure, simulate, tracks::Track};
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
@@ -74,7 +74,17 @@ fn outcomes(
         at_rest: AT_REST,
         distance: DISTANCE_M,
     };
-    let errors = Errors::new().correlation(at_rest as f32, DISTANCE_M as f32, f32::INFINITY)?;
+    let config = Config {
+        errors: Errors {
+            correlation: Correlation {
+                at_rest: at_rest as f32,
+                distance_m: DISTANCE_M as f32,
+                time_s: f32::INFINITY,
+            },
+            ..Errors::DEFAULT
+        },
+        ..Config::DEFAULT
+    };
     (0..runs)
         .into_par_iter()
         .progress_with(progress(
@@ -83,7 +93,7 @@ fn outcomes(
         )?)
         .map(|run| {
             let sights = stationary.bearings(track, &mut simulate::generator(seed, run.into()));
-            let answer = locate(Settings::new(errors), &sights, seed ^ u64::from(run))?;
+            let answer = locate(&config, &sights, seed ^ u64::from(run))?;
             Ok(Outcome::of(answer, track.source))
         })
         .collect()

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use foxhunt::aoa::locator::Fix;
+use foxhunt::aoa::Fix;
 use foxhunt_host::reference::mahalanobis;
 
 /// How far the true place is from a fix, in the standard deviations that the fix claims: its Mahalanobis
@@ -19,7 +19,7 @@ impl Coverage {
     /// Of `truth`, in metres from the origin of the fix.
     pub fn new(fix: &Fix, truth: [f64; 2]) -> Self {
         let offset = [0, 1].map(|d| truth[d] - f64::from(fix.position[d]));
-        let covariance = fix.covariance.map(|row| row.map(f64::from));
+        let covariance = fix.covariance.rows().map(|row| row.map(f64::from));
         Self(mahalanobis(offset, &covariance.into()))
     }
 }
@@ -52,7 +52,7 @@ mod tests {
     fn a_truth_inside_at_the_edge_and_far_outside() {
         let fix = Fix {
             position: [10.0, 20.0],
-            covariance: [[4.0, 0.0], [0.0, 1.0]],
+            covariance: [[4.0, 0.0], [0.0, 1.0]].into(),
             effective_sample_size: 100.0,
             bearings: 10,
         };

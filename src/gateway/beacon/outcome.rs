@@ -1,10 +1,31 @@
-//! What became of the messages.
+//! What messages lead to, and their counts.
 
 use core::fmt;
 
+use crate::fingerprint::tracker::{Fix, Tag};
 use crate::gateway::tally::Tally;
+use crate::snapshot::value;
 
-/// Why a message was not used. The trackers are as if it had not been there.
+/// What a message led to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Event {
+    /// A packet was taken, and waits for others.
+    Taken(Tag),
+    /// A packet led to an update: the tag is there.
+    Fix(Tag, Fix),
+    /// The message was not used.
+    Rejected(Rejected),
+    /// The host has asked, and [`BeaconGateway::report`](super::BeaconGateway::report) answers.
+    Queried,
+    /// All tags were forgotten.
+    Restarted,
+    /// A correct sentence of another kind.
+    Other,
+}
+
+/// Why a message was not used. The trackers are as before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -17,10 +38,10 @@ pub enum Rejected {
     Unparsable,
     /// A number that its field cannot hold, or a signal strength that no receiver measures.
     OutOfRange,
-    /// The map does not know the radio.
+    /// The radio is not in the map.
     UnknownRadio,
     /// The packet is older than one of the same tag that was used.
-    TimeBackwards,
+    TooOld,
 }
 
 impl Rejected {
@@ -31,7 +52,7 @@ impl Rejected {
         Self::Unparsable,
         Self::OutOfRange,
         Self::UnknownRadio,
-        Self::TimeBackwards,
+        Self::TooOld,
     ];
 }
 
@@ -43,7 +64,7 @@ impl fmt::Display for Rejected {
             Self::Unparsable => "message cannot be parsed",
             Self::OutOfRange => "value is out of range",
             Self::UnknownRadio => "radio is not in the map",
-            Self::TimeBackwards => "time runs backwards",
+            Self::TooOld => "packet is too old",
         })
     }
 }
@@ -51,38 +72,63 @@ impl fmt::Display for Rejected {
 impl core::error::Error for Rejected {}
 
 /// How many messages there were of each kind. Counts stay at their maximum when they reach it.
+///
+/// Every message is counted once: packets, queries, restarts, ignored and rejected messages add up to `messages`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {
     /// All messages that were not empty.
     pub messages: u32,
-    /// Packets that a tracker was given.
+    /// Packets that a tracker took.
     pub packets: u32,
-    /// Correct sentences of kinds that are of no use here.
+    /// Queries.
+    pub queries: u32,
+    /// Restarts.
+    pub restarts: u32,
+    /// Correct sentences of other kinds.
     pub ignored: u32,
     /// Trackers that were taken from one tag and given to another.
     pub evicted: u32,
     rejected: Tally<{ Rejected::ALL.len() }>,
 }
 
+value!(Counters {
+    messages,
+    packets,
+    queries,
+    restarts,
+    ignored,
+    evicted,
+    rejected
+});
+
 impl Counters {
-    pub(super) const fn new() -> Self {
-        Self {
-            messages: 0,
-            packets: 0,
-            ignored: 0,
-            evicted: 0,
-            rejected: Tally::new(),
-        }
-    }
+    pub(super) const EMPTY: Self = Self {
+        messages: 0,
+        packets: 0,
+        queries: 0,
+        restarts: 0,
+        ignored: 0,
+        evicted: 0,
+        rejected: Tally::new(),
+    };
 
     /// How many messages were rejected for this reason.
     pub fn rejected(&self, reason: Rejected) -> u32 {
         self.rejected.get(reason as usize)
     }
 
-    pub(super) fn reject(&mut self, reason: Rejected) {
-        self.rejected.add(reason as usize);
+    /// Counts a message, and what it led to.
+    pub(super) fn count(&mut self, event: &Event) {
+        self.messages = self.messages.saturating_add(1);
+        let count = match event {
+            Event::Taken(_) | Event::Fix(..) => &mut self.packets,
+            Event::Queried => &mut self.queries,
+            Event::Restarted => &mut self.restarts,
+            Event::Other => &mut self.ignored,
+            Event::Rejected(reason) => return self.rejected.add(*reason as usize),
+        };
+        *count = count.saturating_add(1);
     }
 }
 
@@ -94,8 +140,8 @@ mod tests {
     fn every_reason_is_counted_in_its_place() {
         for (place, reason) in Rejected::ALL.into_iter().enumerate() {
             assert_eq!(reason as usize, place);
-            let mut counters = Counters::new();
-            counters.reject(reason);
+            let mut counters = Counters::EMPTY;
+            counters.count(&Event::Rejected(reason));
             for other in Rejected::ALL {
                 assert_eq!(counters.rejected(other), u32::from(other == reason));
             }

@@ -1,0 +1,55 @@
+//! Where a gateway tracks, and how it treats its messages.
+
+use crate::ConfigError;
+use crate::config::{require, require_all};
+use crate::fingerprint::tracker::Site;
+
+/// How messages come over the line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Framing {
+    /// `$PFOXB` sentences.
+    #[default]
+    Lines,
+    /// Binary frames, stuffed so that a zero ends each: a third of the bytes, and a better checksum.
+    Frames,
+}
+
+/// Where a [`BeaconGateway`](super::BeaconGateway) tracks, and how it treats its messages.
+#[derive(Debug, Clone, Copy)]
+pub struct Config<'a> {
+    /// The map, and how tags are tracked on it.
+    pub site: Site<'a>,
+    /// How messages come. Reports are sentences in either case.
+    pub framing: Framing,
+    /// Seeds the particles; the same bytes with the same seed give the same reports.
+    pub seed: u64,
+    /// A radio that has heard nothing for so many milliseconds while others have, a second to an hour, is reported as
+    /// silent.
+    pub silence_ms: u32,
+}
+
+impl<'a> Config<'a> {
+    /// Sentences, and five seconds until a radio is silent.
+    pub const fn new(site: Site<'a>) -> Self {
+        Self {
+            site,
+            framing: Framing::Lines,
+            seed: 1,
+            silence_ms: 5_000,
+        }
+    }
+
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// The first field that is out of its range.
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        require_all!(self.site);
+        require!(
+            self.silence_ms >= 1_000 && self.silence_ms <= 3_600_000,
+            "silence_ms is not within 1000 and 3600000"
+        );
+        Ok(())
+    }
+}

@@ -1,0 +1,94 @@
+//! The trait of refinements, and the memory that they work in.
+
+use super::neighbours::{CELLS, Grid, Mate};
+use super::population::Report;
+use crate::ConfigError;
+use crate::model::Likelihood;
+use crate::random::Rng;
+
+/// Whether particles gather at the modes of the target or stay a sample of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Acceptance {
+    /// As published: fish and fireflies go where their rules send them, evolution keeps the better of two. The
+    /// cloud shrinks towards the modes; means profit from it at times, credible regions never.
+    #[default]
+    Greedy,
+    /// As Metropolis-Hastings proposals, with the probability of the way back where it is another than that of
+    /// the way there: the target stays invariant, whatever the number of particles and iterations.
+    Metropolis,
+}
+
+/// A way to move particles by a log-density.
+pub trait Refinement<const D: usize> {
+    /// Moves equally weighted particles, one column per dimension of their state, by the density `target`.
+    ///
+    /// A state whose density is NaN or plus infinity is impossible, like one of minus infinity: no particle moves
+    /// there. Particles beyond the workspace stay where they are.
+    fn refine<R: Rng + ?Sized>(
+        &self,
+        columns: &mut [&mut [f32]; D],
+        target: &impl Likelihood<D>,
+        workspace: &mut Workspace<'_, D>,
+        rng: &mut R,
+    ) -> Report;
+
+    /// The most evaluations of the density that a refinement of so many particles takes.
+    fn evaluations(&self, particles: usize) -> usize;
+
+    /// Checks the configuration.
+    ///
+    /// # Errors
+    /// Names the first field that is out of range.
+    fn check(&self) -> Result<(), ConfigError>;
+}
+
+/// What a refinement of `N` particles of `D` dimensions works in: 4 N (2 D + 3) + 1028 bytes, which hold nothing of
+/// use between calls. One serves any number of filters and refinements. `N` is at most 65,536, as in a filter.
+#[derive(Debug, Clone)]
+pub struct Memory<const D: usize, const N: usize> {
+    log_densities: [f32; N],
+    mates: [Mate<D>; N],
+    cells: [u32; CELLS + 1],
+}
+
+impl<const D: usize, const N: usize> Memory<D, N> {
+    /// Memory in bits that are all zero.
+    pub const EMPTY: Self = {
+        assert!(N <= 1 << 16, "up to 65,536 particles");
+        Self {
+            log_densities: [0.0; N],
+            mates: [Mate::NONE; N],
+            cells: [0; CELLS + 1],
+        }
+    };
+
+    /// [`Memory::EMPTY`].
+    pub const fn new() -> Self {
+        Self::EMPTY
+    }
+
+    /// The memory without its size, as refinements take it.
+    pub const fn workspace(&mut self) -> Workspace<'_, D> {
+        Workspace {
+            log_densities: &mut self.log_densities,
+            grid: Grid {
+                mates: &mut self.mates,
+                cells: &mut self.cells,
+            },
+        }
+    }
+}
+
+impl<const D: usize, const N: usize> Default for Memory<D, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Borrowed [`Memory`] of any size.
+#[derive(Debug)]
+pub struct Workspace<'a, const D: usize> {
+    pub(super) log_densities: &'a mut [f32],
+    pub(super) grid: Grid<'a, D>,
+}
