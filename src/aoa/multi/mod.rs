@@ -141,11 +141,11 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
         for slot in &mut self.slots {
             slot.recent *= kept;
         }
-        if let Some(slot) = place.and_then(|place| self.slots.get_mut(place)) {
-            slot.recent += 1.0;
-            if let Some(place) = place {
-                self.delete_twin(place);
+        if let Some(place) = place {
+            if let Some(slot) = self.slots.get_mut(place) {
+                slot.recent += 1.0;
             }
+            self.delete_twin(place);
         } else {
             self.outliers += 1.0;
             self.initiate(config, &beliefs, rng);

@@ -220,8 +220,8 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
         let mut probabilities = errors::NONE;
         for (i, weight) in self.weights().iter().enumerate() {
             let state = read(&particles, i);
-            let reading = term.read(&state, scale * state[2]);
-            errors::count(&mut probabilities, &reading, *weight);
+            term.read(&state, scale * state[2])
+                .count(&mut probabilities, *weight);
         }
         Some(probabilities)
     }
