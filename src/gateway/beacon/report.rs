@@ -47,9 +47,9 @@ impl Report {
         for count in [
             counters.messages,
             counters.packets,
+            counters.ignored,
             counters.queries,
             counters.restarts,
-            counters.ignored,
         ] {
             self.field(count);
         }
@@ -73,7 +73,7 @@ mod tests {
             time_ms: 12_500,
             state: State::Tracking,
             position: [31.25, -0.5],
-            covariance: [[4.0, 0.0], [0.0, 1.0]],
+            covariance: [[4.0, 0.0], [0.0, 1.0]].into(),
             velocity: [1.0, 0.0],
             offset_db: -3.25,
             effective_sample_size: 211.04,
@@ -100,7 +100,7 @@ mod tests {
             time_ms: u32::MAX,
             state: State::Recovered,
             position: [-9e5; 2],
-            covariance: [[1e12, 0.0], [0.0, 1e12]],
+            covariance: [[1e12, 0.0], [0.0, 1e12]].into(),
             velocity: [-9e5; 2],
             offset_db: -100.0,
             effective_sample_size: 65_536.0,
