@@ -190,8 +190,8 @@ fn a_bearing_of_another_source_has_low_odds() {
     let mut locator = Clocked::<Clean<100>>::new(Config::DEFAULT);
     drive(&mut locator, 60, &mut rng);
     let (own, other) = (observe([700.0, 0.0], 0.0), observe([700.0, 0.0], 0.3));
-    let odds = |locator: &Clocked<Clean<100>>, o| locator.state().odds(o, locator.config());
-    assert!(odds(&locator, &own) > 100.0 && odds(&locator, &other) < 0.01);
+    let odds = |observation| locator.state().odds(observation, locator.config());
+    assert!(odds(&own) > 100.0 && odds(&other) < 0.01);
 }
 
 #[test]
@@ -236,19 +236,34 @@ fn an_empty_state_is_all_zero() {
 
 /// Refinements of as many moves as the portable tests and the firmwares have.
 fn school(lengths: Lengths, step: f32, acceptance: Acceptance) -> FishSchool {
-    let school = FishSchool::new(lengths, 2.0 * step, step).and_then(|s| s.tries(5));
-    let school = school.and_then(|s| s.iterations(2)).unwrap();
-    school.acceptance(acceptance)
+    FishSchool {
+        lengths,
+        perception: 2.0 * step,
+        step,
+        tries: 5,
+        iterations: 2,
+        acceptance,
+        ..FishSchool::DEFAULT
+    }
 }
 
 fn fireflies(lengths: Lengths, absorption: f32, flutter: f32, acceptance: Acceptance) -> Firefly {
-    let swarm = Firefly::improved(lengths, absorption, flutter).and_then(|s| s.iterations(4));
-    swarm.unwrap().acceptance(acceptance)
+    Firefly {
+        lengths,
+        absorption,
+        flutter,
+        iterations: 4,
+        acceptance,
+        ..Firefly::DEFAULT
+    }
 }
 
 fn evolution(acceptance: Acceptance) -> DifferentialEvolution {
-    let evolution = DifferentialEvolution::new().generations(4);
-    evolution.unwrap().acceptance(acceptance)
+    DifferentialEvolution {
+        generations: 4,
+        acceptance,
+        ..DifferentialEvolution::DEFAULT
+    }
 }
 
 /// How the fixes of many drives compare with those of many particles, which stand for the posterior.
