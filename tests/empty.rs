@@ -1,10 +1,16 @@
 //! Empty states are all zero bits, so that a `static` of them takes no flash.
 
 use foxhunt::{
-    aoa::Clean,
+    aoa::{Clean, presets::City},
     filter::ParticleFilter,
+    fingerprint::{
+        Posterior,
+        published::Cloud,
+        tracker::{Tracker, Trackers, Workspace},
+    },
     gateway::{
         FullReport, Vehicle,
+        beacon::BeaconGateway,
         formats::{Agrelo, KrakenSpectrum, Nmea},
     },
     proposal::{AuxiliaryFilter, PointMassFilter, UnscentedParticleFilter},
@@ -35,7 +41,13 @@ fn empty_states_take_no_flash() {
         AuxiliaryFilter::EMPTY => AuxiliaryFilter<2, 10>,
         PointMassFilter::EMPTY => PointMassFilter<2, 10>,
         Memory::EMPTY => Memory<2, 100>,
+        Posterior::EMPTY => Posterior<80>,
+        Cloud::EMPTY => Cloud<300>,
+        Workspace::EMPTY => Workspace<300, 80>,
+        Tracker::EMPTY => Tracker<300>,
+        Trackers::EMPTY => Trackers<8, 300>,
+        BeaconGateway::EMPTY => BeaconGateway<8, 300, 80>,
         Vehicle::EMPTY => Vehicle<Clean<60, 16>>,
-        Vehicle::EMPTY => Vehicle<Clean<60, 16>, (Nmea, Agrelo, KrakenSpectrum), FullReport, 3>,
+        Vehicle::EMPTY => Vehicle<City<3>, (Nmea, Agrelo, KrakenSpectrum), FullReport, 3>,
     }
 }

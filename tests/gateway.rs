@@ -1,4 +1,4 @@
-//! Whatever the line carries, the gateway stands, and what it rejects leaves no trace.
+//! No input makes the gateway fail, and a rejected message changes nothing.
 
 use foxhunt::aoa::{Clean, clean};
 use foxhunt::gateway::{self, Config, Counters, Event, Rejected};

@@ -31,7 +31,7 @@ fn buffers() -> Option<[&'static mut [u8]; 2]> {
     // The compiler believes in the zeros above. To it, this may write anything.
     // SAFETY: it does nothing.
     unsafe { core::arch::asm!("/* {0} */", inout(reg) place) };
-    // SAFETY: nobody else has or gets a reference, and there are no bytes that are not numbers.
+    // SAFETY: there is no other reference, and every byte is a valid `u8`.
     let [one, other] = unsafe { &mut *place };
     Some([one, other])
 }

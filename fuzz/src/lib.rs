@@ -1,4 +1,4 @@
-//! What the fuzzers check: whatever comes over a line, nothing panics, and a message that is rejected changes nothing.
+//! What the fuzzers check: no input panics, and a rejected message changes nothing.
 //!
 //! ```sh
 //! cargo xtask fuzz --seconds 600
@@ -129,7 +129,7 @@ pub fn kraken(text: &[u8]) -> Vec<u8> {
     lines.concat()
 }
 
-/// A sentence of NMEA with a right checksum, and one with whatever stands there.
+/// A sentence of NMEA with a right checksum, and one with any checksum.
 pub fn nmea(text: &[u8]) -> Vec<u8> {
     [sentence(text), text.to_vec(), b"\r\n".to_vec()].concat()
 }
@@ -180,7 +180,7 @@ pub fn beacons(framing: beacon::Framing, data: &[u8], message: impl Fn(&[u8]) ->
     }
 }
 
-/// A packet's sentence with a right checksum, and whatever stands there.
+/// A packet's sentence with a right checksum, and one with any checksum.
 pub fn beacon_line(text: &[u8]) -> Vec<u8> {
     [
         sentence(&[b"PFOXB,", text].concat()),
@@ -190,7 +190,7 @@ pub fn beacon_line(text: &[u8]) -> Vec<u8> {
     .concat()
 }
 
-/// A frame with a right checksum, and whatever stands there.
+/// A frame with a right checksum, and one with any checksum.
 pub fn beacon_frame(text: &[u8]) -> Vec<u8> {
     let content = sealed([b"\xb1", text].concat());
     let mut frame = vec![0; cobs::max_encoding_length(content.len()) + 1];
@@ -308,7 +308,7 @@ fn forged<L: Locate + Persist>(locator: L::Config, data: &[u8]) {
         assert_eq!(saved(&vehicle), before);
         return;
     }
-    // Whatever it is, and becomes, can be saved and restored again.
+    // Every restored state can be saved and restored again.
     for seconds in [12..20, 20..24] {
         let bytes = saved(&vehicle);
         let mut again = new();

@@ -11,7 +11,7 @@ use foxhunt::{
     gateway::beacon::{BeaconGateway, Config, Framing},
 };
 
-/// In flash. A map that is damaged, or is none, does not compile.
+/// The map, in flash. A file that is damaged or is no map does not compile.
 const MAP: RadioMap<'static> = match RadioMap::new(include_bytes!(env!("FOXHUNT_MAP"))) {
     Ok(map) => map,
     Err(_) => panic!("FOXHUNT_MAP is no radio map, or a damaged one"),

@@ -212,7 +212,7 @@ mod tests {
         let place = truth(example(1).bytes()).unwrap();
         assert!((place.latitude - 52.24).abs() < 0.01 && (place.longitude - 21.02).abs() < 0.01);
         assert_eq!(truth(b"$GPHDT,1.0,T*00\r\n"), None);
-        // Of each transmitter, whatever else is on the line.
+        // The lines of each transmitter alone.
         let mut drive = Drive::default();
         let other = place.offset([300.0, -200.0]);
         drive.truth(place);

@@ -1,5 +1,5 @@
 //! What must hold on the target as on the host: the same cases run here under a test harness and there as
-//! firmware, and whatever they compute must be the same to the last bit.
+//! firmware, and what they compute must be the same to the last bit.
 //!
 //! `digests.txt` holds what they computed when it was last rewritten (`cargo xtask test --bless`).
 

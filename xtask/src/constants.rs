@@ -40,32 +40,37 @@ fn find(root: &Path) -> Result<Vec<String>> {
             .collect();
         for (place, name) in names.split('`').skip(1).step_by(2).enumerate() {
             let told = values.get(place).and_then(|value| number(value));
-            match definition(&code, name) {
-                None => found.push(format!("{at} has no {name}")),
-                Some(code) if told.is_some() && number(code).is_some() && told != number(code) => {
-                    found.push(format!("{at}: {name} is {code}"));
-                }
-                Some(_) => {}
+            let given = definitions(&code, name);
+            if given.is_empty() {
+                found.push(format!("{at} has no {name}"));
+            }
+            // What is no number there is a name for one.
+            let is = |text: &&str| number(text).is_none() || number(text) == told;
+            if told.is_some() && !given.is_empty() && !given.iter().any(is) {
+                found.push(format!("{at}: {name} is {}", given.join(", ")));
             }
         }
     }
     Ok(found)
 }
 
-/// What stands behind the name of a constant, or of a field where it is given a value.
-fn definition<'a>(code: &'a str, name: &str) -> Option<&'a str> {
-    if name.contains(char::is_uppercase) {
-        let (_, rest) = code.split_once(&format!("const {name}:"))?;
-        let (definition, _) = rest.split_once(';')?;
-        return Some(definition.split_once('=')?.1.trim());
-    }
-    let given = format!("{name}: ");
-    let mut values = code.split(&given).skip(1);
-    let value = values.find(|rest| rest.starts_with(|c: char| c.is_ascii_digit() || c == '-'));
-    match value {
-        Some(rest) => Some(rest.split([',', '\n']).next()?.trim()),
-        None => code.contains(&given).then_some(""),
-    }
+/// What stands behind the name of a constant; or of a field, wherever it is given a value.
+fn definitions<'a>(code: &'a str, name: &str) -> Vec<&'a str> {
+    let is_constant = name.contains(char::is_uppercase);
+    let before = match is_constant {
+        true => format!("const {name}:"),
+        false => format!("{name}: "),
+    };
+    let given = code.split(&before).skip(1);
+    let values = given.filter_map(|rest| match is_constant {
+        true => rest
+            .split_once(';')?
+            .0
+            .split_once('=')
+            .map(|(_, value)| value),
+        false => rest.split([',', '\n']).next(),
+    });
+    values.map(str::trim).collect()
 }
 
 /// A number as the page or the code writes it: `20,000`, `20_000.0`, `1e-3`, `1/16` or `1.0 / 16.0`.
@@ -91,7 +96,7 @@ mod tests {
     use super::*;
 
     const CODE: &str = "const FAR_M: f32 = 20_000.0;\nconst A: u8 = 3;\nconst B: f32 = 1.0 / 16.0;\n\
-        Self { moves: 2, range_m: FAR_M }\n";
+        Self { moves: 2, range_m: FAR_M }\nSelf { moves: 1, }\n";
 
     fn findings(name: &str, rows: &str) -> Vec<String> {
         let root = env::temp_dir().join(format!("foxhunt-constants-{}-{name}", process::id()));
@@ -127,7 +132,7 @@ mod tests {
             (
                 "field",
                 "| `moves` | `code.rs` | 3 |",
-                "docs/constants.md:1: code.rs: moves is 2",
+                "docs/constants.md:1: code.rs: moves is 2, 1",
             ),
             (
                 "name",

@@ -54,7 +54,7 @@ enum Other {
     Tunnel(tunnel::Options),
 }
 
-/// The board is switched off after this time, whatever happens.
+/// The board is switched off after this time at the latest.
 const LIMIT: Duration = Duration::from_secs(120);
 /// Time on a terminal for a second of the drive, so that the fixes can be seen to come.
 const PACE: Duration = Duration::from_millis(15);

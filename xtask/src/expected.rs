@@ -47,8 +47,8 @@ impl Expected {
         fs::write(file(), text).with_context(|| format!("cannot write {}", file().display()))
     }
 
-    /// Fails, naming the figures, if `measured` differs from these: it got dearer, or cheaper and nobody
-    /// wrote it down, or a figure came or went.
+    /// Fails, naming the figures, if `measured` differs from these: a figure rose or fell, came
+    /// or went.
     pub fn compare(&self, measured: &Self) -> Result<()> {
         let tolerance = if self.compiler == measured.compiler {
             0.0

@@ -1,4 +1,4 @@
-//! The task `fuzz`: whatever comes over a line, nothing panics, and a rejected message changes nothing.
+//! The task `fuzz`: no input panics, and a rejected message changes nothing.
 
 use std::{
     fs,

@@ -47,11 +47,11 @@ enum Task {
     Cost(cost::Options),
     /// Locate a transmitter with the vehicle firmware in the emulator, and draw it.
     Demo(demo::Options),
-    /// Read a log from the field through a vehicle's gateway, and write tables, GeoJSON and a picture of what came of it.
+    /// Run a log from the field through a vehicle's gateway, and write tables, GeoJSON and a picture of the results.
     Replay(replay::Options),
     /// Make a radio map of a survey, for the flash of a tunnel's gateway.
     Map(map::Options),
-    /// Give the gateways and the reader of maps whatever may come, and look for faults.
+    /// Look for faults of the gateways and the map reader with random input.
     Fuzz(fuzz::Options),
     /// Simulate the drive of the demo again, from its seed, or one on which something happens, and write its file.
     Drive(drive::Options),

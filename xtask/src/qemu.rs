@@ -43,7 +43,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Boots the firmware in `elf`. Whatever happens, the machine is off after `limit`.
+    /// Boots the firmware in `elf`. The machine is off after `limit` at the latest.
     pub fn boot(elf: &Path, limit: Duration) -> Result<Self> {
         Self::boot_with(elf, limit, &[])
     }

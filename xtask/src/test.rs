@@ -55,7 +55,7 @@ const STEPS: &[Step] = &[
         "people in a tunnel, board against host",
         trace::compare_tunnel,
     ),
-    ("whatever comes over a line", fuzz::check),
+    ("random input over a line", fuzz::check),
     ("no panic can happen", || {
         project::firmware("no_panic")
             .map(drop)

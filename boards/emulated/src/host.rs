@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 /// Reads to the end.
 ///
 /// # Errors
-/// When the file cannot be read, or nobody takes the reports.
+/// When the file cannot be read or the reports cannot be written.
 pub fn run<G, E>(
     mut gateway: G,
     push: impl Fn(&mut G, u8) -> Option<E>,

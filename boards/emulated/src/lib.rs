@@ -1,4 +1,4 @@
-//! The emulated board, QEMU's `mps2-an386`: a Cortex-M4F whose parts its firmwares share here.
+//! The emulated board, QEMU's `mps2-an386`: a Cortex-M4F with the parts that its firmwares have in common.
 //!
 //! A *firmware* reads its UART for ever, and proves by linking that it cannot panic: [`firmware!`]. A *program* computes
 //! something, prints by semihosting and switches the board off: [`program!`]. On the host, [`host`] stands in for the

@@ -66,7 +66,7 @@ unsafe impl defmt::Logger for Logger {
     }
 }
 
-/// A log that nobody reads is no reason to stop.
+/// Sends bytes; without a debugger they are dropped.
 fn send(stream: &mut Option<HostStream>, bytes: &[u8]) {
     if let Some(stream) = stream {
         let _ = stream.write_all(bytes);

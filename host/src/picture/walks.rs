@@ -52,7 +52,7 @@ pub struct Walks {
 }
 
 impl Walks {
-    /// The picture. For a line: above who is where at the end, below everybody's way over time. For a plane: on the left
+    /// The picture. For a line: above where everybody is at the end, below everybody's way over time. For a plane: on the left
     /// the ways, on the right both coordinates over time.
     ///
     /// # Errors
@@ -109,7 +109,7 @@ impl Walks {
         low - 1.0..places.fold(low, f64::max) + 1.0
     }
 
-    /// Who is where at the end of a line, each in a lane.
+    /// Where everybody is at the end of a line, each in a lane.
     fn lanes(&self, area: &Area<'_>) -> Result<()> {
         let count = self.walks.len() as f64;
         let mut chart = ChartBuilder::on(area)

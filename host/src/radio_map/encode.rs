@@ -29,7 +29,7 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// A bandwidth of 4 dB, 32 levels, one outlier in a thousand; nobody knows where the beacons are.
+    /// A bandwidth of 4 dB, 32 levels, one outlier in a thousand; the places of the beacons are unknown.
     fn default() -> Self {
         Self {
             reach: None,
@@ -70,7 +70,7 @@ enum Heard<'a> {
     Samples(&'a [f64]),
     /// Between the places: the mean and the standard deviation that are expected.
     Expected(f64, f64),
-    /// Nobody has been near, or it was not heard by who was.
+    /// Not surveyed nearby, or surveyed and not heard.
     Nothing,
 }
 

@@ -85,7 +85,7 @@ impl SiteSurvey {
     /// `sensor` and `rssi_dbm` are understood, too.
     ///
     /// # Errors
-    /// When a column is missing or a value is none; the error names the line.
+    /// When a column is missing or a value is no number; the error names the line.
     pub fn read(csv: impl Read) -> Result<Self> {
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)

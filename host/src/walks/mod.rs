@@ -90,7 +90,7 @@ pub fn tunnel_map(survey: &Survey) -> Result<Vec<u8>> {
 /// Where the tracker thinks each scan of a run was taken, in metres along the tunnel.
 ///
 /// # Errors
-/// If the map is none or a scan is refused.
+/// If the bytes are no map or a scan is refused.
 pub fn follow_scans(run: &Run, map: &[u8], settings: Settings, seed: u64) -> Result<Vec<f64>> {
     let site = Site::new(RadioMap::new(map)?, settings)?;
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);

@@ -133,7 +133,7 @@ impl Walk {
     /// # Errors
     /// Never: it was made by the same program.
     pub fn map(&self) -> Result<RadioMap<'_>> {
-        RadioMap::new(&self.map).context("its own map is none")
+        RadioMap::new(&self.map).context("the bytes of its own map are not valid")
     }
 
     /// A place of the map's frame in that of the truth, and the other way round.

@@ -8,7 +8,7 @@ use foxhunt_host::radio_map::{self, Options, SiteSurvey};
 
 use crate::site::*;
 
-/// Both maps of a survey in which beacon 7 is heard in the left half only, beacons 5 and 9 everywhere alike.
+/// Both maps of a survey in which beacon 7 is heard in the left half only, beacons 5 and 9 are heard everywhere.
 fn half_heard() -> [Vec<u8>; 2] {
     let mut readings = vec![];
     for x in 0..20 {
@@ -75,7 +75,7 @@ fn a_missing_beacon_says_something_only_if_asked() {
 }
 
 #[test]
-fn points_that_nobody_was_near_are_left_out() {
+fn points_far_from_the_survey_are_left_out() {
     let gap: Vec<[f64; 2]> = line()
         .into_iter()
         .filter(|[x, _]| !(30.0..50.0).contains(x))

@@ -158,7 +158,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
         rng: &mut R,
     ) -> Result<Answer, PushError> {
         self.bearings.admit(observation)?;
-        self.bearings.note(&(*observation).into());
+        self.bearings.note(observation, 1.0);
         let source = self.answer.fix().map(|fix| fix.position);
         let new = Entry::new(*observation, 1.0);
         self.bearings.add(new, &Agreement { source });

@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use super::proposal::ModeProposal;
-use crate::aoa::core::{BLOCK, Block, Buffer, Comparison, Entry, Target, difference};
+use crate::aoa::core::{BLOCK, Block, Buffer, Comparison, Entry, Target};
 use crate::aoa::gauss_newton::{Errors, Linearised, SolveError, linearise, solve};
 use crate::aoa::{BearingLikelihood, Observation};
 use crate::math::{atan2, sin_cos, wrap};
@@ -17,11 +17,16 @@ pub struct Posterior<'a, const B: usize> {
 }
 
 impl<'a, const B: usize> Posterior<'a, B> {
+    // Once in flash.
+    #[inline(never)]
     pub(super) fn new(bearings: &'a Buffer<B>) -> Self {
-        let likelihoods = bearings.observations().map(BearingLikelihood::new);
+        let mut likelihoods = Vec::new();
+        for observation in bearings.observations() {
+            let _ = likelihoods.push(BearingLikelihood::new(observation));
+        }
         Self {
             bearings,
-            likelihoods: likelihoods.collect(),
+            likelihoods,
         }
     }
 
@@ -64,8 +69,8 @@ impl Comparison for Agreement {
         self.source
     }
 
-    fn turn(&self, a: &Entry, b: &Entry) -> f32 {
-        difference(a, b, self.source)
+    fn fold(&self, _: &Entry, _: &Entry, angle: f32) -> f32 {
+        angle
     }
 
     fn is_similar(&self, _: &Entry, _: &Entry) -> bool {

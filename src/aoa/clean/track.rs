@@ -1,15 +1,11 @@
 //! The locator for clean bearings as one that others build on.
 
-use core::f32::consts::TAU;
-
 use super::posterior::Agreement;
 use super::{Clean, Config, Moves, RANGE_M};
 use crate::aoa::core::Entry;
 use crate::aoa::robust::{self, Candidate, Correlation, Errors};
-use crate::aoa::track::{Stationary, Track};
-use crate::aoa::{Answer, BearingLikelihood, Locate, Mixture, Observation};
-use crate::math::exp;
-use crate::model::Likelihood;
+use crate::aoa::track::{Stationary, Track, odds_by_moments};
+use crate::aoa::{Answer, Locate, Mixture, Observation};
 use crate::random::Rng;
 
 /// What is believed of bearings that may be those of other sources: a higher rate loses a source sooner, a lower one gives
@@ -20,12 +16,6 @@ const ERRORS: Errors = Errors {
     correlation: Correlation::NONE,
     ..Errors::DEFAULT
 };
-
-/// Odds of a bearing not being an outlier, if this is the logarithm of its density.
-fn odds(log_density: f32) -> f32 {
-    const SCALE: f32 = TAU * ERRORS.rates.direct / ERRORS.rates.outlier;
-    SCALE * exp(log_density)
-}
 
 impl<const N: usize, const B: usize, M: Moves<N>> Track for Clean<N, B, M> {
     fn beliefs(config: &Config<M>) -> robust::Config {
@@ -65,12 +55,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Track for Clean<N, B, M> {
     }
 
     fn odds(&self, observation: &Observation, _: &Config<M>) -> f32 {
-        let likelihood = BearingLikelihood::new(observation);
-        let [x, y] = self.columns();
-        let particles = x.iter().zip(y).zip(self.weights());
-        particles
-            .map(|((x, y), weight)| weight * odds(likelihood.log_likelihood(&[*x, *y])))
-            .sum()
+        odds_by_moments(observation, &ERRORS, &self.moments())
     }
 
     /// Outliers have a fixed rate here.
@@ -92,7 +77,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Stationary for Clean<N, B, M> 
     fn centre_prior(&mut self, _: [f32; 2], _: f32) {}
 
     fn recall(&mut self, observation: &Observation, _: &Config<M>) {
-        self.bearings.note(&(*observation).into());
+        self.bearings.note(observation, 1.0);
         let new = Entry::new(*observation, 1.0);
         self.bearings.add(new, &Agreement { source: None });
     }

@@ -2,8 +2,8 @@
 
 use heapless::Vec;
 
-use super::entry::Entry;
-use crate::aoa::{Alternative, Observation, PushError};
+use super::entry::{Comparison, Entry};
+use crate::aoa::{Observation, PushError};
 use crate::persist;
 
 /// A full buffer makes room by averaging the two bearings that say most nearly the same: a long drive thins out where it
@@ -18,21 +18,6 @@ pub(in crate::aoa) struct Buffer<const B: usize> {
 }
 
 persist!(impl[const B: usize] Buffer<B> as "Buffer"(B) { entries, latest, count });
-
-/// How the bearings of a locator compare.
-pub(in crate::aoa) trait Comparison {
-    /// Where the source is thought to be, if anywhere.
-    fn source(&self) -> Option<[f32; 2]>;
-
-    /// The angle from one bearing to the other, as errors at the source if that is known.
-    fn turn(&self, a: &Entry, b: &Entry) -> f32;
-
-    /// Whether two bearings may well be of the same direction.
-    fn is_similar(&self, a: &Entry, b: &Entry) -> bool;
-
-    /// Whether `a` is kept rather than `b`, which contradicts it.
-    fn prefers(&self, a: &Entry, b: &Entry) -> bool;
-}
 
 /// Two places in the buffer.
 struct Pair {
@@ -105,13 +90,12 @@ impl<const B: usize> Buffer<B> {
     }
 
     /// Counts a bearing, and remembers it if it is the latest.
-    pub(in crate::aoa) fn note(&mut self, bearing: &Alternative) {
-        let observation = bearing.observation();
+    pub(in crate::aoa) fn note(&mut self, observation: &Observation, probability: f32) {
         let is_latest = |latest: Observation| observation.since_ms(latest.time_ms()) >= 0;
         if self.latest.is_none_or(is_latest) {
             self.latest = Some(*observation);
         }
-        self.count += bearing.probability();
+        self.count += probability;
     }
 
     /// Takes the bearings that are `wanted` of another buffer, and what is its latest.
@@ -159,7 +143,7 @@ impl<const B: usize> Buffer<B> {
         };
         // What does not say the same makes no sense as an average.
         if similar {
-            a.average(b, comparison.turn(a, b), comparison.source());
+            a.average(b, comparison);
         } else if !comparison.prefers(a, b) {
             *a = *b;
         }

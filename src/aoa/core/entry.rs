@@ -28,6 +28,21 @@ value!(Entry {
     first_ms,
 });
 
+/// How the bearings of a locator compare.
+pub(in crate::aoa) trait Comparison {
+    /// Where the source is thought to be, if anywhere.
+    fn source(&self) -> Option<[f32; 2]>;
+
+    /// The angle from one bearing to the other, of those that are the same but for whole turns.
+    fn fold(&self, a: &Entry, b: &Entry, angle: f32) -> f32;
+
+    /// Whether two bearings may well be of the same direction.
+    fn is_similar(&self, a: &Entry, b: &Entry) -> bool;
+
+    /// Whether `a` is kept rather than `b`, which contradicts it.
+    fn prefers(&self, a: &Entry, b: &Entry) -> bool;
+}
+
 impl AsRef<Observation> for Entry {
     fn as_ref(&self) -> &Observation {
         &self.observation
@@ -86,65 +101,49 @@ impl Entry {
 
     /// Takes one more reading of the same place into the mean, in which every reading counts alike: it adds `worth`
     /// independent readings to what the mean is worth, which is exact for errors of an autoregression of first order.
-    pub(in crate::aoa) fn join(
-        &mut self,
-        new: &Self,
-        turn: f32,
-        worth: f32,
-        source: Option<[f32; 2]>,
-    ) {
+    pub(in crate::aoa) fn join(&mut self, new: &Self, worth: f32, comparison: &impl Comparison) {
         // What one reading of the mean would tell on its own.
         let each = self.observation.information() / self.worth;
         let (n, fresh) = (self.readings, new.observation.information());
         let mean = (n * each + fresh) / (n + 1.0);
         let part = fresh / (n * each + fresh);
-        self.blend(new, turn, part, mean * (self.worth + worth), source);
+        self.blend(new, part, mean * (self.worth + worth), comparison);
         self.worth += worth;
     }
 
     /// Takes another in, each counting by its information.
-    pub(in crate::aoa) fn average(&mut self, other: &Self, turn: f32, source: Option<[f32; 2]>) {
+    pub(in crate::aoa) fn average(&mut self, other: &Self, comparison: &impl Comparison) {
         let [a, b] = [self.observation, other.observation].map(|o| o.information());
-        self.blend(other, turn, b / (a + b), a + b, source);
+        self.blend(other, b / (a + b), a + b, comparison);
         self.worth += other.worth;
     }
 
-    /// Becomes the bearing that is `part` of the way to `other`, which is `turn`, and worth `information`.
+    /// Becomes the bearing that is `part` of the way to `other` and worth `information`.
     ///
     /// The error that it has at the source is the average of theirs; far sources see the two under equal angles.
-    #[inline(never)]
-    fn blend(
-        &mut self,
-        other: &Self,
-        turn: f32,
-        part: f32,
-        information: f32,
-        source: Option<[f32; 2]>,
-    ) {
+    fn blend(&mut self, other: &Self, part: f32, information: f32, comparison: &impl Comparison) {
         let (a, b) = (&self.observation, &other.observation);
         let mix = |a: f32, b: f32| a + part * (b - a);
         let (from, to) = (a.position(), b.position());
         let position = [mix(from[0], to[0]), mix(from[1], to[1])];
-        let radians = match source {
-            Some([x, y]) => {
-                let [ea, eb] = [a, b].map(|o| linearise(o, [x, y]).residual);
-                // A mirrored one only of two mirrored ones.
-                let error = if ea.abs() <= eb.abs() {
-                    ea + part * turn
-                } else {
-                    eb - (1.0 - part) * turn
-                };
-                atan2(y - position[1], x - position[0]) + error
-            }
-            None => a.bearing().radians() + part * turn,
+        let [ea, eb] = [self, other].map(|entry| entry.angle(comparison.source()));
+        let turn = comparison.fold(self, other, wrap(eb - ea));
+        // A mirrored one only of two mirrored ones.
+        let error = if comparison.source().is_none() || ea.abs() <= eb.abs() {
+            ea + part * turn
+        } else {
+            eb - (1.0 - part) * turn
         };
+        let direction = comparison
+            .source()
+            .map_or(0.0, |[x, y]| atan2(y - position[1], x - position[0]));
         let sigma = 1.0 / sqrt(information);
         let least = Observation::MIN_SIGMA_RAD;
         let sigma = if sigma > least { sigma } else { least };
         let time_ms = (if b.since_ms(a.time_ms()) > 0 { b } else { a }).time_ms();
+        let bearing = Bearing::from_radians(direction + error);
         // What lies between two observations is one.
-        if let Ok(mean) = Observation::new(time_ms, position, Bearing::from_radians(radians), sigma)
-        {
+        if let Ok(mean) = Observation::new(time_ms, position, bearing, sigma) {
             let part = other.readings / (self.readings + other.readings);
             self.probability += part * (other.probability - self.probability);
             self.readings += other.readings;
@@ -154,16 +153,18 @@ impl Entry {
             self.observation = mean.from_station(a.station());
         }
     }
-}
 
-/// The angle from one bearing to the other, as errors at the source if that is known.
-pub(in crate::aoa) fn difference(a: &Entry, b: &Entry, source: Option<[f32; 2]>) -> f32 {
-    let (a, b) = (&a.observation, &b.observation);
-    match source {
-        Some(source) => {
-            let [ea, eb] = [a, b].map(|o| linearise(o, source).residual);
-            wrap(eb - ea)
+    /// Error of the bearing at the source; the bearing itself if it is not known where that is.
+    fn angle(&self, source: Option<[f32; 2]>) -> f32 {
+        match source {
+            Some(source) => linearise(&self.observation, source).residual,
+            None => self.observation.bearing().radians(),
         }
-        None => wrap(b.bearing().radians() - a.bearing().radians()),
+    }
+
+    /// The angle from this bearing to another, as errors at the source if that is known.
+    pub(in crate::aoa) fn turn(&self, other: &Self, comparison: &impl Comparison) -> f32 {
+        let [a, b] = [self, other].map(|entry| entry.angle(comparison.source()));
+        comparison.fold(self, other, wrap(b - a))
     }
 }

@@ -6,8 +6,8 @@ mod entry;
 mod observability;
 mod sweep;
 
-pub(super) use buffer::{Buffer, Comparison};
-pub(super) use entry::{Entry, difference};
+pub(super) use buffer::Buffer;
+pub(super) use entry::{Comparison, Entry};
 pub(super) use observability::{Crossing, is_narrow};
 pub(super) use sweep::{BLOCK, Block, Proposal, Target, sweep};
 

@@ -1,7 +1,6 @@
 //! Metropolis-Hastings moves of particles against the posterior of all bearings.
 
 use crate::math::ln;
-use crate::particles::{read, write};
 use crate::random::{Rng, uniform_open};
 
 /// Particles that are moved together, to evaluate each bearing on a short column of them: a longer one needs more stack,
@@ -85,34 +84,28 @@ fn step<const D: usize, R: Rng + ?Sized>(
     let mut there = *here;
     // Log-density of proposing the way back, less that of the way there.
     let mut way_back = [0.0; BLOCK];
-    for (i, way_back) in way_back.iter_mut().enumerate() {
-        let from = read(&here.each_ref().map(|column| column.as_slice()), i);
+    for i in 0..BLOCK {
+        let from = here.each_ref().map(|column| column[i]);
         let to = if independent {
             let to = proposal.draw(rng);
-            *way_back = proposal.log_density(&from) - proposal.log_density(&to);
+            way_back[i] = proposal.log_density(&from) - proposal.log_density(&to);
             to
         } else {
             proposal.walk(&from, rng)
         };
-        write(
-            &mut there.each_mut().map(|column| column.as_mut_slice()),
-            i,
-            to,
-        );
+        for (column, to) in there.iter_mut().zip(to) {
+            column[i] = to;
+        }
     }
     let offered = target.log_densities(&there);
-    for (i, ((log_density, offered), way_back)) in log_density
-        .iter_mut()
-        .zip(offered)
-        .zip(way_back)
-        .enumerate()
-    {
+    for i in 0..BLOCK {
+        let log_ratio = offered[i] - log_density[i] + way_back[i];
         // NaN is no reason to move.
-        if ln(uniform_open(rng)) < offered - *log_density + way_back {
+        if ln(uniform_open(rng)) < log_ratio {
             for (here, there) in here.iter_mut().zip(&there) {
                 here[i] = there[i];
             }
-            *log_density = offered;
+            log_density[i] = offered[i];
         }
     }
 }

@@ -78,7 +78,7 @@ impl<L: Stationary> Manoeuvring<L> {
             position = [0, 1].map(|d: usize| position[d] + p * apart[d]);
         }
         let n = self.cloud.effective_sample_size();
-        let fix = Fix::of_cloud(position, covariance.rows(), n, self.bearings);
+        let fix = Fix::of_cloud(position, covariance, n, self.bearings);
         let limit = SLACK * L::beliefs(&config.track).relative_range_sigma;
         let latest = self.latest_position();
         let (dx, dy) = (position[0] - latest[0], position[1] - latest[1]);

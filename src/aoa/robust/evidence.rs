@@ -7,7 +7,7 @@ use super::density::{Density, Region};
 use super::errors::Errors;
 use super::mode::{Mode, Modes};
 use super::term::{State, Term, fold_angle};
-use crate::aoa::core::{Buffer, Comparison, Entry, difference};
+use crate::aoa::core::{Buffer, Comparison, Entry};
 use crate::aoa::{Alternative, Observation};
 use crate::math::{ln, sqrt, wrap};
 use crate::persist;
@@ -82,8 +82,11 @@ impl<const B: usize> Evidence<B> {
     /// What the bearings say. Made when it is needed, because it takes as much memory as they do.
     #[inline(never)]
     pub(super) fn terms(&self, errors: &Errors) -> Terms<B> {
-        let entries = self.entries().iter();
-        entries.map(|entry| self.term(entry, errors)).collect()
+        let mut terms = Vec::new();
+        for entry in self.entries() {
+            let _ = terms.push(self.term(entry, errors));
+        }
+        terms
     }
 
     pub(super) fn density<'a>(&self, terms: &'a [Term], config: &Config) -> Density<'a> {
@@ -156,7 +159,7 @@ impl<const B: usize> Evidence<B> {
         if self.bearings.entries().is_empty() && self.range_m == 0.0 {
             self.centre = observation.position();
         }
-        self.bearings.note(bearing);
+        self.bearings.note(&observation, probability);
         let likely = probability > 0.5;
         let mut new = Entry::new(observation, probability);
         let lines = Lines { source, errors };
@@ -169,7 +172,7 @@ impl<const B: usize> Evidence<B> {
             let worth = correlation.worth(correlation.lengths(distance, seconds));
             if distance < 0.25 * correlation.distance_m {
                 let before = *entry;
-                entry.join(&new, lines.turn(entry, &new), worth, lines.source());
+                entry.join(&new, worth, &lines);
                 let after = *entry;
                 return Change {
                     new: self.term(&after, errors),
@@ -297,18 +300,17 @@ impl Comparison for Lines<'_> {
 
     /// Once it is known where the source is, a mirrored bearing says what a direct one does: they are lines. But of
     /// bearings that have alternatives many point elsewhere, and half of those behind.
-    fn turn(&self, a: &Entry, b: &Entry) -> f32 {
-        let turn = difference(a, b, self.source());
+    fn fold(&self, a: &Entry, b: &Entry, angle: f32) -> f32 {
         if self.source.is_none() || a.is_one_of_several() || b.is_one_of_several() {
-            turn
+            angle
         } else {
-            fold_angle(turn)
+            fold_angle(angle)
         }
     }
 
     /// Within three sigmas of their difference.
     fn is_similar(&self, a: &Entry, b: &Entry) -> bool {
-        let turn = self.turn(a, b);
+        let turn = a.turn(b, self);
         let variance =
             |entry: &Entry| (self.errors).variance(&entry.observation, 1.0, self.source());
         turn * turn < 9.0 * (variance(a) + variance(b))

@@ -52,12 +52,12 @@ pub(super) fn search<R: Rng + ?Sized, const B: usize>(
     let density = evidence.density(terms, config);
     let mut modes = climb_again(&density, known);
     let bias = errors.bias_sigma_rad;
-    let widened = |entry: &Entry| {
+    let mut wide = Terms::<B>::new();
+    for entry in evidence.entries() {
         let sigma = WIDENING * sqrt(evidence.variance(entry, errors));
         let term = Term::new(&entry.observation, errors, sigma * sigma + bias * bias);
-        term.with_probability(entry.probability)
-    };
-    let wide: Terms<B> = evidence.entries().iter().map(widened).collect();
+        let _ = wide.push(term.with_probability(entry.probability));
+    }
     let wide = Density {
         terms: &wide,
         bias_sigma_rad: 0.0,

@@ -5,7 +5,7 @@ use super::mode::weigh;
 use super::search::climb_again;
 use super::term::State;
 use super::{Candidate, Config, Robust, crossing};
-use crate::aoa::track::{Stationary, Track};
+use crate::aoa::track::{Stationary, Track, odds_by_moments};
 use crate::aoa::{Answer, Locate, Mixture, Observation};
 use crate::random::Rng;
 
@@ -48,14 +48,7 @@ impl<const N: usize, const B: usize> Track for Robust<N, B> {
     }
 
     fn odds(&self, observation: &Observation, config: &Config) -> f32 {
-        let errors = self.errors(config);
-        let term = self.evidence.single(observation, &errors);
-        let scale = errors.bias_sigma_rad;
-        let [x, y, bias] = self.columns();
-        let states = x.iter().zip(y).zip(bias).zip(self.weights());
-        states
-            .map(|(((x, y), bias), weight)| weight * term.read(&[*x, *y, *bias], scale * bias).odds)
-            .sum()
+        odds_by_moments(observation, &self.errors(config), &self.moments)
     }
 
     fn set_outliers_removed(&mut self, per_bearing: f32) {

@@ -1,4 +1,4 @@
-//! What a method costs, whatever it is: the calls that it makes of the model.
+//! The cost of any method: the calls that it makes of the model.
 
 use std::cell::Cell;
 

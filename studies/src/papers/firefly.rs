@@ -164,7 +164,7 @@ fn bearings(study: &Study) -> Result<Vec<Figure>> {
             );
             let name = format!("papers.firefly.b2.{key}.rmse_surprise");
             let surprise = Figure::new(name, more.surprise(value), "");
-            // Of the fireflies, what is not printed had to be chosen.
+            // Parameters of the fireflies that are not printed had to be chosen.
             figures.push(if key == PUBLISHED {
                 surprise.at_most(0.998)
             } else {

@@ -43,7 +43,7 @@ pub struct Options {
     frames: bool,
 }
 
-/// The board is switched off after this time, whatever happens.
+/// The board is switched off after this time at the latest.
 const LIMIT: Duration = Duration::from_secs(300);
 /// By how much a terminal is faster than the walks, so that the fixes can be seen to come.
 const HASTE: f64 = 6.0;

@@ -33,7 +33,7 @@ pub struct Status {
     counts: Vec<u32>,
 }
 
-/// All whole reports of the gateway among the bytes, in order; what is none is left out.
+/// All whole reports of the gateway among the bytes, in order; other lines are left out.
 pub fn parse(bytes: &[u8]) -> Vec<Report> {
     String::from_utf8_lossy(bytes)
         .lines()

@@ -9,7 +9,9 @@ fn a_source_without_a_fix_is_still_the_one_reported() {
     const CONFIG: Config = Config::DEFAULT;
     let mut unknown = 0;
     for seed in 0..8 {
-        let chase = Chase::random(&mut generator(seed));
+        let mut chase = Chase::random(&mut generator(seed));
+        // So wide errors that there often is no fix while the source moves.
+        chase.sigma = 0.12;
         let mut rng = generator(seed);
         let mut several =
             Locator::<MultiTarget<3, Subject<256, 64>>>::new(multi::Config::new(CONFIG)).unwrap();

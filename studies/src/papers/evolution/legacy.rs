@@ -2,7 +2,7 @@
 //! the original study of the unscented particle filter: not to be used for anything else.
 //!
 //! * Likelihoods are densities plus 1e-99, not logarithms: where all underflow, all particles are equal.
-//! * The transition of a proposal is evaluated at x_t - x_{t-1}, the drift left out, whatever its sign.
+//! * The transition of a proposal is evaluated at x_t - x_{t-1}, without the drift, for either sign.
 //! * The unscented filters take noise of mean zero, of variance 1.5 (state) and 0.1 (measurement), and alpha 1,
 //!   beta 0, kappa 2.
 //! * Residual resampling; the estimate is the mean of the particles after it.
