@@ -60,7 +60,11 @@ fn state(locator: &Locator) -> (Vec<u32>, String) {
     let bits = columns.into_iter().flatten().map(|v| v.to_bits()).collect();
     (
         bits,
-        format!("{:?} {:?}", locator.observations(), locator.answer()),
+        format!(
+            "{:?} {:?}",
+            locator.observations().collect::<Vec<_>>(),
+            locator.answer()
+        ),
     )
 }
 
