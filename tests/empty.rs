@@ -1,7 +1,7 @@
 //! Empty states are all zero bits, so that a `static` of them takes no flash.
 
 use foxhunt::{
-    aoa::Clean,
+    aoa::{Clean, presets::City},
     filter::ParticleFilter,
     fingerprint::{
         Posterior,
@@ -48,6 +48,6 @@ fn empty_states_take_no_flash() {
         Trackers::EMPTY => Trackers<8, 300>,
         BeaconGateway::EMPTY => BeaconGateway<8, 300, 80>,
         Vehicle::EMPTY => Vehicle<Clean<60, 16>>,
-        Vehicle::EMPTY => Vehicle<Clean<60, 16>, (Nmea, Agrelo, KrakenSpectrum), FullReport, 3>,
+        Vehicle::EMPTY => Vehicle<City<3>, (Nmea, Agrelo, KrakenSpectrum), FullReport, 3>,
     }
 }

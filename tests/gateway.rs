@@ -1,6 +1,6 @@
 //! No input makes the gateway fail, and a rejected message changes nothing.
 
-use foxhunt::aoa::{Clean, clean};
+use foxhunt::aoa::{Clean, Locate, clean};
 use foxhunt::gateway::{self, Config, Counters, Event, Rejected};
 use proptest::prelude::*;
 
@@ -60,7 +60,11 @@ fn state(locator: &Locator) -> (Vec<u32>, String) {
     let bits = columns.into_iter().flatten().map(|v| v.to_bits()).collect();
     (
         bits,
-        format!("{:?} {:?}", locator.observations(), locator.answer()),
+        format!(
+            "{:?} {:?}",
+            locator.observations().collect::<Vec<_>>(),
+            locator.answer()
+        ),
     )
 }
 
