@@ -1,6 +1,6 @@
 //! No input makes the gateway fail, and a rejected message changes nothing.
 
-use foxhunt::aoa::{Clean, clean};
+use foxhunt::aoa::{Clean, Locate, clean};
 use foxhunt::gateway::{self, Config, Counters, Event, Rejected};
 use proptest::prelude::*;
 
@@ -57,10 +57,11 @@ fn run<'a>(gateway: &mut Gateway, bytes: impl IntoIterator<Item = &'a u8>) -> St
 fn state(locator: &Locator) -> (Vec<u32>, String) {
     let [east, north] = locator.columns();
     let columns = [east, north, locator.weights()];
+    let observations: Vec<_> = locator.observations().collect();
     let bits = columns.into_iter().flatten().map(|v| v.to_bits()).collect();
     (
         bits,
-        format!("{:?} {:?}", locator.observations(), locator.answer()),
+        format!("{observations:?} {:?}", locator.answer()),
     )
 }
 
