@@ -59,10 +59,7 @@ fn state(locator: &Locator) -> (Vec<u32>, String) {
     let columns = [east, north, locator.weights()];
     let observations: Vec<_> = locator.observations().collect();
     let bits = columns.into_iter().flatten().map(|v| v.to_bits()).collect();
-    (
-        bits,
-        format!("{observations:?} {:?}", locator.answer()),
-    )
+    (bits, format!("{observations:?} {:?}", locator.answer()))
 }
 
 /// The lines by what became of them, added up.

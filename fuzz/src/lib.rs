@@ -159,18 +159,21 @@ fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
 pub fn beacons(framing: beacon::Framing, data: &[u8], message: impl Fn(&[u8]) -> Vec<u8>) {
     let map = small_map();
     let map = RadioMap::new(&map).expect("the map is right");
-    let site = Site::new(map, tracker::Settings::new()).expect("it holds moments");
-    let settings = beacon::Settings::new().with_framing(framing);
-    let mut gateway = Box::new(beacon::BeaconGateway::<2, 24, 4, 2>::new(site, settings));
+    let site = Site::new(map, tracker::Config::DEFAULT).expect("it holds moments");
+    let config = beacon::Config {
+        framing,
+        ..beacon::Config::new(site)
+    };
+    let mut gateway = Box::new(beacon::BeaconGateway::<2, 24, 4, 2>::EMPTY);
     for text in data.split(|byte| *byte == b'\n').take(LINES) {
-        let state = |gateway: &beacon::BeaconGateway<'_, 2, 24, 4, 2>| {
+        let state = |gateway: &beacon::BeaconGateway<2, 24, 4, 2>| {
             let tags = gateway.tags().map(|(tag, tracker)| (tag, tracker.fix()));
             (tags.collect::<Vec<_>>(), gateway.counters().packets)
         };
         let before = state(&gateway);
         let mut events = Vec::new();
         for byte in message(text) {
-            events.extend(gateway.push(byte));
+            events.extend(gateway.push(byte, &config));
             assert!(gateway.report().len() <= 2560);
         }
         let rejected = |event: &beacon::Event| matches!(event, beacon::Event::Rejected(_));
@@ -216,28 +219,26 @@ pub fn radio_map(data: &[u8]) {
             map.log_density(beacon, -60.0, point);
         }
     }
-    let settings = foxhunt::fingerprint::Settings::new();
+    let config = foxhunt::fingerprint::Config::DEFAULT;
     let scan = [-60.0, 0.0, -128.0].map(|rssi_dbm| Reading {
         beacon: 0,
         rssi_dbm,
     });
-    let mut posterior = Box::new(Posterior::<1024>::new());
-    if let Ok(matcher) = GaussianMatcher::new(map, &settings) {
+    let mut posterior = Box::new(Posterior::<1024>::EMPTY);
+    if let Ok(matcher) = GaussianMatcher::new(map, &config) {
         let _ = matcher.locate(&scan, &mut posterior);
     }
-    if let Ok(matcher) = TableMatcher::new(map, &settings) {
+    if let Ok(matcher) = TableMatcher::new(map, &config) {
         let _ = matcher.locate(&scan, &mut posterior);
     }
-    if let Ok(matcher) = Neighbours::new(map, 3, &settings) {
+    if let Ok(matcher) = Neighbours::new(map, 3, &config) {
         let _ = matcher.locate(&scan, &mut posterior);
     }
-    assert_eq!(
-        map.encoding() == Encoding::Moments && map.lattice().columns() > 1,
-        Site::new(map, tracker::Settings::new()).is_ok()
-    );
-    if let Ok(site) = Site::new(map, tracker::Settings::new()) {
-        let mut workspace = Box::new(Workspace::<24, 1024>::new());
-        let mut tracker = Tracker::<24, 64>::new();
+    let site = Site::new(map, tracker::Config::DEFAULT);
+    assert_eq!(map.encoding() == Encoding::Moments, site.is_ok());
+    if let Ok(site) = site {
+        let mut workspace = Box::new(Workspace::<24, 1024>::EMPTY);
+        let mut tracker = Tracker::<24, 64>::EMPTY;
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
         let heard = [0, 1].map(|beacon| Heard {
             beacon,

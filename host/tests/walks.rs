@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use foxhunt::fingerprint::tracker::Settings;
+use foxhunt::fingerprint::tracker::Config;
 use foxhunt_host::reference::corridor::{CorridorFilter, Motion};
 use foxhunt_host::simulate::generator;
 use foxhunt_host::tunnel::experiment::Run;
@@ -21,8 +21,7 @@ fn simulated(noise: f64, packets: usize, seed: u64) -> Vec<[Vec<f64>; 2]> {
         .map(|number| {
             let run = Run::draw(noise, packets, &mut generator(seed, number));
             let map = tunnel_map(&run.survey).unwrap();
-            let settings = of_simulated_scans().unwrap();
-            let ours = follow_scans(&run, &map, settings, number).unwrap();
+            let ours = follow_scans(&run, &map, of_simulated_scans(), number).unwrap();
             let exact = filter.run(&run.log_likelihoods(&places));
             let errors = |places: Vec<f64>| {
                 let pairs = places.into_iter().zip(&run.truth);
@@ -104,7 +103,7 @@ fn measured(office: &Office, is_straight: bool, hears: impl Fn(usize) -> bool) -
         (0..4)
             .flat_map(|seed| {
                 let places = walk
-                    .follow(&packets, &times, Settings::new(), seed)
+                    .follow(&packets, &times, Config::DEFAULT, seed)
                     .unwrap();
                 walk.errors(&times, &places)
             })

@@ -46,11 +46,11 @@ impl Walks {
         }
     }
 
-    /// The settings that the firmware then takes.
-    pub(crate) fn settings(self) -> tracker::Settings {
+    /// The configuration that the firmware then takes.
+    pub(crate) fn config(self) -> tracker::Config {
         match self {
-            Self::Tunnel => foxhunt_gateways::walks::tunnel(),
-            Self::Floor => tracker::Settings::new(),
+            Self::Tunnel => tracker::Config::TUNNEL,
+            Self::Floor => tracker::Config::DEFAULT,
         }
     }
 }
@@ -215,10 +215,7 @@ mod tests {
         assert_eq!(lines.0, frames.0);
         assert!(lines.0.contains(",LOST,") && lines.0.contains(",SILENT*"));
         let count = recording.packets.len();
-        assert!(
-            frames
-                .1
-                .starts_with(&format!("{},{count},8,0,0,0,0,0,0,0,0,0*", count + 1))
-        );
+        let status = format!("{},{count},0,1,0,0,0,0,0,0,0,8,0,0*", count + 1);
+        assert!(frames.1.starts_with(&status), "{}", frames.1);
     }
 }

@@ -6,33 +6,37 @@ use foxhunt::{
         RadioMap,
         tracker::{Site, Tag},
     },
-    gateway::beacon::{BeaconGateway, Event, Framing, Settings},
+    gateway::beacon::{BeaconGateway, Config, Event, Framing},
 };
 
 use super::Scene;
 
 /// The gateway of the firmware `beacon_gateway`, with as many tags and particles, and room for larger maps.
-pub type Gateway<'a> = BeaconGateway<'a, 8, 300, 4096, 16>;
+pub type Gateway = BeaconGateway<8, 300, 4096, 16>;
 
 /// A gateway and all that it has said so far.
 #[derive(Debug)]
 pub struct Replay<'a> {
-    gateway: Box<Gateway<'a>>,
+    gateway: Box<Gateway>,
+    config: Config<'a>,
     output: Vec<u8>,
     events: Vec<Event>,
 }
 
 impl<'a> Replay<'a> {
-    /// With the settings of the firmware.
+    /// Configured as the firmware.
     ///
     /// # Errors
     /// When the scene has no map of moments, or one that is too large.
     pub fn new(scene: &'a Scene, framing: Framing) -> Result<Self> {
         let map = RadioMap::new(&scene.map)?.limited(4096, 16)?;
-        let site = Site::new(map, scene.walks.settings())?;
-        let settings = Settings::new().with_framing(framing);
+        let site = Site::new(map, scene.walks.config())?;
         Ok(Self {
-            gateway: Box::new(Gateway::new(site, settings)),
+            gateway: Box::new(Gateway::EMPTY),
+            config: Config {
+                framing,
+                ..Config::new(site)
+            },
             output: Vec::new(),
             events: Vec::new(),
         })
@@ -41,7 +45,7 @@ impl<'a> Replay<'a> {
     /// Lets the gateway read on.
     pub fn push(&mut self, bytes: &[u8]) {
         for byte in bytes {
-            if let Some(event) = self.gateway.push(*byte) {
+            if let Some(event) = self.gateway.push(*byte, &self.config) {
                 self.output
                     .extend_from_slice(self.gateway.report().as_bytes());
                 self.events.push(event);

@@ -5,11 +5,8 @@ mod office;
 use anyhow::{Context, Result, bail};
 use foxhunt::{
     fingerprint::{
-        Encoding, Lattice, RadioMap,
-        tracker::{
-            Channel, Heard, Motion, Offset, PushError, Settings, SettingsError, Site, Tracker,
-            Workspace,
-        },
+        Encoding, Lattice, RadioMap, ReadingError,
+        tracker::{self, Config, Heard, Site, Tracker, Workspace},
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
@@ -34,47 +31,31 @@ const POINTS: usize = 512;
 type Fresh = (Tracker<PARTICLES>, Box<Workspace<PARTICLES, POINTS>>);
 
 fn fresh() -> Fresh {
-    (Tracker::new(), Box::default())
+    (Tracker::EMPTY, Box::new(Workspace::EMPTY))
 }
 
-/// What a tracker is to know of the simulated tunnel: the motion of the exact filter, errors that are normal and
-/// independent but for the mismatch of the map, and a radio that is that of the survey.
-///
-/// # Errors
-/// Never, unless the ranges of the settings change.
-pub fn of_simulated_scans() -> Result<Settings, SettingsError> {
-    let motion = Motion {
-        velocity_m_s: 1.5,
-        agility: 0.5,
-        memory_s: f32::INFINITY,
-    };
-    let channel = Channel {
-        mismatch_db: MISMATCH.sqrt() as f32,
+/// For scans in the simulated tunnel: the motion of the exact filter, errors that are normal and independent but for the
+/// mismatch of the map, and a radio that is that of the survey.
+pub fn of_simulated_scans() -> Config {
+    Config {
+        velocity_sigma_m_s: 1.5,
+        velocity_noise_m2_s3: 0.5,
+        velocity_memory_s: f32::INFINITY,
+        mismatch_sigma_db: MISMATCH.sqrt() as f32,
         survey_samples: SAMPLES as u16,
         tempering: 1.0,
-        gate_deviations: f32::INFINITY,
-        ..Channel::new()
-    };
-    let offset = Offset {
-        probability: 0.0,
-        ..Offset::new()
-    };
-    Settings::new()
-        .with_motion(motion)?
-        .with_channel(channel)?
-        .with_offset(offset)
+        gate_sigmas: f32::INFINITY,
+        offset_probability: 0.0,
+        ..Config::DEFAULT
+    }
 }
 
-/// What it is to know of packets that come one by one while the person walks: as the firmware, but for a radio that is that
-/// of the survey.
-///
-/// # Errors
-/// Never, unless the ranges of the settings change.
-pub fn of_simulated_packets() -> Result<Settings, SettingsError> {
-    Walks::Tunnel.settings().with_offset(Offset {
-        probability: 0.0,
-        ..Offset::new()
-    })
+/// For packets that come one by one while the person walks: as the firmware, but for a radio that is that of the survey.
+pub fn of_simulated_packets() -> Config {
+    Config {
+        offset_probability: 0.0,
+        ..Walks::Tunnel.config()
+    }
 }
 
 /// The radio map of a survey along the middle of the simulated tunnel, every metre: the bytes that go to flash.
@@ -91,8 +72,8 @@ pub fn tunnel_map(survey: &Survey) -> Result<Vec<u8>> {
 ///
 /// # Errors
 /// If the bytes are no map or a scan is refused.
-pub fn follow_scans(run: &Run, map: &[u8], settings: Settings, seed: u64) -> Result<Vec<f64>> {
-    let site = Site::new(RadioMap::new(map)?, settings)?;
+pub fn follow_scans(run: &Run, map: &[u8], config: Config, seed: u64) -> Result<Vec<f64>> {
+    let site = Site::new(RadioMap::new(map)?, config)?;
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
     let (mut tracker, mut workspace) = fresh();
     let mut places = Vec::new();
@@ -131,10 +112,13 @@ pub fn follow(
     let mut places = Vec::new();
     for time in times {
         while let Some(packet) = packets.next_if(|packet| packet.time < *time) {
-            let (beacon, level) = (packet.beacon as u8, packet.level as f32);
-            let at = milliseconds(packet.time);
-            match tracker.push(at, beacon, level, site, &mut workspace, &mut rng) {
-                Ok(_) | Err(PushError::Strength) => {}
+            let heard = tracker::Packet {
+                time_ms: milliseconds(packet.time),
+                beacon: packet.beacon as u8,
+                rssi_dbm: packet.level as f32,
+            };
+            match tracker.push(heard, site, &mut workspace, &mut rng) {
+                Ok(_) | Err(ReadingError::Strength) => {}
                 Err(error) => bail!("packet at {:.3} s: {error}", packet.time),
             }
         }

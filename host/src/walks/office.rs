@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use foxhunt::fingerprint::{
-    Encoding, GaussianMatcher, Lattice, Matcher, Posterior, RadioMap, Reading, Settings,
+    Config, Encoding, GaussianMatcher, Lattice, Matcher, Posterior, RadioMap, Reading,
     tracker::{self, Site},
 };
 
@@ -165,10 +165,10 @@ impl Walk {
         &self,
         packets: &[Packet],
         times: &[f64],
-        settings: tracker::Settings,
+        config: tracker::Config,
         seed: u64,
     ) -> Result<Vec<[f64; 2]>> {
-        let site = Site::new(self.map()?, settings)?;
+        let site = Site::new(self.map()?, config)?;
         let places = follow(&site, packets, times, seed)?;
         Ok(places.into_iter().map(|place| self.turn(place)).collect())
     }
@@ -179,11 +179,11 @@ impl Walk {
     /// # Errors
     /// If nothing can be said.
     pub fn matched(&self, packets: &[Packet], times: &[f64]) -> Result<Vec<[f64; 2]>> {
-        let matcher = GaussianMatcher::new(self.map()?, &Settings::new())?;
-        let mut posterior = Posterior::<POINTS>::new();
+        let matcher = GaussianMatcher::new(self.map()?, &Config::DEFAULT)?;
+        let mut posterior = Posterior::<POINTS>::EMPTY;
         let mut at = |time: &f64| {
             let beacons = self.map()?.beacons();
-            let scan = mean_levels(packets, beacons, time - EVERY..*time, &Settings::new());
+            let scan = mean_levels(packets, beacons, time - EVERY..*time, &Config::DEFAULT);
             let found = matcher.locate(&scan, &mut posterior)?;
             Ok(self.turn(found.mean.map(f64::from)))
         };
@@ -204,11 +204,13 @@ fn mean_levels(
     packets: &[Packet],
     beacons: usize,
     times: std::ops::Range<f64>,
-    settings: &Settings,
+    config: &Config,
 ) -> Vec<Reading> {
     let mut sums = vec![(0.0, 0.0); beacons];
+    let [lowest, highest] = config.range_dbm;
+    let range = f64::from(lowest)..=f64::from(highest);
     for packet in packets {
-        if times.contains(&packet.time) && settings.accepts(packet.level as f32) {
+        if times.contains(&packet.time) && range.contains(&packet.level) {
             let (count, sum) = &mut sums[packet.beacon];
             *count += 1.0;
             *sum += packet.level;

@@ -56,7 +56,7 @@ fn a_map_holds_what_was_surveyed() {
             let sigma = (squares / (EACH - 1) as f64).sqrt();
             let moments = map.moments(beacon, point).unwrap();
             assert!((f64::from(moments.mean_dbm) - mean).abs() <= 0.2501);
-            assert!((f64::from(moments.deviation_db) - sigma).abs() <= 0.1251);
+            assert!((f64::from(moments.sigma_db) - sigma).abs() <= 0.1251);
         }
     }
     assert!(map.moments(4, 0).is_none() && map.moments(0, 80).is_none());

@@ -1,8 +1,8 @@
 //! Scans matched with a map.
 
 use foxhunt::fingerprint::{
-    Encoding, GaussianMatcher, KernelDensity, Lattice, Match, MatchError, Matcher, Neighbours,
-    Posterior, RadioMap, Reading, Samples, Settings, TableMatcher,
+    Config, Encoding, GaussianMatcher, KernelDensity, Lattice, Match, Matcher, Neighbours,
+    Posterior, RadioMap, Reading, ReadingError, TableMatcher,
 };
 
 use crate::site::*;
@@ -11,9 +11,8 @@ use crate::site::*;
 fn kernel_densities_are_those_of_f64() {
     let samples = samples();
     let lattice = Lattice::new([0.0, 1.75], 1.0, 80, 1).unwrap();
-    let samples = Samples::new(lattice, 4, &samples).unwrap();
-    let matcher = KernelDensity::new(samples, 3.0, &settings()).unwrap();
-    let mut posterior = Posterior::<POINTS>::new();
+    let matcher = KernelDensity::new(lattice, 4, &samples, 3.0, &UNTEMPERED).unwrap();
+    let mut posterior = Posterior::<POINTS>::EMPTY;
     for place in places() {
         let scan = scan(place);
         let found = matcher.locate(&scan, &mut posterior).unwrap();
@@ -30,7 +29,7 @@ fn kernel_densities_are_those_of_f64() {
         }
         assert!((f64::from(found.mean[0]) - mean).abs() < 1e-3);
         assert!(
-            (f64::from(posterior.covariance(&lattice)[0][0]) - variance).abs()
+            (f64::from(posterior.covariance(&lattice).xx) - variance).abs()
                 < 1e-3 * (1.0 + variance)
         );
         assert!((f64::from(found.log_likelihood) - log_likelihoods[found.point]).abs() < 1e-3);
@@ -45,9 +44,9 @@ fn matchers_differ_from_f64_by_their_steps() {
         RadioMap::new(&moments).unwrap(),
         RadioMap::new(&levels).unwrap(),
     );
-    let gaussian = GaussianMatcher::new(moments, &settings()).unwrap();
-    let table = TableMatcher::new(levels, &settings()).unwrap();
-    let mut posterior = Posterior::<100>::new();
+    let gaussian = GaussianMatcher::new(moments, &UNTEMPERED).unwrap();
+    let table = TableMatcher::new(levels, &UNTEMPERED).unwrap();
+    let mut posterior = Posterior::<100>::EMPTY;
     let check = |found: Match, weights: &[f32], log_likelihoods: &[f64], step: f64| {
         let (exact, mean, _) = exact(log_likelihoods);
         assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-5);
@@ -84,7 +83,7 @@ fn matchers_differ_from_f64_by_their_steps() {
         let found = gaussian.locate(&scan, &mut posterior).unwrap();
         let log_likelihoods = of(&|beacon, rssi, point| {
             let m = moments.moments(beacon, point).unwrap();
-            let sigma = f64::from(m.deviation_db).hypot(4.0);
+            let sigma = f64::from(m.sigma_db).hypot(4.0);
             let density = normal_density(f64::from(rssi - m.mean_dbm), sigma);
             (0.999 * density).max(1e-3 / 120.0).ln()
         });
@@ -104,23 +103,23 @@ fn all_methods_find_the_place() {
         RadioMap::new(&levels).unwrap(),
     );
     let samples = samples();
-    let samples = Samples::new(*moments.lattice(), 4, &samples).unwrap();
-    let settings = Settings::new();
-    let mut posterior = Posterior::<POINTS>::new();
+    let lattice = *moments.lattice();
+    let config = Config::DEFAULT;
+    let mut posterior = Posterior::<POINTS>::EMPTY;
     let mut squares = [0.0; 4];
     for place in places() {
         let scan = scan(place);
         let found = [
-            GaussianMatcher::new(moments, &settings)
+            GaussianMatcher::new(moments, &config)
                 .unwrap()
                 .locate(&scan, &mut posterior),
-            TableMatcher::new(levels, &settings)
+            TableMatcher::new(levels, &config)
                 .unwrap()
                 .locate(&scan, &mut posterior),
-            KernelDensity::new(samples, 4.0, &settings)
+            KernelDensity::new(lattice, 4, &samples, 4.0, &config)
                 .unwrap()
                 .locate(&scan, &mut posterior),
-            Neighbours::new(moments, 3, &settings)
+            Neighbours::new(moments, 3, &config)
                 .unwrap()
                 .locate(&scan, &mut posterior),
         ];
@@ -139,7 +138,7 @@ fn all_methods_find_the_place() {
 fn neighbours_are_the_nearest_means() {
     let bytes = tunnel(Encoding::Moments);
     let map = RadioMap::new(&bytes).unwrap();
-    let mut posterior = Posterior::<POINTS>::new();
+    let mut posterior = Posterior::<POINTS>::EMPTY;
     for place in places() {
         let scan = scan(place);
         let mut order: Vec<usize> = (0..POINTS).collect();
@@ -150,7 +149,7 @@ fn neighbours_are_the_nearest_means() {
             scan.iter().map(of).sum()
         };
         order.sort_by(|a, b| squares(*a).total_cmp(&squares(*b)));
-        let found = Neighbours::new(map, 5, &settings())
+        let found = Neighbours::new(map, 5, &UNTEMPERED)
             .unwrap()
             .locate(&scan, &mut posterior)
             .unwrap();
@@ -160,8 +159,8 @@ fn neighbours_are_the_nearest_means() {
         assert!((found.mean[0] - mean).abs() < 1e-4);
         assert_eq!(posterior.weights().iter().filter(|w| **w == 0.2).count(), 5);
     }
-    assert!(Neighbours::new(map, 0, &settings()).is_err());
-    assert!(Neighbours::new(map, 17, &settings()).is_err());
+    assert!(Neighbours::new(map, 0, &UNTEMPERED).is_err());
+    assert!(Neighbours::new(map, 17, &UNTEMPERED).is_err());
 }
 
 #[test]
@@ -171,23 +170,23 @@ fn scans_that_make_no_sense_are_refused_and_change_nothing() {
         RadioMap::new(&moments).unwrap(),
         RadioMap::new(&levels).unwrap(),
     );
-    assert!(GaussianMatcher::new(levels, &settings()).is_err());
-    assert!(TableMatcher::new(moments, &settings()).is_err());
-    let gaussian = GaussianMatcher::new(moments, &settings()).unwrap();
-    let table = TableMatcher::new(levels, &settings()).unwrap();
+    assert!(GaussianMatcher::new(levels, &UNTEMPERED).is_err());
+    assert!(TableMatcher::new(moments, &UNTEMPERED).is_err());
+    let gaussian = GaussianMatcher::new(moments, &UNTEMPERED).unwrap();
+    let table = TableMatcher::new(levels, &UNTEMPERED).unwrap();
     let reading = |beacon, rssi_dbm| Reading { beacon, rssi_dbm };
-    let mut posterior = Posterior::<POINTS>::new();
+    let mut posterior = Posterior::<POINTS>::EMPTY;
     assert!(posterior.weights().is_empty());
     let good = [reading(1, -60.0), reading(2, -70.0)];
     gaussian.locate(&good, &mut posterior).unwrap();
     let before = posterior.weights().to_vec();
     for (scan, error) in [
-        (vec![], MatchError::Scan),
-        (vec![reading(0, 42.0)], MatchError::Scan),
-        (vec![reading(0, f32::NAN)], MatchError::Scan),
+        (vec![], ReadingError::Strength),
+        (vec![reading(0, 42.0)], ReadingError::Strength),
+        (vec![reading(0, f32::NAN)], ReadingError::Strength),
         (
             vec![reading(0, -60.0), reading(4, -60.0)],
-            MatchError::Beacon,
+            ReadingError::Beacon,
         ),
     ] {
         assert_eq!(gaussian.locate(&scan, &mut posterior), Err(error));
@@ -204,9 +203,12 @@ fn scans_that_make_no_sense_are_refused_and_change_nothing() {
     let found = gaussian.locate(&gated, &mut posterior).unwrap();
     assert_eq!(found.used, 2);
     assert_eq!(posterior.weights(), before);
-    let mut small = Posterior::<79>::new();
-    assert_eq!(gaussian.locate(&good, &mut small), Err(MatchError::Points));
-    assert_eq!(table.locate(&good, &mut small), Err(MatchError::Points));
+    let mut small = Posterior::<79>::EMPTY;
+    assert_eq!(
+        gaussian.locate(&good, &mut small),
+        Err(ReadingError::Points)
+    );
+    assert_eq!(table.locate(&good, &mut small), Err(ReadingError::Points));
     // More readings than any scan has.
     let many = vec![good[0]; 1000];
     assert_eq!(gaussian.locate(&many, &mut posterior).unwrap().used, 64);

@@ -1,8 +1,8 @@
 //! Beacons that are not heard, and points that nobody surveyed.
 
 use foxhunt::fingerprint::{
-    Encoding, GaussianMatcher, Match, MatchError, Matcher, Missing, Posterior, RadioMap, Reading,
-    Settings, TableMatcher,
+    Config, Encoding, GaussianMatcher, Match, Matcher, Missing, Posterior, RadioMap, Reading,
+    ReadingError, TableMatcher,
 };
 use foxhunt_host::radio_map::{self, Options, SiteSurvey};
 
@@ -39,15 +39,15 @@ fn half_heard() -> [Vec<u8>; 2] {
 }
 
 /// The weight of the left half, by each of the matchers.
-fn left(maps: &[Vec<u8>; 2], settings: &Settings, scan: &[Reading]) -> [f32; 2] {
+fn left(maps: &[Vec<u8>; 2], config: &Config, scan: &[Reading]) -> [f32; 2] {
     let [moments, levels] = maps.each_ref().map(|map| RadioMap::new(map).unwrap());
-    let mut posterior = Posterior::<20>::new();
-    let mut left = |matcher: &dyn Fn(&mut Posterior<20>) -> Result<Match, MatchError>| {
+    let mut posterior = Posterior::<20>::EMPTY;
+    let mut left = |matcher: &dyn Fn(&mut Posterior<20>) -> Result<Match, ReadingError>| {
         matcher(&mut posterior).unwrap();
         posterior.weights()[..10].iter().sum()
     };
-    let gaussian = GaussianMatcher::new(moments, settings).unwrap();
-    let table = TableMatcher::new(levels, settings).unwrap();
+    let gaussian = GaussianMatcher::new(moments, config).unwrap();
+    let table = TableMatcher::new(levels, config).unwrap();
     [
         left(&|posterior| gaussian.locate(scan, posterior)),
         left(&|posterior| table.locate(scan, posterior)),
@@ -65,12 +65,16 @@ fn a_missing_beacon_says_something_only_if_asked() {
         (Missing::Ignored, 0.45..0.55),
         (Missing::Modelled, 0.0..0.02),
     ] {
-        let left = left(&maps, &settings().with_missing(missing), &scan);
+        let config = Config {
+            missing,
+            ..UNTEMPERED
+        };
+        let left = left(&maps, &config, &scan);
         assert!(left.iter().all(|left| expected.contains(left)), "{left:?}");
     }
     // Where it is heard, nothing points to the half where it is not.
     let scan = [scan[0], reading(1, -55.0)];
-    let left = left(&maps, &settings(), &scan);
+    let left = left(&maps, &UNTEMPERED, &scan);
     assert!(left.iter().all(|left| *left > 0.99), "{left:?}");
 }
 
@@ -90,13 +94,13 @@ fn points_far_from_the_survey_are_left_out() {
         let surveyed: Vec<bool> = (0..80).map(|point| map.is_surveyed(point)).collect();
         assert!(surveyed[30] && surveyed[49] && !surveyed[31..49].contains(&true));
         assert!(!map.is_surveyed(80) && !map.is_surveyed(usize::MAX));
-        let mut posterior = Posterior::<80>::new();
+        let mut posterior = Posterior::<80>::EMPTY;
         let scan = scan([40.0, 1.75]);
         match encoding {
-            Encoding::Moments => GaussianMatcher::new(map, &settings())
+            Encoding::Moments => GaussianMatcher::new(map, &UNTEMPERED)
                 .unwrap()
                 .locate(&scan, &mut posterior),
-            _ => TableMatcher::new(map, &settings())
+            _ => TableMatcher::new(map, &UNTEMPERED)
                 .unwrap()
                 .locate(&scan, &mut posterior),
         }

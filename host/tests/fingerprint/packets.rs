@@ -1,7 +1,7 @@
 //! Single packets, which weigh particles.
 
 use foxhunt::{
-    fingerprint::{Encoding, Packet, PacketError, PacketModel, RadioMap, Settings},
+    fingerprint::{Config, Encoding, PacketModel, RadioMap, Reading, ReadingError},
     model::Likelihood,
 };
 use foxhunt_host::radio_map::{self, Options, SiteSurvey};
@@ -26,7 +26,7 @@ fn interpolated(map: &RadioMap, beacon: usize, place: [f64; 2]) -> [f64; 2] {
                 let point = (row + dy) * lattice.columns() + column + dx;
                 let m = map.moments(beacon, point).unwrap();
                 sums[0] += wx * wy * f64::from(m.mean_dbm);
-                sums[1] += wx * wy * f64::from(m.deviation_db);
+                sums[1] += wx * wy * f64::from(m.sigma_db);
             }
         }
     }
@@ -35,8 +35,7 @@ fn interpolated(map: &RadioMap, beacon: usize, place: [f64; 2]) -> [f64; 2] {
 
 #[test]
 fn packets_weigh_particles_by_the_interpolated_map() {
-    let settings = Settings::new();
-    let model = PacketModel::new(&settings);
+    let model = PacketModel::new(&Config::DEFAULT).unwrap();
     let turned = {
         // The tunnel along y: one column.
         let survey = SiteSurvey::new(line().into_iter().flat_map(|[y, x]| {
@@ -71,8 +70,8 @@ fn packets_weigh_particles_by_the_interpolated_map() {
             y.push(py);
         }
         let mut out = vec![0.0; x.len()];
-        for (beacon, rssi_dbm, offset) in [(0, -55, 0.0), (1, -70, 10.0), (3, -62, -3.25)] {
-            let packet = Packet { beacon, rssi_dbm };
+        for (beacon, rssi_dbm, offset) in [(0, -55.0, 0.0), (1, -70.0, 10.0), (3, -62.0, -3.25)] {
+            let packet = Reading { beacon, rssi_dbm };
             let likelihood = map.packet_likelihood(packet, offset, &model).unwrap();
             likelihood.log_likelihoods(&[&x, &y], &mut out);
             for (i, got) in out.iter().enumerate() {
@@ -97,9 +96,9 @@ fn packets_weigh_particles_by_the_interpolated_map() {
             }
         }
         for nowhere in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30] {
-            let packet = Packet {
+            let packet = Reading {
                 beacon: 0,
-                rssi_dbm: -60,
+                rssi_dbm: -60.0,
             };
             let likelihood = map.packet_likelihood(packet, 0.0, &model).unwrap();
             likelihood.log_likelihoods(&[&[nowhere; 3], &[0.0, nowhere, 1.0]], &mut out[..3]);
@@ -115,17 +114,17 @@ fn packets_that_say_nothing_are_refused() {
         RadioMap::new(&moments).unwrap(),
         RadioMap::new(&levels).unwrap(),
     );
-    let model = PacketModel::new(&settings());
+    let model = PacketModel::new(&UNTEMPERED).unwrap();
     let refusal = |map: RadioMap, beacon, rssi_dbm, offset| {
-        let packet = Packet { beacon, rssi_dbm };
+        let packet = Reading { beacon, rssi_dbm };
         map.packet_likelihood(packet, offset, &model).err()
     };
-    assert_eq!(refusal(moments, 0, -60, 0.0), None);
-    assert_eq!(refusal(levels, 0, -60, 0.0), Some(PacketError::Encoding));
-    assert_eq!(refusal(moments, 4, -60, 0.0), Some(PacketError::Beacon));
-    assert_eq!(refusal(moments, 0, 42, 0.0), Some(PacketError::Strength));
-    assert_eq!(
-        refusal(moments, 0, -60, f32::NAN),
-        Some(PacketError::Offset)
-    );
+    let (beacon, strength) = (Some(ReadingError::Beacon), Some(ReadingError::Strength));
+    assert_eq!(refusal(moments, 0, -60.0, 0.0), None);
+    assert_eq!(refusal(levels, 0, -60.0, 0.0), beacon);
+    assert_eq!(refusal(moments, 4, -60.0, 0.0), beacon);
+    for rssi_dbm in [42.0, f32::NAN] {
+        assert_eq!(refusal(moments, 0, rssi_dbm, 0.0), strength);
+    }
+    assert_eq!(refusal(moments, 0, -60.0, f32::NAN), strength);
 }

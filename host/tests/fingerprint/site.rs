@@ -1,6 +1,6 @@
 //! A tunnel and a hall, their surveys and scans, and the same sums in f64.
 
-use foxhunt::fingerprint::{Encoding, Reading, Settings};
+use foxhunt::fingerprint::{Config, Encoding, Reading};
 use foxhunt_host::radio_map::{self, Options, SiteSurvey};
 
 pub const POINTS: usize = 80;
@@ -63,9 +63,10 @@ pub fn scan(position: [f64; 2]) -> [Reading; BEACONS] {
     })
 }
 
-pub fn settings() -> Settings {
-    Settings::new().with_tempering(1.0).unwrap()
-}
+pub const UNTEMPERED: Config = Config {
+    tempering: 1.0,
+    ..Config::DEFAULT
+};
 
 pub fn log_mixture(density: f64) -> f64 {
     ((1.0 - 1e-3) * density + 1e-3 / 120.0).ln()

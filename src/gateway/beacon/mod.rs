@@ -28,8 +28,8 @@
 //! **`$PFOXL,time,radio,SILENT*hh`**, a radio of the map has heard no tag for [`Config::silence_ms`] while others have;
 //! **`...,HEARD*hh`** when it hears one again.
 //!
-//! **`$PFOXS,messages,packets,queries,restarts,ignored,...,tags,silent,evicted*hh`**, the status: all messages, and how
-//! many of them were packets that a tracker took, queries, restarts and sentences of other kinds; in the place of `...`,
+//! **`$PFOXS,messages,packets,ignored,queries,restarts,...,tags,silent,evicted*hh`**, the status: all messages, and how
+//! many of them were packets that a tracker took, sentences of other kinds, queries and restarts; in the place of `...`,
 //! in the order of [`Rejected::ALL`], how many were rejected for each reason, so that the second to the eleventh number
 //! add up to the first; how many tags are tracked, how many radios are silent, and how many tags lost their tracker to
 //! another one.
@@ -74,7 +74,7 @@ pub const MAX_TAGS: usize = 16;
 /// let mut gateway = BeaconGateway::<8, 300, 81, 4>::EMPTY;
 /// let events = b"$PFOXQ*50\r\n".iter().filter_map(|byte| gateway.push(*byte, &config));
 /// assert_eq!(events.last(), Some(Event::Queried));
-/// assert!(gateway.report().starts_with("$PFOXS,1,0,1,0,0,"));
+/// assert!(gateway.report().starts_with("$PFOXS,1,0,0,1,0,"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]

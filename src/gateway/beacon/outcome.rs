@@ -73,7 +73,8 @@ impl core::error::Error for Rejected {}
 
 /// How many messages there were of each kind. Counts stay at their maximum when they reach it.
 ///
-/// Every message is counted once: packets, queries, restarts, ignored and rejected messages add up to `messages`.
+/// Every message is counted once: packets, ignored sentences, queries, restarts and rejected messages add up to
+/// `messages`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {
@@ -81,12 +82,12 @@ pub struct Counters {
     pub messages: u32,
     /// Packets that a tracker took.
     pub packets: u32,
+    /// Correct sentences of other kinds.
+    pub ignored: u32,
     /// Queries.
     pub queries: u32,
     /// Restarts.
     pub restarts: u32,
-    /// Correct sentences of other kinds.
-    pub ignored: u32,
     /// Trackers that were taken from one tag and given to another.
     pub evicted: u32,
     rejected: Tally<{ Rejected::ALL.len() }>,
@@ -106,9 +107,9 @@ impl Counters {
     pub(super) const EMPTY: Self = Self {
         messages: 0,
         packets: 0,
+        ignored: 0,
         queries: 0,
         restarts: 0,
-        ignored: 0,
         evicted: 0,
         rejected: Tally::new(),
     };

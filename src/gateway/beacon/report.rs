@@ -47,9 +47,9 @@ impl Report {
         for count in [
             counters.messages,
             counters.packets,
+            counters.ignored,
             counters.queries,
             counters.restarts,
-            counters.ignored,
         ] {
             self.field(count);
         }

@@ -88,7 +88,7 @@ fn both_framings_give_the_same_answers() {
     assert!(matches!(events[0], Event::Taken(Tag(7))));
     assert_eq!(events.last(), Some(&Event::Queried));
     assert!(output.contains("$PFOXT,") && output.contains(",7,"));
-    assert!(output.contains("$PFOXS,41,40,1,0,0,0,0,0,0,0,0,1,0,0*"));
+    assert!(output.contains("$PFOXS,41,40,0,1,0,0,0,0,0,0,0,1,0,0*"));
 }
 
 #[test]

@@ -220,7 +220,7 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
                 .map(|observation| observation.from_station(port as u8))
                 .map_err(|_| Rejected::OutOfRange)
         };
-        let of_peak = |peak: Peak| observe(-peak.angle * DEGREES, peak.deviation);
+        let of_peak = |peak: Peak| observe(-peak.angle_rad * DEGREES, peak.sigma_rad);
         let observation = match best {
             Some(peak) => of_peak(peak)?,
             None => observe(reading.degrees, sigma_rad(reading, config))?,
@@ -230,7 +230,7 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
             && let Some([best, second, third]) = peaks
         {
             for peak in [second, third, best].into_iter().flatten() {
-                let seen = of_peak(peak).map(|seen| Alternative::new(seen, peak.share));
+                let seen = of_peak(peak).map(|seen| Alternative::new(seen, peak.probability));
                 if let Ok(Ok(alternative)) = seen {
                     let _ = alternatives.push(alternative);
                 }

@@ -97,21 +97,21 @@ fn sentence(fields: &[&str]) -> Option<Report> {
 
 impl fmt::Display for Status {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        const NAMES: [&str; 6] = [
+        const MESSAGES: [&str; 5] = [
             "messages",
             "packets used",
-            "tags",
-            "radios silent",
             "sentences ignored",
-            "tags evicted",
+            "queries",
+            "restarts",
         ];
-        let (counts, rejections) = self.counts.split_at(NAMES.len().min(self.counts.len()));
-        let counts = counts.iter().zip(NAMES);
-        let counts = counts.map(|(count, name)| format!("{count} {name}"));
-        let rejections = rejections.iter().zip(Rejected::ALL);
-        let rejections = rejections
-            .filter(|(count, _)| **count > 0)
-            .map(|(count, reason)| format!("{count} rejected ({reason})"));
-        f.write_str(&counts.chain(rejections).collect::<Vec<_>>().join(", "))
+        const TAGS: [&str; 3] = ["tags", "radios silent", "tags evicted"];
+        let names = MESSAGES.map(String::from).into_iter();
+        let names = names.chain(Rejected::ALL.map(|reason| format!("rejected ({reason})")));
+        let names = names.chain(TAGS.map(String::from));
+        let counts = self.counts.iter().zip(names);
+        let counts = counts
+            .filter(|(count, name)| **count > 0 || !name.starts_with("rejected"))
+            .map(|(count, name)| format!("{count} {name}"));
+        f.write_str(&counts.collect::<Vec<_>>().join(", "))
     }
 }

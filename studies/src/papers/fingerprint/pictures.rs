@@ -3,7 +3,7 @@
 use anyhow::Result;
 use foxhunt::fingerprint::{
     RadioMap,
-    tracker::{Settings, Site},
+    tracker::{Config, Site},
 };
 use foxhunt_host::{
     picture::{self, Axis, Curve, Curves, Walks},
@@ -32,7 +32,7 @@ pub fn simulated(study: &Study) -> Result<()> {
     let path = |time: f64| [SPEED * time, WALKED];
     let packets = site.walk(path, seconds, RATE, &radio, &mut rng);
     let times = times(1.0, seconds);
-    let tracked = Site::new(RadioMap::new(&map)?, of_simulated_packets()?)?;
+    let tracked = Site::new(RadioMap::new(&map)?, of_simulated_packets())?;
     let found = follow(&tracked, &packets, &times, study.seed)?;
     let truth: Vec<[f64; 2]> = times.iter().map(|time| path(*time)).collect();
     let walks = Walks {
@@ -61,7 +61,7 @@ pub fn measured(study: &Study, office: &Office, walk: &Walk) -> Result<()> {
         walk.packets[walk.packets.len() - 1].time,
     );
     let times = times(first + 2.0, last);
-    let found = walk.follow(&walk.packets, &times, Settings::new(), study.seed)?;
+    let found = walk.follow(&walk.packets, &times, Config::DEFAULT, study.seed)?;
     let matched = walk.matched(&walk.packets, &times)?;
     let truth: Vec<[f64; 2]> = times.iter().map(|time| walk.truth_at(*time)).collect();
     let walks = Walks {

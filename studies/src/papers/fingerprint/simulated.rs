@@ -171,8 +171,12 @@ fn matched_model(column: usize, seed: u64) -> Result<Model> {
     let squares: Vec<f64> = (0..TRAINING).into_par_iter().map(square).collect();
     let along = (squares.iter().sum::<f64>() / TRAINING as f64).sqrt();
     let across = 3.5 / 12f64.sqrt();
-    let covariance = Covariance::diagonal([along as f32, across as f32]);
-    Ok(Model::AS_PRINTED.with_observation(covariance)?)
+    let model = Model {
+        observation: Covariance::diagonal([along as f32, across as f32]),
+        ..Model::AS_PRINTED
+    };
+    model.check()?;
+    Ok(model)
 }
 
 /// The errors of each method, walk by walk.
@@ -196,7 +200,6 @@ fn one_run(
     };
     let map = run.map();
     let bytes = tunnel_map(&run.survey)?;
-    let settings = of_simulated_scans()?;
     let places: Vec<f64> = filter.places().collect();
     let grid = |log_likelihoods: &[Vec<f64>]| {
         let beliefs = filter.run(log_likelihoods);
@@ -211,7 +214,7 @@ fn one_run(
         several(4, &|rng| cloud(&matches, false, matched, rng))?,
         several(5, &|rng| direct(&run, &map, rng))?,
         seeds(6)
-            .map(|seed| follow_scans(&run, &bytes, settings, seed))
+            .map(|seed| follow_scans(&run, &bytes, of_simulated_scans(), seed))
             .collect::<Result<_>>()?,
         grid(&run.log_likelihoods(&places)),
         grid(&true_log_likelihoods(&run, column, &places)),
@@ -240,7 +243,7 @@ fn cloud(
     model: &Model,
     rng: &mut Xoshiro128PlusPlus,
 ) -> Result<Vec<f64>> {
-    let mut cloud = Cloud::<PARTICLES>::new();
+    let mut cloud = Cloud::<PARTICLES>::EMPTY;
     if is_uniform {
         cloud.start_within([0.0; 2], [80.0, 3.5], matches[0], model, rng)?;
     } else {

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use foxhunt::fingerprint::{
     RadioMap,
-    tracker::{Settings, Site},
+    tracker::{Config, Site},
 };
 use foxhunt_host::{
     figures::Figure,
@@ -78,7 +78,7 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
 
 /// The window that the library begins with.
 fn default_window() -> Result<u32> {
-    let is_default = |window: &u32| Settings::new().with_window_ms(*window) == Ok(Settings::new());
+    let is_default = |window: &u32| *window == Config::DEFAULT.window_ms;
     let default = WINDOWS.into_iter().find(is_default);
     default.context("none of the windows is the default")
 }
@@ -95,9 +95,12 @@ fn one_run(run: u64, seed: u64) -> Result<[Vec<f64>; WINDOWS.len()]> {
     let times: Vec<f64> = (1..=(seconds / 2.0) as u32)
         .map(|k| 2.0 * f64::from(k))
         .collect();
-    let errors = |window| {
-        let settings = of_simulated_packets()?.with_window_ms(window)?;
-        let tracked = Site::new(RadioMap::new(&map)?, settings)?;
+    let errors = |window_ms| {
+        let config = Config {
+            window_ms,
+            ..of_simulated_packets()
+        };
+        let tracked = Site::new(RadioMap::new(&map)?, config)?;
         let found = follow(&tracked, &packets, &times, run)?;
         let pairs = found.iter().zip(&times);
         Ok(pairs

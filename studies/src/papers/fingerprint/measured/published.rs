@@ -43,11 +43,13 @@ pub fn two_stage(office: &Office, seeds: u64, seed: u64, is_fitted: bool) -> Res
         let mut model = Model::AS_PRINTED;
         if !straight {
             // Nothing tells one direction from another.
-            model = model.with_acceleration([0.5; 2])?.with_velocity([1.5; 2])?;
+            model.acceleration_sigma_m_s2 = [0.5; 2];
+            model.velocity_sigma_m_s = [1.5; 2];
         }
         if is_fitted {
-            model = model.with_observation(Covariance::diagonal(sigmas(&matched)))?;
+            model.observation = Covariance::diagonal(sigmas(&matched));
         }
+        model.check()?;
         for (walk, places) in &matched {
             for filter_seed in 0..seeds {
                 let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed << 8 ^ filter_seed);
@@ -81,7 +83,7 @@ fn filtered(
     model: &Model,
     rng: &mut Xoshiro128PlusPlus,
 ) -> Result<Vec<[f64; 2]>> {
-    let mut cloud = Cloud::<PARTICLES>::new();
+    let mut cloud = Cloud::<PARTICLES>::EMPTY;
     let mut found = Vec::new();
     for (step, place) in places.iter().enumerate() {
         let place = place.map(|x| x as f32);

@@ -1,7 +1,7 @@
 //! The tracker on the measured walks, with all packets and with faults that it should stand.
 
 use anyhow::Result;
-use foxhunt::fingerprint::tracker::Settings;
+use foxhunt::fingerprint::tracker::Config;
 use foxhunt_host::{simulate::generator, tunnel::Packet, walks::Office};
 use indicatif::ParallelProgressIterator;
 use rand::RngExt;
@@ -113,7 +113,7 @@ fn track(office: &Office, seed: u64, change: Change<'_>) -> Result<Both> {
             let walk = &office.walks[*number];
             let packets = change(&walk.packets, *number as u64 * SEEDS + filter_seed);
             let times = walk.times();
-            let places = walk.follow(&packets, &times, Settings::new(), seed << 8 ^ filter_seed)?;
+            let places = walk.follow(&packets, &times, Config::DEFAULT, seed << 8 ^ filter_seed)?;
             Ok(walk.errors(&times, &places))
         })
         .collect::<Result<_>>()?;
@@ -138,7 +138,7 @@ pub fn sets_of_four(office: &Office, seed: u64) -> Result<Vec<f64>> {
             let (packets, times) = (only(&walk.packets, set), walk.times());
             for filter_seed in 0..SEEDS_OF_SETS {
                 let seed = seed << 8 ^ filter_seed;
-                let places = walk.follow(&packets, &times, Settings::new(), seed)?;
+                let places = walk.follow(&packets, &times, Config::DEFAULT, seed)?;
                 let errors = walk.errors(&times, &places);
                 count += errors.len() as f64;
                 near += errors.iter().filter(|error| **error < 2.0).count() as f64;
