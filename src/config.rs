@@ -79,10 +79,18 @@ macro_rules! require_all {
 }
 pub(crate) use require_all;
 
-/// Whether a number is positive, finite, and not so small that its inverse is infinite.
-pub(crate) const fn is_positive(x: f32) -> bool {
-    x >= f32::MIN_POSITIVE && x <= f32::MAX
+/// Returns from a `check` with a [`ConfigError`] unless each field is positive, finite, and not so small that its inverse is
+/// infinite.
+macro_rules! require_positive {
+    ($config:ident: $($field:ident),+ $(,)?) => {$(
+        if !($config.$field >= f32::MIN_POSITIVE && $config.$field <= f32::MAX) {
+            return Err($crate::ConfigError::new(concat!(
+                stringify!($field), " is not positive and finite"
+            )));
+        }
+    )+};
 }
+pub(crate) use require_positive;
 
 /// Checks a configuration while it compiles: a value that is out of range does not.
 ///

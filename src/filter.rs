@@ -164,7 +164,7 @@ persist!(impl[const D: usize, const N: usize] ParticleFilter<D, N> as "ParticleF
 mod tests {
     extern crate std;
     use super::*;
-    use crate::model::{RandomWalk, Static};
+    use crate::model::RandomWalk;
     use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 
     fn spread_out() -> (ParticleFilter<2, 200>, Xoshiro128PlusPlus) {
@@ -250,11 +250,10 @@ mod tests {
     fn the_columns_of_a_random_walk_are_its_steps() {
         let (filter, rng) = spread_out();
         let walk = RandomWalk { sigma: [2.0, 0.5] };
-        let (mut moved, mut still) = (filter.clone(), filter.clone());
+        let mut moved = filter.clone();
         moved.predict(&walk, 4.0, &mut rng.clone());
-        still.predict(&Static, 4.0, &mut rng.clone());
-        let variance = |a: &ParticleFilter<2, 200>, d: usize| {
-            let steps = a.particles.columns()[d]
+        let variance = |d: usize| {
+            let steps = moved.particles.columns()[d]
                 .iter()
                 .zip(filter.particles.columns()[d]);
             steps
@@ -263,8 +262,31 @@ mod tests {
                 / 200.0
         };
         // 16 and 1; the sigma of a variance of 200 samples is a tenth of it.
-        assert!((variance(&moved, 0) - 16.0).abs() < 5.3);
-        assert!((variance(&moved, 1) - 1.0).abs() < 0.33);
-        assert_eq!((variance(&still, 0), variance(&still, 1)), (0.0, 0.0));
+        assert!((variance(0) - 16.0).abs() < 5.3);
+        assert!((variance(1) - 1.0).abs() < 0.33);
+    }
+
+    #[test]
+    fn a_step_resamples_predicts_and_updates() {
+        let (mut stepped, mut rng) = spread_out();
+        let mut by_parts = stepped.clone();
+        let mut parts_rng = rng.clone();
+        let walk = RandomWalk { sigma: [0.3; 2] };
+        for step in 0..10 {
+            let near = |[x, y]: &[f32; 2]| -8.0 * ((x - 0.1 * step as f32).powi(2) + y * y);
+            let evidence = stepped.step(&walk, &near, 1.0, &mut rng);
+            by_parts.resample_below(0.5, &mut parts_rng);
+            by_parts.predict(&walk, 1.0, &mut parts_rng);
+            assert_eq!(evidence, by_parts.update(&near));
+            assert_eq!(stepped.mean(), by_parts.mean());
+        }
+        assert!((stepped.mean()[0] - 0.9).abs() < 0.2);
+        // A measurement that is refused counts as missing.
+        let mut missing = stepped.clone();
+        let refused = stepped.step(&walk, &|_: &[f32; 2]| f32::NAN, 1.0, &mut rng.clone());
+        assert_eq!(refused, Err(UpdateError::AllWeightsZero));
+        missing.resample_below(0.5, &mut rng);
+        missing.predict(&walk, 1.0, &mut rng);
+        assert_eq!(stepped.particles.columns(), missing.particles.columns());
     }
 }

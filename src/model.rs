@@ -79,18 +79,6 @@ impl<const D: usize, F: Fn(&[f32; D]) -> f32> Likelihood<D> for F {
     }
 }
 
-/// Nothing moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Static;
-
-impl<const D: usize> Dynamics<D> for Static {
-    fn step<R: Rng + ?Sized>(&self, state: [f32; D], _dt: f32, _rng: &mut R) -> [f32; D] {
-        state
-    }
-
-    fn predict<R: Rng + ?Sized>(&self, _columns: &mut [&mut [f32]; D], _dt: f32, _rng: &mut R) {}
-}
-
 /// Every dimension wanders on its own; nothing moves in a time that is not positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RandomWalk<const D: usize> {

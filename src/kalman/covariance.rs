@@ -1,7 +1,5 @@
 //! A covariance, held as its Cholesky factor.
 
-use core::fmt;
-
 use crate::math::{ln, sqrt};
 use crate::snapshot::{Error, Reader, Value, Writer};
 
@@ -13,11 +11,6 @@ pub struct Covariance<const D: usize> {
     /// The columns of the factor. Zero above the diagonal, on which nothing is negative.
     columns: [[f32; D]; D],
 }
-
-/// The matrix is not positive semidefinite, or not finite.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct NotACovariance;
 
 /// The columns of the factor.
 impl<const D: usize> Value for Covariance<D> {
@@ -33,14 +26,6 @@ impl<const D: usize> Value for Covariance<D> {
         Ok(Self { columns })
     }
 }
-
-impl fmt::Display for NotACovariance {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("the matrix is not positive semidefinite")
-    }
-}
-
-impl core::error::Error for NotACovariance {}
 
 impl<const D: usize> Covariance<D> {
     /// No uncertainty at all.
@@ -59,11 +44,9 @@ impl<const D: usize> Covariance<D> {
         Self { columns }
     }
 
-    /// Of a matrix, of which the lower triangle counts.
-    ///
-    /// # Errors
-    /// When it is not finite, or more negative in some direction than rounding explains.
-    pub fn new(matrix: &[[f32; D]; D]) -> Result<Self, NotACovariance> {
+    /// Of a matrix, of which the lower triangle counts. `None` when it is not finite, or more negative in some direction
+    /// than rounding explains.
+    pub fn new(matrix: &[[f32; D]; D]) -> Option<Self> {
         /// Fraction of a variance that the rounding of a matrix in f32 may cost.
         const ROUNDING: f32 = 4e-7;
         let mut columns = [[0.0; D]; D];
@@ -75,7 +58,7 @@ impl<const D: usize> Covariance<D> {
             };
             let lost = ROUNDING * D as f32 * variance;
             if !(pivot >= -lost && pivot <= f32::MAX) {
-                return Err(NotACovariance);
+                return None;
             }
             if pivot <= lost {
                 continue;
@@ -90,11 +73,7 @@ impl<const D: usize> Covariance<D> {
                 }
             }
         }
-        let factor = Self { columns };
-        if !factor.is_finite() {
-            return Err(NotACovariance);
-        }
-        Ok(factor)
+        Some(Self { columns }).filter(Self::is_finite)
     }
 
     /// Adds `vector vector^T`: another independent source of noise, which moves the state along `vector`.
@@ -276,7 +255,7 @@ mod tests {
         assert_eq!(flat.matrix(), [[1.0, 2.0], [2.0, 4.0]]);
         assert!(flat.is_singular());
         assert_eq!(flat.half_ln_determinant(), f32::NEG_INFINITY);
-        assert!(Covariance::new(&[[0.0; 3]; 3]).is_ok());
+        assert!(Covariance::new(&[[0.0; 3]; 3]).is_some());
         for bad in [
             [[1.0, 0.0], [0.0, -1.0]],
             [[1.0, 2.0], [2.0, 1.0]],
@@ -284,7 +263,7 @@ mod tests {
             [[f32::INFINITY, 0.0], [0.0, 1.0]],
             [[f32::NAN, 0.0], [0.0, 1.0]],
         ] {
-            assert_eq!(Covariance::new(&bad), Err(NotACovariance), "{bad:?}");
+            assert_eq!(Covariance::new(&bad), None, "{bad:?}");
         }
     }
 

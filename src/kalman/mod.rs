@@ -34,7 +34,7 @@ mod unscented;
 
 use core::fmt;
 
-pub use covariance::{Covariance, NotACovariance};
+pub use covariance::Covariance;
 pub use gaussian::Gaussian;
 pub use unscented::Unscented;
 

@@ -2,7 +2,7 @@
 
 use super::{Covariance, Gaussian, Innovation, KalmanError};
 use crate::ConfigError;
-use crate::config::require;
+use crate::config::require_within;
 use crate::math::sqrt;
 
 /// An unscented Kalman filter: pushes a few points of the state's distribution through the model, and fits a
@@ -56,19 +56,8 @@ impl Unscented {
     /// # Errors
     /// Names the first field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
-        // Below, f32 cannot tell the points apart.
-        require!(
-            self.alpha >= 0.01 && self.alpha <= 1.0,
-            "alpha is not within 0.01 and 1"
-        );
-        require!(
-            self.beta >= 0.0 && self.beta <= 100.0,
-            "beta is not within 0 and 100"
-        );
-        require!(
-            self.kappa >= 0.0 && self.kappa <= 100.0,
-            "kappa is not within 0 and 100"
-        );
+        // With a smaller alpha, f32 cannot tell the points apart.
+        require_within!(self: alpha 0.01..=1.0, beta 0.0..=100.0, kappa 0.0..=100.0);
         Ok(())
     }
 

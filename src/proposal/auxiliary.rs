@@ -58,26 +58,6 @@ struct Next<const D: usize, const N: usize> {
     tooth: f32,
 }
 
-/// What particles are drawn from.
-struct Target<'a, T, L> {
-    transition: &'a T,
-    likelihood: &'a L,
-    dt: f32,
-}
-
-impl<T, L> Target<'_, T, L> {
-    /// The logarithm of transition times likelihood, of a particle.
-    fn of<const D: usize>(&self, from: [f32; D]) -> impl Fn(&[f32; D]) -> f32
-    where
-        T: Transition<D>,
-        L: Likelihood<D>,
-    {
-        move |to| {
-            self.likelihood.log_likelihood(to) + self.transition.log_transition(&from, to, self.dt)
-        }
-    }
-}
-
 impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
     /// All particles at the origin, with equal weights, in bits that are all zero. [`AuxiliaryFilter::initialise`] it.
     pub const EMPTY: Self = Self {
@@ -121,18 +101,16 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
         memory: &mut [f32; G],
         rng: &mut R,
     ) -> Result<f32, UpdateError> {
-        let target = Target {
-            transition,
-            likelihood,
-            dt,
+        let log_density = |from: [f32; D], to: &[f32; D]| {
+            likelihood.log_likelihood(to) + transition.log_transition(&from, to, dt)
         };
-        let posterior = self.look_ahead(&target, memory);
+        let posterior = self.look_ahead((transition, dt), &log_density, memory);
         let (_, first_stage) = self.weights.columns_mut();
         let Some(normalised) = weights::normalise(&mut self.next.log_weights, first_stage) else {
             return Err(self.refuse());
         };
         let log_evidence = normalised.shift + normalised.log_sum - self.weights.log_sum();
-        self.draw(&target, memory, rng);
+        self.draw(&log_density, memory, rng);
         self.exchange_log_weights();
         if self.weights.normalise().is_err() {
             self.exchange_log_weights();
@@ -147,10 +125,11 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
     /// the moments of the posterior.
     fn look_ahead<const G: usize>(
         &mut self,
-        target: &Target<'_, impl Transition<D>, impl Likelihood<D>>,
+        (transition, dt): (&impl Transition<D>, f32),
+        log_density: &impl Fn([f32; D], &[f32; D]) -> f32,
         memory: &mut [f32; G],
     ) -> Moments<D> {
-        let sigmas = target.transition.noise(target.dt).sigmas();
+        let sigmas = transition.noise(dt).sigmas();
         let mut posterior = Moments::NONE;
         let columns = self.particles.columns();
         let log_weights = self.weights.log_weights().iter();
@@ -160,8 +139,8 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
             .enumerate()
         {
             let from = read(&columns, i);
-            let (low, high) = reach(target.transition.mean(&from, target.dt), sigmas);
-            let grid = Grid::fit(low, high, target.of(from), memory);
+            let (low, high) = reach(transition.mean(&from, dt), sigmas);
+            let grid = Grid::fit(low, high, |to| log_density(from, to), memory);
             let local = grid.moments(memory);
             posterior.add(&local, *log_weight);
             *next = log_weight + local.log_mass();
@@ -173,7 +152,7 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
     /// Draws the next particles, from ancestors that the weights of the first stage choose systematically.
     fn draw<const G: usize, R: Rng + ?Sized>(
         &mut self,
-        target: &Target<'_, impl Transition<D>, impl Likelihood<D>>,
+        log_density: &impl Fn([f32; D], &[f32; D]) -> f32,
         memory: &mut [f32; G],
         rng: &mut R,
     ) {
@@ -183,7 +162,8 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
             let expected = weight * N as f32;
             if self.next.tooth < expected {
                 let copies = (expected - self.next.tooth) as usize + 1;
-                let target = target.of(read(&self.particles.columns(), i));
+                let from = read(&self.particles.columns(), i);
+                let target = |to: &[f32; D]| log_density(from, to);
                 self.next.draw(copies, grid, target, memory, rng);
             }
             self.next.tooth -= expected;

@@ -18,7 +18,7 @@ use super::lengths::{Lengths, difference};
 use super::population::{Population, Report, halves, others};
 use super::refinement::{Acceptance, Refinement, Workspace};
 use crate::ConfigError;
-use crate::config::{is_positive, require};
+use crate::config::{require, require_positive, require_within};
 use crate::math::sqrt;
 use crate::model::Likelihood;
 use crate::random::{Rng, uniform};
@@ -93,25 +93,10 @@ impl DifferentialEvolution {
     /// # Errors
     /// Names the first field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
-        require!(
-            is_positive(self.base_weight),
-            "base_weight is not positive and finite"
-        );
-        require!(
-            is_positive(self.difference_weight),
-            "difference_weight is not positive and finite"
-        );
-        require!(
-            self.crossover >= 0.0 && self.crossover <= 1.0,
-            "crossover is not within 0 and 1"
-        );
+        require_positive!(self: base_weight, difference_weight);
+        require_within!(self: crossover 0.0..=1.0);
         require!(self.generations > 0, "generations is zero");
         Ok(())
-    }
-
-    /// The most evaluations of the density that a refinement of so many particles takes.
-    pub const fn evaluations(&self, particles: usize) -> usize {
-        particles.saturating_mul(1 + self.generations as usize)
     }
 
     /// Which genes come from the mutant: at least one.
@@ -223,7 +208,7 @@ impl<const D: usize> Refinement<D> for DifferentialEvolution {
     }
 
     fn evaluations(&self, particles: usize) -> usize {
-        Self::evaluations(self, particles)
+        particles.saturating_mul(1 + usize::from(self.generations))
     }
 
     fn check(&self) -> Result<(), ConfigError> {
@@ -270,6 +255,6 @@ mod tests {
         for preset in [evolution, Evolution::METROPOLIS] {
             assert_eq!(preset.check(), Ok(()));
         }
-        assert_eq!(evolution.evaluations(10), 210);
+        assert_eq!(Refinement::<1>::evaluations(&evolution, 10), 210);
     }
 }

@@ -18,7 +18,7 @@ use super::neighbours::{Grid, Neighbours};
 use super::population::{Population, Report, halves, others};
 use super::refinement::{Acceptance, Refinement, Workspace};
 use crate::ConfigError;
-use crate::config::{is_positive, require};
+use crate::config::{require, require_positive, require_within};
 use crate::math::{exp, ln, sqrt};
 use crate::model::Likelihood;
 use crate::random::{Rng, uniform};
@@ -124,25 +124,10 @@ impl Firefly {
             self.absorption >= 0.0 && self.absorption <= f32::MAX,
             "absorption is negative or not finite"
         );
-        require!(
-            is_positive(self.flutter),
-            "flutter is not positive and finite"
-        );
-        require!(
-            self.least_attraction >= 0.0 && self.least_attraction <= 1.0,
-            "least_attraction is not within 0 and 1"
-        );
-        require!(
-            is_positive(self.decay_iterations),
-            "decay_iterations is not positive and finite"
-        );
+        require_positive!(self: flutter, decay_iterations);
+        require_within!(self: least_attraction 0.0..=1.0);
         require!(self.iterations > 0, "iterations is zero");
         Ok(())
-    }
-
-    /// The most evaluations of the density that a refinement of so many particles takes.
-    pub const fn evaluations(&self, particles: usize) -> usize {
-        particles.saturating_mul(1 + self.iterations as usize)
     }
 
     /// exp(-gamma r^2)
@@ -303,7 +288,7 @@ impl<const D: usize> Refinement<D> for Firefly {
     }
 
     fn evaluations(&self, particles: usize) -> usize {
-        Self::evaluations(self, particles)
+        particles.saturating_mul(1 + usize::from(self.iterations))
     }
 
     fn check(&self) -> Result<(), ConfigError> {
@@ -393,6 +378,6 @@ mod tests {
             iterations: 7,
             ..swarm
         };
-        assert_eq!(seven.evaluations(10), 80);
+        assert_eq!(Refinement::<1>::evaluations(&seven, 10), 80);
     }
 }

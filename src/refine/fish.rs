@@ -20,7 +20,7 @@ mod swim;
 use super::lengths::Lengths;
 use super::refinement::Acceptance;
 use crate::ConfigError;
-use crate::config::{is_positive, require};
+use crate::config::{require, require_positive};
 
 /// A school of fish: each particle is one.
 ///
@@ -46,7 +46,7 @@ use crate::config::{is_positive, require};
 /// const SCHOOL: FishSchool = foxhunt::config!(FishSchool { perception: 0.5, iterations: 30, ..FishSchool::DEFAULT });
 /// let mut memory = Memory::<2, 200>::new();
 /// let report = SCHOOL.refine(&mut [&mut x, &mut y], &target, &mut memory.workspace(), &mut rng);
-/// assert!(report.evaluations <= SCHOOL.evaluations(200));
+/// assert!(report.evaluations <= Refinement::<2>::evaluations(&SCHOOL, 200));
 /// // The school has found its prey.
 /// assert!((x.iter().sum::<f32>() / 200.0 - 5.0).abs() < 0.5);
 /// ```
@@ -148,15 +148,7 @@ impl FishSchool {
     /// # Errors
     /// Names the first field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
-        require!(
-            is_positive(self.perception),
-            "perception is not positive and finite"
-        );
-        require!(is_positive(self.step), "step is not positive and finite");
-        require!(
-            is_positive(self.crowding),
-            "crowding is not positive and finite"
-        );
+        require_positive!(self: perception, step, crowding);
         require!(self.tries > 0, "tries is zero");
         require!(self.iterations > 0, "iterations is zero");
         require!(
@@ -164,16 +156,6 @@ impl FishSchool {
             "threshold is negative or not finite"
         );
         Ok(())
-    }
-
-    /// The most evaluations of the density that a refinement of so many particles takes.
-    pub const fn evaluations(&self, particles: usize) -> usize {
-        let (swarm, follow) = (self.behaviour.swarms(), self.behaviour.follows());
-        let each = match self.acceptance {
-            Acceptance::Greedy => swarm as usize + self.tries as usize + 1,
-            Acceptance::Metropolis => 1 + swarm as usize + follow as usize,
-        };
-        particles.saturating_mul(1 + self.iterations as usize * each)
     }
 }
 
@@ -186,6 +168,7 @@ impl Default for FishSchool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::refine::Refinement;
 
     #[test]
     fn fields_out_of_range_are_named() {
@@ -221,7 +204,8 @@ mod tests {
         for preset in [school, FishSchool::PUBLISHED, FishSchool::METROPOLIS] {
             assert_eq!(preset.check(), Ok(()));
         }
-        assert_eq!(school.evaluations(10), 10 * (1 + 1 + 50 + 1));
-        assert_eq!(school.evaluations(usize::MAX), usize::MAX);
+        let evaluations = |particles| Refinement::<1>::evaluations(&school, particles);
+        assert_eq!(evaluations(10), 10 * (1 + 1 + 50 + 1));
+        assert_eq!(evaluations(usize::MAX), usize::MAX);
     }
 }

@@ -78,7 +78,7 @@ impl Mode {
                 break;
             }
         }
-        let covariance = Covariance::new(&InverseFactor::of(here.matrix, 0.0)?.square()).ok()?;
+        let covariance = Covariance::new(&InverseFactor::of(here.matrix, 0.0)?.square())?;
         let log_mass = here.log_density + covariance.half_ln_determinant();
         log_mass.is_finite().then_some(Self {
             mean,
@@ -173,7 +173,7 @@ impl InverseFactor {
                 *entry *= 1.0 + damping;
             }
         }
-        let factor = Covariance::new(&matrix).ok()?;
+        let factor = Covariance::new(&matrix)?;
         let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let columns = columns.map(|unit| factor.whiten(unit));
         let finite = columns.iter().flatten().all(|entry| entry.is_finite());

@@ -189,7 +189,12 @@ impl<const D: usize> Refinement<D> for FishSchool {
     }
 
     fn evaluations(&self, particles: usize) -> usize {
-        Self::evaluations(self, particles)
+        let (swarm, follow) = (self.behaviour.swarms(), self.behaviour.follows());
+        let each = match self.acceptance {
+            Acceptance::Greedy => usize::from(swarm) + usize::from(self.tries) + 1,
+            Acceptance::Metropolis => 1 + usize::from(swarm) + usize::from(follow),
+        };
+        particles.saturating_mul(1 + usize::from(self.iterations) * each)
     }
 
     fn check(&self) -> Result<(), ConfigError> {
