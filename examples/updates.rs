@@ -17,12 +17,10 @@ mod target {
     use cortex_m_semihosting::hprintln;
     use foxhunt::{
         aoa::{
-            Bearing, Locate, Observation,
-            locator::{self, Answer, Locator},
-            robust::{self, RobustLocator},
-            sources::{self, Sources},
+            Answer, Bearing, Clean, Locate, Locator, MultiTarget, Observation, Robust, clean,
+            multi, robust,
         },
-        gateway::{Event, LONG_REPORT, Settings, Vehicle},
+        gateway::{Config, Event, Formats, FullReport, ReportForm, Vehicle, formats::All},
         problems::bearings::Track,
         random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform},
         refine::{DifferentialEvolution, Firefly, FishSchool, Lengths, Refinement},
@@ -37,26 +35,27 @@ mod target {
     /// Runs all gateways and locators.
     pub fn run() {
         let stopwatch = Stopwatch::start();
-        let vehicle = || black_box(plain::gateway());
         let one = &stopwatch;
-        Updates::of_drive(vehicle(), one).print("vehicle");
-        Updates::of_drive(black_box(fish::gateway()), one).print("vehicle.fish");
-        Updates::of_drive(black_box(firefly::gateway()), one).print("vehicle.firefly");
-        Updates::of_drive(black_box(evolution::gateway()), one).print("vehicle.evolution");
-        Updates::of_drive(black_box(city::gateway()), one).print("vehicle.robust");
-        Updates::of_drive(greedy(school()), one).print("vehicle.fish.greedy");
-        Updates::of_drive(greedy(swarm()), one).print("vehicle.firefly.greedy");
-        Updates::of_drive(greedy(evolved()), one).print("vehicle.evolution.greedy");
+        Updates::of_drive(plain::Gateway::EMPTY, &plain::CONFIG, one).print("vehicle");
+        Updates::of_drive(fish::Gateway::EMPTY, &fish::CONFIG, one).print("vehicle.fish");
+        Updates::of_drive(firefly::Gateway::EMPTY, &firefly::CONFIG, one).print("vehicle.firefly");
+        Updates::of_drive(evolution::Gateway::EMPTY, &evolution::CONFIG, one)
+            .print("vehicle.evolution");
+        Updates::of_drive(city::Gateway::EMPTY, &city::CONFIG, one).print("vehicle.robust");
+        greedy(school(), one).print("vehicle.fish.greedy");
+        greedy(swarm(), one).print("vehicle.firefly.greedy");
+        greedy(evolved(), one).print("vehicle.evolution.greedy");
         robust_updates(&stopwatch).print("robust");
-        sources_updates(&SOURCES, one).print("sources");
-        sources_updates(&CITY, one).print("vehicle.robust.sources");
+        let three = multi::Config::new(robust::Config::DEFAULT);
+        sources_updates::<Three>(three, one).print("sources");
+        sources_updates::<city::Locator>(city::CONFIG.locator, one).print("vehicle.robust.sources");
         let bytes = core::mem::size_of::<Three>();
         hprintln!("figure\tsources.bytes\t{}\tbytes", bytes);
-        snapshots("locator", vehicle(), one);
-        let robust = RobustLocator::<256, 64>::new(robust::Settings::default());
-        snapshots::<_, LONG_REPORT>("robust", Vehicle::new(Settings::new(), robust), one);
-        snapshots("kept", black_box(kept::gateway()), one);
-        let worst = worst_byte(vehicle(), &stopwatch);
+        snapshots("locator", plain::Gateway::EMPTY, &plain::CONFIG, one);
+        let robust = Config::new(robust::Config::DEFAULT);
+        snapshots::<Robust<256, 64>, All, FullReport>("robust", Vehicle::EMPTY, &robust, one);
+        snapshots("kept", kept::Gateway::EMPTY, &kept::CONFIG, one);
+        let worst = worst_byte(&stopwatch);
         hprintln!(
             "figure\tvehicle.byte.worst.instructions\t{}\tinstructions",
             worst
@@ -64,10 +63,16 @@ mod target {
     }
 
     /// A gateway whose particles move as published, after every bearing.
-    fn greedy<F: Refinement<2>>(refinement: F) -> Vehicle<Locator<200, 64, F>> {
-        let settings = locator::Settings::new().resample_share(1.0);
-        let locator = Locator::with_refinement(settings.expect("one is a fraction"), refinement);
-        black_box(Vehicle::new(Settings::new(), locator))
+    fn greedy<M: Refinement<2>>(refinement: M, stopwatch: &Stopwatch) -> Updates
+    where
+        Clean<200, 64, M>: Locate<Config = clean::Config<M>>,
+    {
+        let config = black_box(Config::new(clean::Config {
+            resample_below: 1.0,
+            ..clean::Config::with_refinement(refinement)
+        }));
+        let gateway: Vehicle<Clean<200, 64, M>> = Vehicle::EMPTY;
+        Updates::of_drive(gateway, &config, stopwatch)
     }
 
     /// Steps of ten metres, five tries.
@@ -105,13 +110,16 @@ mod target {
     }
 
     impl Updates {
-        fn of_drive<L: Locate, const R: usize>(
-            mut gateway: Vehicle<L, R>,
+        fn of_drive<L: Locate, F: Formats, R: ReportForm>(
+            gateway: Vehicle<L, F, R>,
+            config: &Config<L::Config>,
             stopwatch: &Stopwatch,
         ) -> Self {
+            let mut gateway = black_box(gateway);
             let mut updates = Self::default();
             for byte in DRIVE {
-                let (event, instructions) = stopwatch.instructions(|| gateway.push(*byte));
+                let (event, instructions) =
+                    stopwatch.instructions(|| gateway.push(0, *byte, config));
                 if let Some(Event::Fix(_) | Event::NotObservable(_)) = event {
                     updates.count += 1;
                     updates.sum += instructions;
@@ -153,15 +161,17 @@ mod target {
             (0..90).map(straight).collect(),
         ];
         for places in drives as [heapless::Vec<[f32; 2], 90>; 2] {
-            let mut locator = black_box(RobustLocator::<256, 64>::new(robust::Settings::default()));
-            for [px, py] in places {
+            let mut locator: Locator<Robust<256, 64>> =
+                Locator::new(black_box(robust::Config::DEFAULT)).expect("the default is right");
+            for (i, [px, py]) in (0..).zip(places) {
                 let (error, kind) = (0.0195 * normal(&mut rng), uniform(&mut rng));
                 let outlier = if kind < 0.3 { 20.0 * kind } else { 0.0 };
                 let bearing = foxhunt::math::atan2(y - py, x - px) + error + outlier;
                 let bearing = Bearing::from_radians(bearing);
-                let observation = Observation::new([px, py], bearing, 0.0195).expect("in range");
+                let observation =
+                    Observation::new(1_000 * i, [px, py], bearing, 0.0195).expect("in range");
                 let (_, instructions) =
-                    stopwatch.instructions(|| locator.push(observation, &mut rng));
+                    stopwatch.instructions(|| locator.push(&observation, &mut rng));
                 updates.count += 1;
                 updates.sum += instructions;
                 updates.worst = updates.worst.max(instructions);
@@ -171,15 +181,7 @@ mod target {
         updates
     }
 
-    type Three = Sources<3, RobustLocator<256, 64>>;
-
-    static SOURCES: Three = Sources::new(
-        sources::Settings::new(),
-        [const { RobustLocator::new(robust::Settings::new(robust::Errors::new())) }; 3],
-    );
-
-    /// Everything on.
-    static CITY: city::Locator = city::locator(robust::Settings::new(city::ERRORS));
+    type Three = MultiTarget<3, Robust<256, 64>>;
 
     /// Where a bearing is taken, or where its source is.
     type Where = fn(u32) -> [f32; 2];
@@ -188,7 +190,7 @@ mod target {
     /// track, and three of which the third comes when the memory of outliers is full; one straight ahead, which
     /// becomes observable only then, when the vehicle turns aside, with as many outliers and with none; and one of
     /// two that drives off for a while, round which the vehicle drives.
-    fn sources_updates<L: Locate + Clone>(locator: &L, stopwatch: &Stopwatch) -> Updates {
+    fn sources_updates<L: Locate>(config: L::Config, stopwatch: &Stopwatch) -> Updates {
         const PLACES: [[f32; 2]; 3] = [[1200.0, 800.0], [2300.0, 300.0], [600.0, -700.0]];
         let mut updates = Updates::default();
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
@@ -221,7 +223,7 @@ mod target {
             (360, round, driving, 0.3),
         ];
         for (count, place, truth, outlier_rate) in drives {
-            let mut sources = locator.clone();
+            let mut sources: Locator<L> = Locator::new(config).expect("it is right");
             for i in 0..count {
                 let ([px, py], [x, y]) = (place(i), truth(i));
                 let (error, kind) = (0.0195 * normal(&mut rng), uniform(&mut rng));
@@ -232,9 +234,10 @@ mod target {
                 };
                 let bearing = foxhunt::math::atan2(y - py, x - px) + error + outlier;
                 let bearing = Bearing::from_radians(bearing);
-                let observation = Observation::new([px, py], bearing, 0.0195).expect("in range");
+                let observation =
+                    Observation::new(1_000 * i, [px, py], bearing, 0.0195).expect("in range");
                 let (_, instructions) =
-                    stopwatch.instructions(|| sources.push_after(observation, 1.0, &mut rng));
+                    stopwatch.instructions(|| sources.push(&observation, &mut rng));
                 updates.count += 1;
                 updates.sum += instructions;
                 updates.worst = updates.worst.max(instructions);
@@ -245,13 +248,15 @@ mod target {
     }
 
     /// What a gateway that knows the recorded drive takes to be saved and restored.
-    fn snapshots<L: Locate + Persist, const REPORT: usize>(
+    fn snapshots<L: Locate + Persist, F: Formats, R: ReportForm>(
         name: &str,
-        mut gateway: Vehicle<L, REPORT>,
+        gateway: Vehicle<L, F, R>,
+        config: &Config<L::Config>,
         stopwatch: &Stopwatch,
     ) {
+        let mut gateway = black_box(gateway);
         for byte in DRIVE {
-            gateway.push(*byte);
+            gateway.push(0, *byte, config);
         }
         let mut buffer = black_box([0; 30_000]);
         let (bytes, save) = stopwatch.instructions(|| gateway.snapshot(&mut buffer));
@@ -271,11 +276,13 @@ mod target {
 
     /// The byte that takes longest, of a drive whose first fix comes when the memory of bearings is full: for a minute the vehicle is
     /// stationary, then it is 400 m further north.
-    fn worst_byte(mut gateway: Vehicle<Locator<200, 64>>, stopwatch: &Stopwatch) -> u64 {
+    fn worst_byte(stopwatch: &Stopwatch) -> u64 {
+        let mut gateway = black_box(plain::Gateway::EMPTY);
         let mut worst = 0;
         let mut push = |text: &str| {
             for byte in text.bytes() {
-                let (_, instructions) = stopwatch.instructions(|| gateway.push(byte));
+                let (_, instructions) =
+                    stopwatch.instructions(|| gateway.push(0, byte, &plain::CONFIG));
                 worst = worst.max(instructions);
             }
         };

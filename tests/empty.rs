@@ -1,13 +1,18 @@
 //! Empty states are all zero bits, so that a `static` of them takes no flash.
 
 use foxhunt::{
+    aoa::{Clean, presets::City},
     filter::ParticleFilter,
     fingerprint::{
         Posterior,
         published::Cloud,
         tracker::{Tracker, Trackers, Workspace},
     },
-    gateway::beacon::BeaconGateway,
+    gateway::{
+        FullReport, Vehicle,
+        beacon::BeaconGateway,
+        formats::{Agrelo, KrakenSpectrum, Nmea},
+    },
     proposal::{AuxiliaryFilter, PointMassFilter, UnscentedParticleFilter},
     refine::Memory,
     weights::Weights,
@@ -42,5 +47,7 @@ fn empty_states_take_no_flash() {
         Tracker::EMPTY => Tracker<300>,
         Trackers::EMPTY => Trackers<8, 300>,
         BeaconGateway::EMPTY => BeaconGateway<8, 300, 80>,
+        Vehicle::EMPTY => Vehicle<Clean<60, 16>>,
+        Vehicle::EMPTY => Vehicle<City<3>, (Nmea, Agrelo, KrakenSpectrum), FullReport, 3>,
     }
 }

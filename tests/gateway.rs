@@ -1,13 +1,14 @@
 //! No input makes the gateway fail, and a rejected message changes nothing.
 
-use foxhunt::aoa::locator::{self, Locator};
-use foxhunt::gateway::{Event, Settings, Vehicle};
+use foxhunt::aoa::{Clean, Locate, clean};
+use foxhunt::gateway::{self, Config, Counters, Event, Rejected};
 use proptest::prelude::*;
 
-type Gateway = Vehicle<Locator<50, 16>>;
+type Locator = Clean<50, 16>;
+type Gateway = gateway::Gateway<Locator>;
 
-fn gateway(settings: Settings) -> Gateway {
-    Vehicle::new(settings, Locator::new(locator::Settings::new()))
+fn gateway() -> Gateway {
+    Gateway::new(Config::new(clean::Config::DEFAULT)).unwrap()
 }
 
 fn sentence(payload: &str) -> String {
@@ -45,22 +46,34 @@ fn drive() -> Vec<u8> {
 fn run<'a>(gateway: &mut Gateway, bytes: impl IntoIterator<Item = &'a u8>) -> String {
     let mut output = String::new();
     for byte in bytes {
-        if gateway.push(*byte).is_some() {
-            output += gateway.report();
+        if gateway.push(0, *byte).is_some() {
+            output += gateway.vehicle().report();
         }
     }
     output
 }
 
 /// All that the locator knows, bit by bit.
-fn state(locator: &Locator<50, 16>) -> (Vec<u32>, String) {
+fn state(locator: &Locator) -> (Vec<u32>, String) {
     let [east, north] = locator.columns();
     let columns = [east, north, locator.weights()];
     let bits = columns.into_iter().flatten().map(|v| v.to_bits()).collect();
     (
         bits,
-        format!("{:?} {:?}", locator.observations(), locator.answer()),
+        format!(
+            "{:?} {:?}",
+            locator.observations().collect::<Vec<_>>(),
+            locator.answer()
+        ),
     )
+}
+
+/// The lines by what became of them, added up.
+fn counted(counters: &Counters) -> u32 {
+    let used = counters.sentences + counters.bearings + counters.ignored;
+    let asked = counters.queries + counters.restarts;
+    let rejected = Rejected::ALL.map(|reason| counters.rejected(reason));
+    used + asked + rejected.iter().sum::<u32>()
 }
 
 /// Every report is a sentence with a correct checksum.
@@ -74,12 +87,16 @@ fn check(output: &str) {
 
 #[test]
 fn the_drive_is_located() {
-    let mut gateway = gateway(Settings::default());
+    let mut gateway = gateway();
     let output = run(&mut gateway, &drive());
     check(&output);
     let fix = output.lines().rev().nth(1).unwrap();
     assert!(fix.starts_with("$PFOXF,120019.000,4807."), "{fix}");
-    assert_eq!(gateway.counters().bearings, 40);
+    assert_eq!(gateway.vehicle().counters().bearings, 40);
+    assert_eq!(
+        counted(gateway.vehicle().counters()),
+        gateway.vehicle().counters().lines
+    );
     // One report a second, and the two that answer the query.
     assert_eq!(output.lines().count(), 20 + 2);
 }
@@ -87,7 +104,7 @@ fn the_drive_is_located() {
 proptest! {
     #[test]
     fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..20_000)) {
-        check(&run(&mut gateway(Settings::default()), &bytes));
+        check(&run(&mut gateway(), &bytes));
     }
 
     /// Closer to real lines than random bytes.
@@ -95,7 +112,45 @@ proptest! {
     fn any_text(lines in prop::collection::vec(
         "(\\$(GP|HE|PF)(RMC|GGA|VTG|HDT|THS|OXQ|OXR),|%|1[0-9]{12},)[-+.,0-9ANSEWTKM/*]{0,100}[\r\n]", 0..100)
     ) {
-        check(&run(&mut gateway(Settings::default()), lines.concat().as_bytes()));
+        check(&run(&mut gateway(), lines.concat().as_bytes()));
+    }
+
+    /// Sentences of every kind, some damaged, some interrupted, and junk.
+    #[test]
+    fn every_line_is_counted_once(lines in prop::collection::vec(
+        (0usize..10, any::<prop::sample::Index>(), any::<bool>()), 0..60)
+    ) {
+        let time = 1_795_348_800_100_i64;
+        let kinds = [
+            sentence("GPRMC,120000.00,A,4807.038,N,01131.000,E,48.6,090.0,221126,,,A"),
+            sentence("GPRMC,120001.00,V,,,,,,,221126,,,N"),
+            sentence("HEHDT,90.0,T"),
+            sentence("GPGSV,1,1,00"),
+            sentence("PFOXQ"),
+            sentence("PFOXR"),
+            "%045/9\r".into(),
+            format!("{time}, 45, 90.0, -30, 433920000, UCA, 112, fox, 0, 0, 0, 0, GPS, R, R, R, R, 1\n"),
+            "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"\",\"\",1\r\n".into(),
+            "?\n".into(),
+        ];
+        let mut gateway = gateway();
+        let mut events = 0;
+        for (kind, cut, is_cut) in lines {
+            let line = kinds[kind].as_bytes();
+            let line = if is_cut { &line[..cut.index(line.len())] } else { line };
+            events += line.iter().filter(|byte| gateway.push(0, **byte).is_some()).count();
+        }
+        events += usize::from(gateway.push(0, b'\n').is_some());
+        let counters = gateway.vehicle().counters();
+        prop_assert_eq!(counters.lines as usize, events);
+        prop_assert_eq!(counted(counters), counters.lines);
+        for byte in sentence("PFOXQ").bytes() {
+            gateway.push(0, byte);
+        }
+        let (_, status) = gateway.vehicle().report().split_once("$PFOXS,").unwrap();
+        let counts = status.split('*').next().unwrap().split(',');
+        let counts: Vec<u32> = counts.map(|count| count.parse().unwrap()).collect();
+        prop_assert_eq!(counts[0], counts[1..].iter().sum::<u32>());
     }
 
     #[test]
@@ -107,21 +162,21 @@ proptest! {
             let index = index.index(bytes.len());
             bytes[index] ^= 1u8 << bit;
         }
-        let mut gateway = gateway(Settings::default());
+        let mut gateway = gateway();
         let mut output = String::new();
-        let mut known = state(gateway.locator());
+        let mut known = state(gateway.vehicle().locator());
         for byte in bytes {
-            let event = gateway.push(byte);
+            let event = gateway.push(0, byte);
             match event {
-                Some(Event::Fix(_) | Event::NotObservable(_) | Event::Restarted) => known = state(gateway.locator()),
+                Some(Event::Fix(_) | Event::NotObservable(_) | Event::Restarted) => known = state(gateway.vehicle().locator()),
                 None => {}
-                _ => prop_assert_eq!(&state(gateway.locator()), &known),
+                _ => prop_assert_eq!(&state(gateway.vehicle().locator()), &known),
             }
             if event.is_some() {
-                output += gateway.report();
+                output += gateway.vehicle().report();
             }
         }
-        prop_assert_eq!(&state(gateway.locator()), &known);
+        prop_assert_eq!(&state(gateway.vehicle().locator()), &known);
         check(&output);
     }
 
@@ -132,18 +187,18 @@ proptest! {
         let lines = drive.split(['\r', '\n']).filter(|line| !line.is_empty());
         let other: String = lines.zip(&ends).flat_map(|(line, end)| [line, end.as_str()]).collect();
         prop_assert_eq!(
-            run(&mut gateway(Settings::default()), other.as_bytes()),
-            run(&mut gateway(Settings::default()), drive.as_bytes())
+            run(&mut gateway(), other.as_bytes()),
+            run(&mut gateway(), drive.as_bytes())
         );
     }
 
     /// What was on the line before costs at most the line that it runs into.
     #[test]
     fn noise_before_a_drive(noise in prop::collection::vec(any::<u8>(), 0..500)) {
-        let mut gateway = gateway(Settings::default());
+        let mut gateway = gateway();
         run(&mut gateway, &noise);
-        gateway.restart();
+        gateway.vehicle_mut().restart();
         run(&mut gateway, &drive());
-        prop_assert!(gateway.counters().bearings >= 38);
+        prop_assert!(gateway.vehicle().counters().bearings >= 38);
     }
 }

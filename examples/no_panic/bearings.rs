@@ -4,15 +4,12 @@ use core::hint::black_box;
 
 use foxhunt::{
     aoa::{
-        Bearing, BearingLikelihood, Locate, Observation,
+        Bearing, BearingLikelihood, Clean, Locate, Manoeuvring, MultiTarget, Observation, Robust,
+        clean::{self, ModeMoves},
         correction::{Correction, Pull},
         gauss_newton::{self, Errors},
         geodesy::{Geodetic, LocalPlane},
-        locator::{self, Answer, Locator},
-        pursuit::{self, Pursuit},
-        robust::{self, RobustLocator, Tails},
-        sources::{self, Sources},
-        triangulation,
+        manoeuvring, multi, robust, triangulation,
     },
     filter::ParticleFilter,
     model::Likelihood,
@@ -30,7 +27,8 @@ pub fn observation() -> Option<Observation> {
         _ => Bearing::from_relative_degrees(any(0.0), any(0.0)),
     };
     black_box(bearing.compass_degrees());
-    Observation::new(any([0.0; 2]), bearing, any(0.0)).ok()
+    let observation = Observation::new(any(0), any([0.0; 2]), bearing, any(0.0)).ok()?;
+    Some(observation.from_station(any(0)))
 }
 
 pub fn bearings(rng: &mut Xoshiro128PlusPlus) {
@@ -71,97 +69,56 @@ pub fn bearings(rng: &mut Xoshiro128PlusPlus) {
     }
 }
 
-pub fn locate(rng: &mut Xoshiro128PlusPlus) {
-    let settings = locator::Settings::new()
-        .relative_range_error(any(0.0))
-        .and_then(|settings| settings.resample_share(any(0.0)))
-        .and_then(|settings| settings.moves(any(0)));
-    let mut locator = any(Locator::<50, 16>::new(settings.unwrap_or_default()));
-    if let Some(observation) = observation()
-        && let Answer::Fix(fix) = locator.push(observation, rng)
-    {
-        black_box(fix.ellipse(any(0.0)));
+/// Everything that a locator can be asked.
+fn locate_by<L: Locate>(config: &L::Config, rng: &mut Xoshiro128PlusPlus) {
+    if L::check(config).is_err() {
+        return;
     }
-    black_box((
-        locator.answer(),
-        locator.columns(),
-        locator.weights(),
-        locator.observations(),
-    ));
+    let mut locator = any(L::EMPTY);
+    for _ in 0..any(100) {
+        let (Some(one), Some(other)) = (observation(), observation()) else {
+            continue;
+        };
+        if let Ok(answer) = locator.push(&one, config, rng)
+            && let Some(fix) = answer.fix()
+        {
+            black_box(fix.ellipse(any(0.0)));
+        }
+        let reading = any([one.into(), other.into()]);
+        _ = black_box(locator.push_alternatives(some(&reading), config, rng));
+        black_box((locator.answer(), locator.source(any(0))));
+        black_box((locator.hypothesis(any(0)), locator.cloud(any(0))));
+        black_box((locator.bias(config), locator.rates(config)));
+        black_box((locator.advice(config), locator.classify(&one, config)));
+    }
     locator.reset();
 }
 
-pub fn pursue(rng: &mut Xoshiro128PlusPlus) {
-    let settings = pursuit::Settings::new(any(robust::Settings::default()))
-        .speed(any(0.0))
-        .and_then(|settings| settings.parked_s(any(0.0)))
-        .and_then(|settings| settings.driving_s(any(0.0)))
-        .and_then(|settings| settings.straight_s(any(0.0)));
-    let mut pursuit = any(Pursuit::<50, 16>::new(settings.unwrap_or_default()));
-    for _ in 0..any(100) {
-        let Some(observation) = observation() else {
-            continue;
-        };
-        black_box(pursuit.push_after(observation, any(0.0), rng));
-        black_box((pursuit.answer(), pursuit.motion()));
-        black_box((pursuit.source(any(0)), pursuit.hypothesis(any(0))));
-        black_box((pursuit.bias(), pursuit.shares(), pursuit.advice()));
-        black_box(pursuit.classify(&observation));
+fn clean_config() -> clean::Config {
+    clean::Config {
+        relative_range_sigma: any(0.25),
+        resample_below: any(0.5),
+        moves: any(2),
+        refinement: ModeMoves,
     }
-    pursuit.reset();
+}
+
+pub fn locate(rng: &mut Xoshiro128PlusPlus) {
+    locate_by::<Clean<50, 16>>(&clean_config(), rng);
 }
 
 pub fn locate_robustly(rng: &mut Xoshiro128PlusPlus) {
-    let errors = robust::Errors::new()
-        .tails(any(Tails::Normal))
-        .and_then(|errors| errors.shares(any(0.0), any(0.0)))
-        .and_then(|errors| errors.prior_bearings(any(0.0)))
-        .and_then(|errors| errors.bias_deviation(any(0.0)))
-        .and_then(|errors| errors.position_deviation(any(0.0)))
-        .and_then(|errors| errors.correlation(any(0.0), any(0.0), any(0.0)));
-    let settings = robust::Settings::new(errors.unwrap_or_default())
-        .common(any(locator::Settings::new()))
-        .range_m(any(0.0));
-    let mut locator = any(RobustLocator::<50, 16>::new(settings.unwrap_or_default()));
-    for _ in 0..any(100) {
-        let Some(observation) = observation() else {
-            continue;
-        };
-        black_box(locator.push(observation, rng));
-        black_box(locator.push_after(observation, any(0.0), rng));
-        black_box((locator.answer(), locator.bias(), locator.shares()));
-        black_box((locator.columns(), locator.weights()));
-        locator.hypotheses().for_each(|hypothesis| {
-            black_box(hypothesis);
-        });
-        black_box(locator.observations().len());
-    }
-    locator.reset();
+    locate_by::<Robust<50, 16>>(&any(robust::Config::DEFAULT), rng);
+}
+
+pub fn pursue(rng: &mut Xoshiro128PlusPlus) {
+    locate_by::<Manoeuvring<Robust<50, 16>>>(&any(manoeuvring::Config::DEFAULT), rng);
+    let clean = manoeuvring::Config::new(clean_config());
+    locate_by::<Manoeuvring<Clean<50, 16>>>(&any(clean), rng);
 }
 
 pub fn locate_several(rng: &mut Xoshiro128PlusPlus) {
-    let settings = sources::Settings::new()
-        .false_birth(any(0.0))
-        .and_then(|settings| settings.memory(any(0.0), any(0.0)))
-        .and_then(|settings| settings.least_share(any(0.0)));
-    let tracks =
-        [const { RobustLocator::<50, 16>::new(robust::Settings::new(robust::Errors::new())) }; 3];
-    let mut sources = any(Sources::<3, _, 16>::new(
-        settings.unwrap_or_default(),
-        tracks,
-    ));
-    for _ in 0..any(100) {
-        let Some(observation) = observation() else {
-            continue;
-        };
-        black_box(sources.push(observation, rng));
-        black_box(sources.push_after(observation, any(0.0), rng));
-        black_box((sources.answer(), sources.bias(), sources.shares()));
-        black_box((sources.source(any(0)), sources.hypothesis(any(0))));
-        black_box((sources.advice(), sources.classify(&observation)));
-        black_box((sources.cloud(any(0)), sources.tracks().count()));
-    }
-    sources.reset();
+    locate_by::<MultiTarget<3, Robust<50, 16>, 16>>(&any(multi::Config::DEFAULT), rng);
 }
 
 pub fn snapshots(rng: &mut Xoshiro128PlusPlus) {
@@ -174,7 +131,6 @@ pub fn snapshots(rng: &mut Xoshiro128PlusPlus) {
         _ = black_box(keeper.restore(state));
         _ = black_box(keeper.save(state));
     }
-    let settings = any(locator::Settings::new());
     let place = Geodetic::new(any(0), any(0));
     let Ok(mut place) = place else { return };
     let Ok(mut plane) = LocalPlane::new(place) else {
@@ -183,21 +139,10 @@ pub fn snapshots(rng: &mut Xoshiro128PlusPlus) {
     both_ways(&mut place);
     both_ways(&mut (&mut plane, rng));
     both_ways(&mut any(ParticleFilter::<4, 50>::new()));
-    both_ways(&mut any(Locator::<50, 16>::new(settings)));
-    let evolution = any(DifferentialEvolution::DEFAULT);
-    both_ways(&mut any(
-        Locator::<50, 16, DifferentialEvolution>::with_refinement(settings, evolution),
-    ));
-    both_ways(&mut any(RobustLocator::<50, 16>::new(any(
-        robust::Settings::default(),
-    ))));
-    both_ways(&mut any(Pursuit::<20, 8>::new(any(
-        pursuit::Settings::default(),
-    ))));
-    both_ways(&mut any(Locator::<50, 16>::new(settings).answer()));
-    let track = || any(RobustLocator::<20, 8>::new(robust::Settings::default()));
-    both_ways(&mut any(Sources::<2, _, 16>::new(
-        any(sources::Settings::new()),
-        [track(), track()],
-    )));
+    both_ways(&mut any(Clean::<50, 16>::EMPTY));
+    both_ways(&mut any(Clean::<50, 16, DifferentialEvolution>::EMPTY));
+    both_ways(&mut any(Robust::<50, 16>::EMPTY));
+    both_ways(&mut any(Manoeuvring::<Robust<20, 8>>::EMPTY));
+    both_ways(&mut any(Clean::<50, 16>::EMPTY.answer()));
+    both_ways(&mut any(MultiTarget::<2, Robust<20, 8>, 16>::EMPTY));
 }

@@ -4,73 +4,93 @@ use core::hint::black_box;
 
 use foxhunt::{
     aoa::{
-        Bearing,
-        locator::{self, Locator},
-        robust::{self, RobustLocator},
+        Bearing, Clean, Locate, Robust, clean, robust,
         spectrum::{Spectrum, SpectrumLikelihood, Temper},
     },
     gateway::{
-        self, BearingReference, DeviationTable, Finder, KrakenConfidence, LONG_REPORT, Sense,
-        SpectrumReader, UbloxQuality, Vehicle,
+        BearingReference, Config, FullReport, ReportForm, ShortReport, SigmaTable, Vehicle,
+        formats::{self, Agrelo, All, Finder, Formats, Kraken, KrakenSpectrum, Nmea, Sense, Ublox},
     },
     model::Likelihood,
+    snapshot::Persist,
 };
 
 use crate::values::{any, some, some_mut};
 
 pub fn gateway() {
-    let settings = gateway::Settings::new()
-        .with_reference(any(BearingReference::Relative))
-        .with_seed(any(0))
-        .with_undated_bearings(any(0))
-        .with_sense(any(Sense::Clockwise))
-        .with_kraken_confidence(any(KrakenConfidence::Percent))
-        .with_ublox_quality(any(UbloxQuality::Best))
-        .with_deviation_table(any(Finder::Any), any(&DeviationTable::AGRELO))
-        .with_deviations(any(0.0), any(0.0))
-        .and_then(|settings| settings.with_minimum_quality(any(0.0)))
-        .and_then(|settings| settings.with_kraken_frequency_hz(any(0)))
-        .and_then(|settings| settings.with_maximum_age_ms(any(0)))
-        .and_then(|settings| settings.with_minimum_speed_m_s(any(0.0)))
-        .and_then(|settings| settings.with_report_interval_ms(any(0)));
-    let Ok(settings) = settings else { return };
     let knots = any([(0.0, 0.0); 10]);
-    if let Ok(table) = DeviationTable::new(some(&knots)) {
-        black_box(table.deviation_rad(any(0.0)));
+    if let Ok(table) = SigmaTable::new(some(&knots)) {
+        black_box(table.sigma_rad(any(0.0)));
     }
-    let mut vehicle = any(Vehicle::<Locator<50, 16>>::new(
-        settings,
-        any(Locator::new(locator::Settings::new())),
-    ));
+    drive::<Clean<50, 16>, All, ShortReport, 2>(clean::Config::DEFAULT);
+    drive::<Robust<50, 16>, (Nmea, Agrelo, KrakenSpectrum), FullReport, 1>(robust::Config::DEFAULT);
+    drive::<Clean<50, 16>, (Kraken, Ublox), FullReport, 1>(clean::Config::DEFAULT);
+    spectrum();
+}
+
+fn config<C>(locator: C) -> Config<C> {
+    let sigmas = any(Some(&formats::agrelo::SIGMAS));
+    Config {
+        formats: formats::Config {
+            finder: any(Some(Finder::Agrelo)),
+            agrelo: formats::agrelo::Config { sigmas },
+            kraken: formats::kraken::Config {
+                sense: any(Sense::Clockwise),
+                confidence: any(formats::kraken::Confidence::Percent),
+                frequency_hz: any(None),
+                sigmas,
+                temper: any(formats::kraken::Config::DEFAULT.temper),
+            },
+            ublox: formats::ublox::Config {
+                sense: any(Sense::Clockwise),
+                tag: any(None),
+                quality: any(formats::ublox::Quality::Best),
+                sigmas,
+            },
+        },
+        reference: any(BearingReference::Relative),
+        seed: any(0),
+        min_quality: any(0.0),
+        best_sigma_rad: any(0.0),
+        worst_sigma_rad: any(0.0),
+        max_age_ms: any(0),
+        undated_bearings: any(0),
+        min_speed_m_s: any(0.0),
+        max_turn_rate_deg_s: any(0.0),
+        report_interval_ms: any(0),
+        ..Config::new(locator)
+    }
+}
+
+fn drive<L: Locate + Persist, F: Formats, R: ReportForm, const PORTS: usize>(locator: L::Config) {
+    let config = config(any(locator));
+    if config.check().is_err() {
+        return;
+    }
+    let mut vehicle = any(Vehicle::<L, F, R, PORTS>::EMPTY);
     for _ in 0..any(100) {
-        black_box(vehicle.push(any(0)));
+        black_box(vehicle.push(any(0), any(0), &config));
         black_box((
             vehicle.report(),
+            vehicle.line(any(0)),
             vehicle.counters(),
             vehicle.plane(),
-            vehicle.locator(),
+            vehicle.receiver(),
+            vehicle.locator().answer(),
         ));
         let mut buffer = any([0; 2000]);
         _ = black_box(vehicle.snapshot(some_mut(&mut buffer)));
         _ = black_box(vehicle.restore(some(&any(buffer))));
     }
     vehicle.restart();
-    spectrum(settings);
 }
 
-fn spectrum(settings: gateway::Settings) {
+fn spectrum() {
     let Ok(temper) = Temper::new(any(0.0)) else {
         return;
     };
-    let mut vehicle = any(Vehicle::<_, LONG_REPORT, _>::with_spectrum(
-        settings,
-        RobustLocator::<50, 16>::new(robust::Settings::default()),
-        SpectrumReader::new(temper),
-    ));
     let mut spectrum = any(Spectrum::new());
     for _ in 0..any(100) {
-        black_box(vehicle.push(any(0)));
-        black_box((vehicle.line(), vehicle.spectrum().spectrum()));
         _ = black_box(spectrum.push(any(0.0)));
     }
     black_box(spectrum.peaks(temper));

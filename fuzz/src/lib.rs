@@ -7,19 +7,15 @@
 use crc::{CRC_32_ISO_HDLC, Crc};
 use foxhunt::{
     aoa::{
-        Locate, Observation,
-        locator::{self, Locator},
-        robust::{self, RobustLocator},
-        sources::{self, Sources},
-        spectrum::Temper,
+        Clean, Locate, MultiTarget, Observation, Robust, clean, multi, robust,
     },
     fingerprint::{
         Encoding, GaussianMatcher, Matcher, Neighbours, Posterior, RadioMap, Reading, TableMatcher,
         tracker::{self, Packet, Site, Tracker, Workspace},
     },
     gateway::{
-        Event, Finder, LONG_REPORT, Settings, SpectrumReader, TakeSpectrum, Vehicle,
-        beacon,
+        Config, Event, Formats, FullReport, Gateway, Vehicle, beacon,
+        formats::{All, Finder, KrakenSpectrum, Nmea},
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
     snapshot::{Persist, largest},
@@ -42,54 +38,72 @@ fn sentence(payload: &[u8]) -> Vec<u8> {
     .concat()
 }
 
-/// Gives a vehicle's gateway lines made from those of `data`.
-pub fn vehicle(finder: Finder, data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
-    let settings = Settings::new().with_finder(finder);
-    let locator = Locator::<24, 8>::new(locator::Settings::new());
-    lines(Vehicle::new(settings, locator), data, line, |locator| {
-        locator.observations().to_vec()
-    });
-}
-
-/// The same for one that reads the spectra of a KrakenSDR.
-pub fn spectra(data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
-    let settings = Settings::new().with_finder(Finder::Kraken);
-    let locator = RobustLocator::<24, 8>::new(robust::Settings::default());
-    let reader = SpectrumReader::new(Temper::new(0.2).expect("in range"));
-    let vehicle = Vehicle::with_spectrum(settings, locator, reader);
-    lines(vehicle, data, line, |locator| {
+/// Gives a vehicle's gateway lines made from those of `data`, of which only those of one direction finder are read.
+pub fn vehicle(finder: Option<Finder>, data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
+    let mut config = Config::new(clean::Config::DEFAULT);
+    config.formats.finder = finder;
+    lines::<Clean<24, 8>, All>(config, data, line, |locator| {
         locator.observations().copied().collect()
     });
 }
 
-fn lines<L: Locate, S: TakeSpectrum>(
-    vehicle: Vehicle<L, LONG_REPORT, S>,
+/// Gives gateways lines of a direction finder, each of which begins as an example does: the first byte of `data` says
+/// whose, the first of every line how much of it.
+pub fn finder(data: &[u8]) {
+    let Some((which, data)) = data.split_first() else {
+        return;
+    };
+    let Some(finder) = Finder::ALL.get(usize::from(*which) % Finder::ALL.len()) else {
+        return;
+    };
+    let line = |text: &[u8]| {
+        let (kept, text) = text.split_first().unwrap_or((&0, text));
+        let example = finder.example().as_bytes();
+        let begun = example.get(..usize::from(*kept)).unwrap_or(example);
+        [begun, text, b"\r\n"].concat()
+    };
+    vehicle(Some(*finder), data, line);
+}
+
+/// Gives a gateway that reads the spectra of a KrakenSDR lines made from those of `data`.
+pub fn spectra(data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
+    let config = Config::new(robust::Config::DEFAULT);
+    lines::<Robust<24, 8>, (Nmea, KrakenSpectrum)>(config, data, line, |locator| {
+        locator.observations().copied().collect()
+    });
+}
+
+fn lines<L: Locate, F: Formats>(
+    config: Config<L::Config>,
     data: &[u8],
     line: impl Fn(&[u8]) -> Vec<u8>,
     observations: impl Fn(&L) -> Vec<Observation>,
 ) {
-    let mut vehicle = Box::new(vehicle);
-    let push = |vehicle: &mut Vehicle<L, LONG_REPORT, S>, bytes: &[u8]| -> Vec<Event> {
-        bytes
-            .iter()
-            .filter_map(|byte| vehicle.push(*byte))
-            .collect()
+    let mut gateway: Box<Gateway<L, F, FullReport>> =
+        Box::new(Gateway::new(config).expect("it is right"));
+    let push = |gateway: &mut Gateway<L, F, FullReport>, bytes: &[u8]| -> Vec<Event> {
+        let events = bytes.iter().filter_map(|byte| gateway.push(0, *byte));
+        events.collect()
     };
-    push(&mut vehicle, &sentence(START.as_bytes()));
+    push(&mut gateway, &sentence(START.as_bytes()));
     for text in data.split(|byte| *byte == b'\n').take(LINES) {
-        let state = |vehicle: &Vehicle<L, LONG_REPORT, S>| {
-            let locator = vehicle.locator();
-            let bearings = vehicle.counters().bearings;
+        let state = |gateway: &Gateway<L, F, FullReport>| {
+            let locator = gateway.vehicle().locator();
+            let bearings = gateway.vehicle().counters().bearings;
             (locator.answer(), observations(locator), bearings)
         };
-        let before = state(&vehicle);
-        let events = push(&mut vehicle, &line(text));
-        let idle =
-            |event: &Event| matches!(event, Event::Rejected(_) | Event::Queried | Event::Other);
+        let before = state(&gateway);
+        let events = push(&mut gateway, &line(text));
+        let idle = |event: &Event| {
+            matches!(
+                event,
+                Event::Used | Event::Rejected(_) | Event::Queried | Event::Other
+            )
+        };
         if events.iter().all(idle) {
-            assert_eq!(state(&vehicle), before, "{events:?}");
+            assert_eq!(state(&gateway), before, "{events:?}");
         }
-        assert!(vehicle.report().len() <= LONG_REPORT);
+        assert!(gateway.vehicle().report().len() <= FullReport::BYTES);
     }
 }
 
@@ -118,11 +132,6 @@ pub fn kraken(text: &[u8]) -> Vec<u8> {
 /// A sentence of NMEA with a right checksum, and one with any checksum.
 pub fn nmea(text: &[u8]) -> Vec<u8> {
     [sentence(text), text.to_vec(), b"\r\n".to_vec()].concat()
-}
-
-/// A line that begins as one of a direction finder does.
-pub fn begun(start: &'static str) -> impl Fn(&[u8]) -> Vec<u8> {
-    move |text| [start.as_bytes(), text, b"\r\n"].concat()
 }
 
 /// A map of three points and two beacons.
@@ -249,33 +258,33 @@ pub fn snapshot(data: &[u8]) {
     let Some((which, data)) = data.split_first() else {
         return;
     };
-    let track = || RobustLocator::<12, 6>::new(robust::Settings::default());
     match which % 3 {
-        0 => forged(|| Locator::<12, 6>::new(locator::Settings::new()), data),
-        1 => forged(track, data),
-        _ => forged(
-            || Sources::<2, _, 6>::new(sources::Settings::new(), [track(), track()]),
-            data,
-        ),
+        0 => forged::<Clean<12, 6>>(clean::Config::DEFAULT, data),
+        1 => forged::<Robust<12, 6>>(robust::Config::DEFAULT, data),
+        _ => {
+            let config = multi::Config::new(robust::Config::DEFAULT);
+            forged::<MultiTarget<2, Robust<12, 6>, 6>>(config, data);
+        }
     }
 }
 
 /// Restores a snapshot of a drive with some of its bytes replaced: by every three of `data`, a place and what stands there.
-fn forged<L: Locate + Persist>(locator: impl Fn() -> L, data: &[u8]) {
-    let new = || Box::new(Vehicle::<L, LONG_REPORT>::new(Settings::new(), locator()));
-    let saved = |vehicle: &Vehicle<L, LONG_REPORT>| {
-        let mut buffer = vec![0; largest::<Vehicle<L, LONG_REPORT>>()];
+fn forged<L: Locate + Persist>(locator: L::Config, data: &[u8]) {
+    let config = Config::new(locator);
+    let new = || Box::new(Vehicle::<L, All, FullReport>::EMPTY);
+    let saved = |vehicle: &Vehicle<L, All, FullReport>| {
+        let mut buffer = vec![0; largest::<Vehicle<L, All, FullReport>>()];
         let bytes = vehicle.snapshot(&mut buffer);
         bytes.expect("the buffer is large enough").to_vec()
     };
     let mut driven = new();
-    let drive = |vehicle: &mut Vehicle<L, LONG_REPORT>, seconds: std::ops::Range<u32>| {
+    let drive = |vehicle: &mut Vehicle<L, All, FullReport>, seconds: std::ops::Range<u32>| {
         for second in seconds {
             let time = format!("GPRMC,1200{second:02},A,4807.038,N,01131.{second:02}");
             let place = sentence(format!("{time},E,50.0,090.0,221126,,,A").as_bytes());
             let bearing = format!("%{:03}/8\r", 300 - 4 * second);
             for byte in place.iter().chain(bearing.as_bytes()) {
-                vehicle.push(*byte);
+                vehicle.push(0, *byte, &config);
             }
         }
     };

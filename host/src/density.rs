@@ -63,7 +63,7 @@ impl Grid {
         let columns = [cloud.east, cloud.north];
         let centre = estimate::mean(&columns, cloud.weights);
         let covariance = estimate::covariance(&columns, cloud.weights);
-        let ellipse = Ellipse::of_sigmas(centre, covariance, 1.0);
+        let ellipse = Ellipse::of_sigmas(centre, covariance.into(), 1.0);
         let (centre, orientation) = (centre.map(f64::from), f64::from(ellipse.orientation));
         let (sin, cos) = orientation.sin_cos();
         let turned: [Vec<f32>; 2] = [[cos, sin], [-sin, cos]].map(|[x, y]| {

@@ -1,10 +1,21 @@
 //! Finding a transmitter from bearings (angle of arrival).
 //!
-//! The way of a bearing: a [`Bearing`] taken somewhere becomes an [`Observation`]; several at one stop may be
-//! pulled together by a [`correction`]; a [`locator`] collects them and says where the source is, or why that
-//! cannot be said yet. Where bearings may be wild, mirrored or biased, it is a [`robust`] one that does; where the source
-//! may drive off, a [`pursuit`]; where there may be several sources, [`sources`] has one of either for each. All of them
-//! [`Locate`], and [`advice`] is where to drive. A direction finder that gives the whole circle has a [`spectrum`].
+//! A [`Bearing`] that an array takes at some place and time is an [`Observation`]. A locator takes observations and says
+//! where the source is, or why that cannot be said yet: its [`Answer`]. All locators [`Locate`] in the same way:
+//!
+//! | locator | for |
+//! |---|---|
+//! | [`Clean`] | one stationary source; every bearing points at it, but for normal errors |
+//! | [`Robust`] | one stationary source; bearings may be outliers, mirrored, biased or correlated |
+//! | [`Manoeuvring`] | one source that may move and stop; wraps either of the two |
+//! | [`MultiTarget`] | several sources on a channel; wraps any of the three |
+//!
+//! Each is a state that borrows its configuration with every call; [`Locator`] holds both, for short programs.
+//! [`presets`] are combinations for common situations.
+//!
+//! Around them: [`geodesy`] makes metres of latitude and longitude; a [`correction`] makes one bearing of several readings
+//! at one stop; a [`spectrum`] is the whole circle of a direction finder, whose peaks are [`Alternative`]s; an [`Advice`]
+//! says where to drive. [`triangulation`] and [`gauss_newton`] are the classical estimates, which locators start from.
 
 pub mod clean;
 mod core;
@@ -28,7 +39,6 @@ pub use likelihood::BearingLikelihood;
 pub use manoeuvring::Manoeuvring;
 pub use multi::MultiTarget;
 pub use robust::Robust;
-
 pub use words::{
     Advice, Alternative, Answer, Bearing, Bias, Cloud, DIRECTIONS, FARTHEST_M, Fix, Hypothesis,
     Locate, Locator, Mixture, Motion, NotObservable, Observation, ObservationError, PushError,

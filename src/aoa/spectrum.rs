@@ -1,15 +1,15 @@
 //! The angular spectrum of an antenna array: how much power comes from every direction, not only from where most does.
 //!
 //! An array that hears a source and its reflection has two peaks, and which of them is the higher one changes from one
-//! reading to the next. A single bearing is then wild as often as not; the spectrum still knows of the other.
+//! reading to the next. A single bearing is then an outlier as often as not; the spectrum still knows of the other.
 //!
 //! # Tempering
 //!
 //! A spectrum is no likelihood: its peaks are as high as the algorithm and the signal make them, not as the bearing is
-//! sure. [`Temper`] is the power to which it is raised to become one. A fitting one makes the deviations of the peaks what
-//! their errors are: drive past a known source, and multiply the temper by the square of the deviation that
-//! [`Spectrum::peaks`] states over the error that it makes. Until then, 0.2 suits a KrakenSDR with MUSIC, whose errors are
-//! those of reflections and calibration rather than of noise. A temper too low costs some accuracy, one too high makes
+//! sure. [`Temper`] is the power to which it is raised to become one. A fitting one makes the sigmas of the peaks what
+//! their errors are: drive past a known source, and multiply the temper by the square of the sigma that [`Spectrum::peaks`]
+//! states over the error that it makes. Until then, 0.2 suits a KrakenSDR with MUSIC, whose errors are those of reflections
+//! and calibration rather than of noise. A temper too low costs some accuracy, one too high makes
 //! regions that miss the source: if in doubt, lower.
 
 mod likelihood;
@@ -18,6 +18,8 @@ mod peaks;
 use core::f32::consts::{LN_10, PI, TAU};
 use core::fmt;
 
+use crate::ConfigError;
+use crate::config::require;
 use crate::math::wrap;
 pub use likelihood::SpectrumLikelihood;
 pub use peaks::Peak;
@@ -35,11 +37,11 @@ pub use peaks::Peak;
 ///     let decibels = (20.0 - 0.1 * direct * direct).max(17.0 - 0.1 * reflected * reflected).max(0.0);
 ///     spectrum.push(decibels)?;
 /// }
-/// let [Some(direct), Some(reflected), None] = spectrum.peaks(Temper::new(0.5)?) else {
+/// let [Some(direct), Some(reflected), None] = spectrum.peaks(Temper { exponent: 0.5 }) else {
 ///     panic!("there are two");
 /// };
-/// assert!((direct.angle.to_degrees() - 40.3).abs() < 0.1);
-/// assert!(direct.share > reflected.share && direct.share + reflected.share > 0.999);
+/// assert!((direct.angle_rad.to_degrees() - 40.3).abs() < 0.1);
+/// assert!(direct.probability > reflected.probability && direct.probability + reflected.probability > 0.999);
 /// # Ok::<(), foxhunt::aoa::spectrum::SpectrumError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -52,7 +54,10 @@ pub struct Spectrum {
 /// The power to which a spectrum is raised to become a likelihood.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Temper(f32);
+pub struct Temper {
+    /// The exponent, 0.001 to 10: 1 takes the spectrum for the likelihood itself.
+    pub exponent: f32,
+}
 
 /// What is wrong with a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,8 +68,6 @@ pub enum SpectrumError {
     Values,
     /// A level is not within 0 and [`Spectrum::MAX_DECIBELS`].
     Level,
-    /// The temper is not within 0.001 and 10.
-    Temper,
 }
 
 impl fmt::Display for SpectrumError {
@@ -72,7 +75,6 @@ impl fmt::Display for SpectrumError {
         f.write_str(match self {
             Self::Values => "more values than degrees",
             Self::Level => "a level is out of range",
-            Self::Temper => "the temper is not within 0.001 and 10",
         })
     }
 }
@@ -80,26 +82,30 @@ impl fmt::Display for SpectrumError {
 impl core::error::Error for SpectrumError {}
 
 impl Temper {
-    /// The exponent: 1 takes the spectrum for the likelihood itself.
+    /// For a KrakenSDR with MUSIC.
+    pub const DEFAULT: Self = Self { exponent: 0.2 };
+
+    /// Checks the exponent.
     ///
     /// # Errors
-    /// Outside 0.001 to 10.
-    pub const fn new(exponent: f32) -> Result<Self, SpectrumError> {
-        if exponent >= 0.001 && exponent <= 10.0 {
-            Ok(Self(exponent))
-        } else {
-            Err(SpectrumError::Temper)
-        }
-    }
-
-    /// As given.
-    pub const fn exponent(self) -> f32 {
-        self.0
+    /// When it is out of range.
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        require!(
+            self.exponent >= 0.001 && self.exponent <= 10.0,
+            "exponent is not within 0.001 and 10"
+        );
+        Ok(())
     }
 
     /// The logarithm of the likelihood that a level of a hundredth of a decibel stands for.
     const fn per_level(self) -> f32 {
-        self.0 * (LN_10 / 1000.0)
+        self.exponent * (LN_10 / 1000.0)
+    }
+}
+
+impl Default for Temper {
+    fn default() -> Self {
+        Self::DEFAULT
     }
 }
 
@@ -185,9 +191,9 @@ impl Spectrum {
         let turn = wrap(angle);
         let degrees = DEGREES * if turn < 0.0 { turn + TAU } else { turn };
         let cell = degrees as usize;
-        let share = degrees - cell as f32;
+        let part = degrees - cell as f32;
         let (here, next) = (self.level(cell), self.level(cell + 1));
-        here + share * (next - here)
+        here + part * (next - here)
     }
 }
 

@@ -20,10 +20,6 @@ pub struct Ellipse {
 }
 
 impl Ellipse {
-    /// The probability of the ellipse whose semi-axes are one standard deviation: 1 - exp(-1/2). On a line it is 0.683
-    /// instead: see [`Ellipse::of_sigmas`].
-    pub const ONE_SIGMA: f32 = 0.393_469_34;
-
     /// Half of the width of a segment, as a fraction of half of its length: how far from the line
     /// [`Ellipse::contains`] tolerates a point.
     pub const TOLERANCE: f32 = 0.01;
@@ -34,12 +30,7 @@ impl Ellipse {
     /// The semi-axes are the standard deviations along the axes times the square root of the quantile of the chi-squared
     /// distribution: with two degrees of freedom, `-2 ln(1 - probability)`, which is 2.45 sigma for 95 %; with one degree
     /// where the distribution lies on a line, which is 1.96 sigma.
-    pub fn of_normal(
-        centre: [f32; 2],
-        covariance: impl Into<Symmetric2>,
-        probability: f32,
-    ) -> Self {
-        let covariance = covariance.into();
+    pub fn of_normal(centre: [f32; 2], covariance: Symmetric2, probability: f32) -> Self {
         let outside = 1.0 - probability.clamp(0.0, 1.0 - 1e-7);
         let square = if covariance.is_singular() {
             let radius = two_sided_quantile(outside);
@@ -51,8 +42,8 @@ impl Ellipse {
     }
 
     /// The ellipse whose semi-axes are so many standard deviations along the axes of a normal distribution.
-    pub fn of_sigmas(centre: [f32; 2], covariance: impl Into<Symmetric2>, sigmas: f32) -> Self {
-        Self::of_radius(centre, &covariance.into(), sigmas * sigmas)
+    pub fn of_sigmas(centre: [f32; 2], covariance: Symmetric2, sigmas: f32) -> Self {
+        Self::of_radius(centre, &covariance, sigmas * sigmas)
     }
 
     /// By the square of the Mahalanobis distance of its outline.
@@ -103,7 +94,7 @@ mod tests {
             [9.0 * cos * cos + 4.0 * sin * sin, 5.0 * sin * cos],
             [5.0 * sin * cos, 9.0 * sin * sin + 4.0 * cos * cos],
         ];
-        let ellipse = Ellipse::of_normal([10.0, 20.0], covariance, 0.95);
+        let ellipse = Ellipse::of_normal([10.0, 20.0], covariance.into(), 0.95);
         let radius = 5.991_465f32.sqrt();
         assert!((ellipse.semi_major - 3.0 * radius).abs() < 1e-4);
         assert!((ellipse.semi_minor - 2.0 * radius).abs() < 1e-4);
@@ -117,7 +108,8 @@ mod tests {
         // 100,000 points: three standard errors of the fraction are 0.2 %, 0.5 % and 0.4 %.
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(22);
         for (probability, tolerance) in [(0.95, 0.0021), (0.5, 0.0048), (0.8, 0.0038)] {
-            let ellipse = Ellipse::of_normal([1.0, -2.0], [[4.0, 1.2], [1.2, 1.0]], probability);
+            let ellipse =
+                Ellipse::of_normal([1.0, -2.0], [[4.0, 1.2], [1.2, 1.0]].into(), probability);
             let inside = (0..100_000)
                 .filter(|_| {
                     let (u, v) = (normal(&mut rng), normal(&mut rng));
@@ -139,14 +131,14 @@ mod tests {
                 [variance * sin * cos, variance * sin * sin],
             ];
             for (probability, sigmas) in [(0.95, 1.96), (0.6827, 1.0), (0.5, 0.6745), (0.0, 0.0)] {
-                let segment = Ellipse::of_normal(centre, covariance, probability);
+                let segment = Ellipse::of_normal(centre, covariance.into(), probability);
                 assert_eq!(segment.semi_minor, 0.0, "{degrees}");
                 assert!(
                     (segment.semi_major - 2.0 * sigmas).abs() < 1e-3,
                     "{segment:?}"
                 );
             }
-            let segment = Ellipse::of_normal(centre, covariance, 0.95);
+            let segment = Ellipse::of_normal(centre, covariance.into(), 0.95);
             for t in [-3.91, -2.0, -0.01, 0.0, 1.0, 3.0, 3.91] {
                 assert!(segment.contains(on_line(t)), "{degrees} {t}");
                 let [x, y] = on_line(t);
@@ -154,8 +146,11 @@ mod tests {
                 assert!(!segment.contains([x - 0.05 * sin, y + 0.05 * cos]));
             }
             assert!(!segment.contains(on_line(3.93)) && !segment.contains(on_line(-3.93)));
-            assert_eq!(Ellipse::of_sigmas(centre, covariance, 1.0).semi_minor, 0.0);
-            let one = Ellipse::of_sigmas(centre, covariance, 1.0).semi_major;
+            assert_eq!(
+                Ellipse::of_sigmas(centre, covariance.into(), 1.0).semi_minor,
+                0.0
+            );
+            let one = Ellipse::of_sigmas(centre, covariance.into(), 1.0).semi_major;
             assert!((one - 2.0).abs() < 1e-5);
         }
     }
@@ -168,20 +163,21 @@ mod tests {
             [1e6 * cos * cos + sin * sin, (1e6 - 1.0) * sin * cos],
             [(1e6 - 1.0) * sin * cos, 1e6 * sin * sin + cos * cos],
         ];
-        let ellipse = Ellipse::of_normal([0.0, 0.0], covariance, 0.95);
+        let ellipse = Ellipse::of_normal([0.0, 0.0], covariance.into(), 0.95);
         assert!((ellipse.semi_major - 2447.7).abs() < 1.0, "{ellipse:?}");
         assert!((ellipse.semi_minor - 2.45).abs() < 0.5, "{ellipse:?}");
     }
 
     #[test]
     fn degenerate_covariances_give_no_nan() {
-        let ellipse = Ellipse::of_normal([0.0, 0.0], [[1.0, 1.0], [1.0, 1.0]], 0.95);
+        let ellipse = Ellipse::of_normal([0.0, 0.0], [[1.0, 1.0], [1.0, 1.0]].into(), 0.95);
         assert!(ellipse.contains([0.0, 0.0]) && ellipse.contains([1.38, 1.38]));
         assert!(!ellipse.contains([1.0, -1.0]));
         let point = Ellipse::of_normal([5.0, 5.0], Symmetric2::ZERO, 0.95);
         assert!(point.contains([5.0, 5.0]) && !point.contains([5.0, 5.001]));
         for probability in [0.0, 1.0, 7.0] {
-            let ellipse = Ellipse::of_normal([0.0, 0.0], [[1.0, 0.0], [0.0, 0.0]], probability);
+            let ellipse =
+                Ellipse::of_normal([0.0, 0.0], [[1.0, 0.0], [0.0, 0.0]].into(), probability);
             assert!(ellipse.semi_major.is_finite() && ellipse.contains([0.0, 0.0]));
         }
     }

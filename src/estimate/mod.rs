@@ -8,11 +8,6 @@ mod symmetric;
 pub use ellipse::Ellipse;
 pub use symmetric::Symmetric2;
 
-/// The larger eigenvalue of a covariance by rows.
-pub(crate) fn largest_variance(covariance: &[[f32; 2]; 2]) -> f32 {
-    Symmetric2::from(*covariance).largest_eigenvalue()
-}
-
 /// Weighted mean of every column.
 pub fn mean<const D: usize>(columns: &[&[f32]; D], weights: &[f32]) -> [f32; D] {
     columns.map(|column| weighted_sum(weights, column))

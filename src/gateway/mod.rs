@@ -1,49 +1,49 @@
 //! The serial gateway: bytes in, fixes out, without input or output of its own.
 //!
-//! [`Vehicle`] takes one byte after the other from the line that a navigation receiver and a direction finder
-//! share (or from two lines, whole line by whole line) and tells what each line led to. It is the same state
-//! machine in firmware, on a desk and in tests: it holds no clock, every time is one that the lines state, so
-//! a replay of the bytes gives the same answers to the last bit.
+//! A [`Vehicle`] takes bytes on numbered ports, one for each line that a navigation receiver, a direction finder or a host
+//! talks on; they may share one, too. It tells what each line led to. It is the same state machine in firmware, on a desk
+//! and in tests: it holds no clock, every time is one that the lines state, so a replay of the bytes gives the same
+//! answers to the last bit. [`Gateway`] is a `Vehicle` with its [`Config`], for short programs.
 //!
 //! # Lines in
 //!
 //! Ended by CR, LF or both.
 //!
-//! | line | what is taken from it |
-//! |---|---|
-//! | `$--RMC` `$--GGA` | time and position; RMC also speed and course over ground |
-//! | `$--VTG` | speed and course over ground |
-//! | `$--HDT` `$--THS` | true heading |
-//! | `%BBB/Q` | Agrelo: bearing in degrees, quality 0 to 9 |
-//! | `1756823719250, 297, 87.8, ...` | KrakenSDR's app format: time, bearing, confidence, frequency, and unless it is zero its own position and heading; the spectrum is skipped, unless there is a [`SpectrumReader`] for it |
-//! | `+UUDF:6C1DEBA4241B,-65,26,...` | u-blox: tag and azimuth within a quarter turn of where the board faces; nine fields or ten |
-//! | `$PFOXQ*50` | a query: the answer and the status are sent whenever they were sent last |
-//! | `$PFOXR*53` | a restart, to look for another source: [`Vehicle::restart`] |
+//! | line | format | what is taken from it |
+//! |---|---|---|
+//! | `$--RMC` `$--GGA` | [`Nmea`](formats::Nmea) | time and position; RMC also speed and course over ground |
+//! | `$--VTG` | | speed and course over ground |
+//! | `$--HDT` `$--THS` | | true heading |
+//! | `$PFOXQ*50` | | a query: the answer and the status are sent whenever they were sent last |
+//! | `$PFOXR*53` | | a restart, to look for another source: [`Vehicle::restart`] |
+//! | `%BBB/Q` | [`Agrelo`](formats::Agrelo) | bearing in degrees, quality 0 to 9 |
+//! | `1756823719250, 297, 87.8, ...` | [`Kraken`](formats::Kraken) | KrakenSDR's app format: time, bearing, confidence, frequency, and unless it is zero its own position and heading; the spectrum is skipped, or read by [`KrakenSpectrum`](formats::KrakenSpectrum) |
+//! | `+UUDF:6C1DEBA4241B,-65,26,...` | [`Ublox`](formats::Ublox) | tag and azimuth within a quarter turn of where the board faces; nine fields or ten |
 //!
-//! The builds of the KrakenSDR's software do not agree on the sense of a bearing and the scale of its confidence:
-//! see [`Settings::with_sense`] and [`Settings::with_kraken_confidence`]. If it watches several frequencies,
-//! say which is the source's: [`Settings::with_kraken_frequency_hz`].
+//! [`formats::All`] reads them all. Firmware that names fewer, such as `Vehicle<L, (Nmea, Agrelo)>`, links no others.
+//! What a format can be told is in its `Config`: the builds of the KrakenSDR's software do not agree on the sense of a
+//! bearing and the scale of its confidence, and of several frequencies or tags one may be the source's.
 //!
-//! Every NMEA sentence must carry its checksum. Other correct sentences are counted and left to others, by [`Event::Other`]; everything
-//! else that is not used is counted by its reason, [`Rejected`], and has no effect on the locator.
+//! Every NMEA sentence must carry its checksum. Correct sentences of other kinds are left to others, by [`Event::Other`];
+//! everything else that is not used is counted by its reason, [`Rejected`], and has no effect on the locator.
 //!
 //! A bearing belongs to where the vehicle was when it was taken: the time of a KrakenSDR's line less the latency that it
 //! states. Place and heading are those between the two samples about that time, or as they went on from the last two,
 //! if samples are fresh by the times that both state (the clock of a direction finder that states times must therefore be
 //! right; a bearing that states none is taken at the receiver's time, but only so often: see
-//! [`Settings::with_undated_bearings`]). An outage of the receiver is not bridged.
+//! [`Config::undated_bearings`]). An outage of the receiver is not bridged. The locator gets one clock, in milliseconds
+//! that run on over midnight, and the number of the port for the station.
 //!
 //! A relative bearing needs a heading: that of its own line, else a fresh true heading, else the course of a vehicle that
 //! is fast enough and does not turn. A KrakenSDR whose heading is that of its GPS must move as well. The quality decides
-//! on the standard deviation: see [`Settings::with_deviations`] and, by a table for each device, [`Settings::with_deviation_table`].
+//! on the standard deviation: see [`Config::best_sigma_rad`] and, by a table for each device, [`SigmaTable`].
 //!
 //! # Lines out
 //!
 //! Sentences with a checksum, ended by CR and LF. One `$PFOXF` or `$PFOXN` after an accepted bearing, if the
-//! last is at least [`Settings::report_interval_ms`] old; one of them and a `$PFOXS` for a query, which thus
-//! also tells that all bytes before it were processed; a `$PFOXN` for a restart. A locator that knows more, as a
-//! [`RobustLocator`](crate::aoa::robust::RobustLocator) does, says it in sentences that follow, of up to four sources and
-//! four hypotheses; [`LONG_REPORT`] bytes hold them all.
+//! last is at least [`Config::report_interval_ms`] old; one of them and a `$PFOXS` for a query, which thus
+//! also tells that all bytes before it were processed; a `$PFOXN` for a restart. This is a [`ShortReport`]. A
+//! [`FullReport`] says all that a locator knows, in sentences that follow, of up to four sources and four hypotheses.
 //!
 //! **`$PFOXF,hhmmss.sss,ddmm.mmmmmm,N,dddmm.mmmmmm,E,major,minor,orientation,bearings,ess*hh`**, a fix:
 //! UTC time of the last bearing; latitude and longitude of the source, to 1e-7 degree; standard deviations, in
@@ -57,25 +57,25 @@
 //! [`MAX_RANGE_M`](crate::aoa::geodesy::LocalPlane::MAX_RANGE_M), which stands in the place of that source's `$PFOXF`; how
 //! many bearings there were since the last restart, for `RANGE` of that source; for `ANGLE` the angle in degrees at which they cross and the least that is needed.
 //!
-//! **`$PFOXM,source,moving,speed,course,deviation*hh`** after a `$PFOXF` of a source that may move, or of one of several,
+//! **`$PFOXM,source,moving,speed,course,sigma*hh`** after a `$PFOXF` of a source that may move, or of one of several,
 //! each of which has a `$PFOXF` of its own, the best known first: the number of the source; the probability, in percent,
 //! that it moves; and if so its speed in metres a second, its course in degrees clockwise from north, and the standard
 //! deviation of either component of its velocity. Without a `$PFOXM` it is source 0.
 //!
-//! **`$PFOXH,ddmm.mmmmmm,N,dddmm.mmmmmm,E,major,minor,orientation,mass*hh`** after a `$PFOXN`: a place where the source may
+//! **`$PFOXH,ddmm.mmmmmm,N,dddmm.mmmmmm,E,major,minor,orientation,probability*hh`** after a `$PFOXN`: a place where the source may
 //! be, as that of a fix, and its probability in percent among all such places, of which there are up to four.
 //!
 //! **`$PFOXA,course,metres,information*hh`** after these, advice to the driver: the course, in degrees clockwise from
 //! north, on which the next bearings are expected to tell most; how far to go there until they cross at a sufficient angle,
 //! empty where that is too far; what a bearing from there is expected to tell, in nats.
-//! See [`Advice`](crate::aoa::advice::Advice).
+//! See [`Advice`](crate::aoa::Advice).
 //!
-//! **`$PFOXE,bias,deviation,direct,mirror,wild*hh`**, at the end, what is known of the errors of the bearings: by how many
+//! **`$PFOXE,bias,sigma,direct,mirrored,outlier*hh`**, at the end, what is known of the errors of the bearings: by how many
 //! degrees all of them are too far clockwise, and the standard deviation of that, both empty before the first fix; the
-//! shares of direct, mirrored and wild bearings in percent.
+//! rates of direct, mirrored and outlier bearings in percent.
 //!
-//! **`$PFOXS,lines,sentences,bearings,ignored,...*hh`**, the status: the counts of [`Counters`] and then, in
-//! the order of [`Rejected::ALL`], of every reason for a rejection.
+//! **`$PFOXS,lines,sentences,bearings,ignored,queries,restarts,...*hh`**, the status: the counts of [`Counters`] and then,
+//! in the order of [`Rejected::ALL`], of every reason for a rejection. The first is the sum of all others.
 
 pub mod beacon;
 mod clock;

@@ -157,7 +157,11 @@ impl<const N: usize> Text<N> {
         if let Some(place) = place {
             self.begin("PFOXH");
             self.place(place);
-            self.ellipse(&hypothesis.ellipse(Ellipse::ONE_SIGMA));
+            self.ellipse(&Ellipse::of_sigmas(
+                hypothesis.position,
+                hypothesis.covariance,
+                1.0,
+            ));
             self.decimal(100.0 * hypothesis.probability, Unit::Tenth);
             self.end();
         }
@@ -203,7 +207,7 @@ impl<const N: usize> Text<N> {
         self.begin("PFOXF");
         self.time(context.time);
         self.place(place);
-        self.ellipse(&fix.ellipse(Ellipse::ONE_SIGMA));
+        self.ellipse(&Ellipse::of_sigmas(fix.position, fix.covariance, 1.0));
         self.field(fix.bearings);
         self.decimal(fix.effective_sample_size, Unit::Tenth);
         self.end();

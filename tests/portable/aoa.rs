@@ -139,7 +139,7 @@ fn robust_locator_finds_the_source() -> Digest {
 
 /// Every reading with a reflection, which is as high.
 fn robust_locator_with_spectra() -> Digest {
-    let temper = Temper::new(0.2).expect("in range");
+    let temper = Temper::DEFAULT;
     let mut locator = robust::<64>(Faulty::DEFAULT);
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
     let mut digest = Digest::new();
@@ -155,11 +155,11 @@ fn robust_locator_with_spectra() -> Digest {
         }
         let mut alternatives = heapless::Vec::<Alternative, 3>::new();
         for peak in spectrum.peaks(temper).into_iter().rev().flatten() {
-            digest.add(&[peak.angle, peak.deviation, peak.share]);
-            let bearing = Bearing::from_radians(peak.angle);
+            digest.add(&[peak.angle_rad, peak.sigma_rad, peak.probability]);
+            let bearing = Bearing::from_radians(peak.angle_rad);
             let (time_ms, place) = (observation.time_ms(), observation.position());
-            let seen = Observation::new(time_ms, place, bearing, peak.deviation);
-            let seen = Alternative::new(seen.expect("in range"), peak.share);
+            let seen = Observation::new(time_ms, place, bearing, peak.sigma_rad);
+            let seen = Alternative::new(seen.expect("in range"), peak.probability);
             alternatives.push(seen.expect("in range")).expect("three");
         }
         locator

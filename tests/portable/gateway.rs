@@ -1,5 +1,5 @@
-use foxhunt::aoa::locator::{self, Locator};
-use foxhunt::gateway::{BearingReference, Settings, Vehicle};
+use foxhunt::aoa::{Clean, clean};
+use foxhunt::gateway::{BearingReference, Config, Gateway};
 
 use crate::{Case, digest::Digest};
 
@@ -34,11 +34,14 @@ const DRIVE: [(&str, &str); 6] = [
 ];
 
 fn a_drive_leads_to_a_fix() -> Digest {
-    let settings = Settings::new()
-        .with_seed(1)
-        .with_reference(BearingReference::TrueNorth);
-    let mut vehicle =
-        Vehicle::<Locator<100, 32>>::new(settings, Locator::new(locator::Settings::new()));
+    let config = Config {
+        reference: BearingReference::TrueNorth,
+        ..Config::new(clean::Config::DEFAULT)
+    };
+    let gateway: Result<Gateway<Clean<100, 32>>, _> = Gateway::new(config);
+    let Ok(mut gateway) = gateway else {
+        panic!("the configuration is right");
+    };
     let mut digest = Digest::new();
     let mut last_is_fix = false;
     for (sentence, bearing) in DRIVE {
@@ -52,13 +55,14 @@ fn a_drive_leads_to_a_fix() -> Digest {
             .chain(&hex)
             .chain(b"\r\n");
         for &byte in line.chain(bearing.as_bytes()) {
-            if vehicle.push(byte).is_some() {
-                digest.add_bytes(vehicle.report().as_bytes());
-                last_is_fix = vehicle.report().starts_with("$PFOXF");
+            if gateway.push(0, byte).is_some() {
+                let report = gateway.vehicle().report();
+                digest.add_bytes(report.as_bytes());
+                last_is_fix = report.starts_with("$PFOXF");
             }
         }
     }
-    assert_eq!(vehicle.counters().bearings, 6);
+    assert_eq!(gateway.vehicle().counters().bearings, 6);
     assert!(last_is_fix);
     digest
 }

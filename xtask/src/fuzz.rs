@@ -28,11 +28,10 @@ pub struct Options {
 }
 
 /// All that comes from outside.
-const FORMATS: [&str; 8] = [
+const FORMATS: [&str; 7] = [
     "nmea",
-    "agrelo",
-    "kraken",
-    "ublox",
+    "finders",
+    "spectra",
     "beacon_lines",
     "beacon_frames",
     "radio_map",

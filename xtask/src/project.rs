@@ -47,16 +47,18 @@ pub fn firmware(example: &str) -> Result<PathBuf> {
     executable(&["--release", "--target", BOARD, "--example", example])
 }
 
-/// The same at the level of optimisation for size.
+/// The same at the level of optimisation for size. It also links if a panic is left in it, so that it can be measured.
 pub fn small_firmware(example: &str) -> Result<PathBuf> {
-    executable(&[
+    let example = [
         "--profile",
         "small",
         "--target",
         BOARD,
         "--example",
         example,
-    ])
+    ];
+    let link = ["--", "-C", "link-arg=--defsym=the_firmware_can_panic=0"];
+    built(cargo(), "rustc", &[&example[..], &link].concat())
 }
 
 /// The firmware in release mode with variables in the compiler's environment.
@@ -65,6 +67,7 @@ pub fn firmware_with(example: &str, variables: &[(&str, &OsStr)]) -> Result<Path
     cargo.envs(variables.iter().copied());
     built(
         cargo,
+        "build",
         &["--release", "--target", BOARD, "--example", example],
     )
 }
@@ -78,13 +81,13 @@ pub fn executable(arguments: &[&str]) -> Result<PathBuf> {
 pub fn executable_in(directory: &Path, arguments: &[&str]) -> Result<PathBuf> {
     let mut cargo = cargo();
     cargo.current_dir(directory);
-    built(cargo, arguments)
+    built(cargo, "build", arguments)
 }
 
-fn built(mut cargo: Command, arguments: &[&str]) -> Result<PathBuf> {
+fn built(mut cargo: Command, command: &str, arguments: &[&str]) -> Result<PathBuf> {
     let mut child = cargo
         .args([
-            "build",
+            command,
             "--quiet",
             "--message-format=json-render-diagnostics",
         ])
@@ -105,13 +108,13 @@ fn built(mut cargo: Command, arguments: &[&str]) -> Result<PathBuf> {
     }
     ensure!(
         child.wait()?.success(),
-        "cargo build {} failed",
+        "cargo {command} {} failed",
         arguments.join(" ")
     );
     match executables.as_slice() {
         [file] => Ok(file.into()),
         _ => bail!(
-            "cargo build {} made {} executables",
+            "cargo {command} {} made {} executables",
             arguments.join(" "),
             executables.len()
         ),

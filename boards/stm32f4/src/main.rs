@@ -11,12 +11,11 @@ use panic_probe as _;
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
     use cortex_m::peripheral::syst::SystClkSource;
-    use foxhunt::aoa::locator::{self, Locator};
-    use foxhunt::gateway::{Event, Settings, Vehicle};
-    use heapless::Vec;
+    use foxhunt::aoa::{Clean, clean};
+    use foxhunt::gateway::{Config, Event, ShortReport, Vehicle, formats::All};
     use heapless::spsc::{Consumer, Producer, Queue};
     use stm32f4xx_hal::pac::{Interrupt, USART1, USART2, USART6};
-    use stm32f4xx_hal::rcc::Config;
+    use stm32f4xx_hal::rcc;
     use stm32f4xx_hal::serial::{Instance, Rx, Tx};
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
     use stm32f4xx_hal::{nb, prelude::*};
@@ -34,13 +33,14 @@ mod app {
     /// What arrives in a third of a second at 115,200 baud, while the locator works on a bearing.
     const RECEIVED_BYTES: usize = 4_096;
     const SENT_BYTES: usize = 1_024;
-    /// No line leads to a longer report.
-    const REPORT_BYTES: usize = 320;
-    /// The gateway looks at no more of any line.
-    const LINE_BYTES: usize = 256;
 
     /// Stands for bytes that were lost or damaged. No line has it.
     const LOST: u8 = 0;
+
+    /// Two hundred particles, a memory of 64 bearings, a port for each line.
+    type Gateway = Vehicle<Clean<200, 64>, All, ShortReport, 3>;
+
+    const CONFIG: Config<clean::Config> = Config::new(clean::Config::DEFAULT);
 
     #[shared]
     struct Shared {}
@@ -52,7 +52,7 @@ mod app {
         computer: Port<USART2>,
         transmitter: Tx<USART2>,
         to_transmit: Consumer<'static, u8>,
-        lines: [Line; 3],
+        ports: [Consumer<'static, u8>; 3],
         to_send: Producer<'static, u8>,
         watchdog: IndependentWatchdog,
     }
@@ -70,8 +70,8 @@ mod app {
         watchdog.stop_on_debug(&device.DBGMCU, true);
         watchdog.start(WATCHDOG_SECONDS.secs());
 
-        // On a NUCLEO the debugger drives the clock input. A Black Pill has a crystal: `Config::hse(25.MHz())`.
-        let clocks = Config::hse(8.MHz()).bypass_hse_oscillator();
+        // On a NUCLEO the debugger drives the clock input. A Black Pill has a crystal: `rcc::Config::hse(25.MHz())`.
+        let clocks = rcc::Config::hse(8.MHz()).bypass_hse_oscillator();
         let mut rcc = device.RCC.freeze(clocks.sysclk(CLOCK_HZ.Hz()));
 
         let a = device.GPIOA.split(&mut rcc);
@@ -105,7 +105,7 @@ mod app {
             computer,
             transmitter,
             to_transmit,
-            lines: [from_receiver, from_finder, from_computer],
+            ports: [from_receiver, from_finder, from_computer],
             to_send,
             watchdog,
         };
@@ -114,13 +114,12 @@ mod app {
 
     // A byte of every port a turn: the work between two feedings of the watchdog is bounded.
     #[idle(local = [
-        lines, to_send, watchdog,
-        gateway: Vehicle<Locator<200, 64>> =
-            Vehicle::new(Settings::new(), Locator::new(locator::Settings::new())),
+        ports, to_send, watchdog,
+        gateway: Gateway = Gateway::EMPTY,
     ])]
     fn idle(context: idle::Context) -> ! {
         let idle::LocalResources {
-            lines,
+            ports,
             to_send,
             watchdog,
             gateway,
@@ -129,25 +128,19 @@ mod app {
         loop {
             watchdog.feed();
             let mut is_idle = true;
-            for line in lines.iter_mut() {
+            for (number, port) in ports.iter_mut().enumerate() {
                 // A byte is taken when there is room for all that it can lead to: reports are never cut.
-                if to_send.capacity() - to_send.len() < REPORT_BYTES {
+                if to_send.capacity() - to_send.len() < ShortReport::BYTES {
                     break;
                 }
-                let Some(byte) = line.received.dequeue() else {
+                let Some(byte) = port.dequeue() else {
                     continue;
                 };
                 is_idle = false;
-                if line.extend(byte) {
-                    continue;
+                if let Some(event) = gateway.push(number, byte, &CONFIG) {
+                    send(gateway.report(), to_send);
+                    log(&event);
                 }
-                for byte in line.bytes.iter().chain([&byte]) {
-                    if let Some(event) = gateway.push(*byte) {
-                        send(gateway.report(), to_send);
-                        log(&event);
-                    }
-                }
-                line.bytes.clear();
             }
             if is_idle {
                 // Returns at once if there was an interrupt since the last time: none is slept through.
@@ -212,32 +205,10 @@ mod app {
         }
     }
 
-    /// The end of a port that belongs to the loop: it collects lines, so that those of two ports never mix.
-    pub struct Line {
-        received: Consumer<'static, u8>,
-        bytes: Vec<u8, LINE_BYTES>,
-    }
-
-    impl Line {
-        /// Takes a byte. `false` if it ends the line, which is then complete without it.
-        fn extend(&mut self, byte: u8) -> bool {
-            if matches!(byte, b'\r' | b'\n') {
-                return false;
-            }
-            if byte == LOST {
-                // No line begins so: what is left of this one will be rejected.
-                self.bytes.clear();
-            }
-            // What the gateway does not look at finds no room.
-            let _ = self.bytes.push(byte);
-            true
-        }
-    }
-
     fn connect<U: Instance>(
         mut uart: Rx<U>,
         queue: &'static mut Queue<u8, RECEIVED_BYTES>,
-    ) -> (Port<U>, Line) {
+    ) -> (Port<U>, Consumer<'static, u8>) {
         uart.listen();
         let (sender, received) = queue.split();
         let port = Port {
@@ -245,8 +216,7 @@ mod app {
             received: sender,
             has_lost: false,
         };
-        let bytes = Vec::new();
-        (port, Line { received, bytes })
+        (port, received)
     }
 
     fn send(report: &str, to_send: &mut Producer<'static, u8>) {

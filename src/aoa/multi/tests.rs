@@ -383,6 +383,13 @@ fn a_refused_bearing_changes_nothing() {
 }
 
 #[test]
+fn memory_is_as_stated() {
+    let own = size_of::<Three>() - 3 * size_of::<One>();
+    std::println!("{own} bytes, {} bytes with tracks", size_of::<Three>());
+    assert!(own <= 3_000 && size_of::<Three>() <= 27_300);
+}
+
+#[test]
 fn an_empty_state_is_all_zero() {
     assert!(is_zero::<Three>(|place| {
         place.write(Three::EMPTY);

@@ -20,7 +20,7 @@ use crate::model::Likelihood;
 ///     spectrum.push(if degree == 90 { 20.0 } else { 0.0 })?;
 /// }
 /// // The array's axis points east, so its left is the north.
-/// let likelihood = SpectrumLikelihood::new(&spectrum, [0.0, 0.0], Bearing::from_radians(0.0), Temper::new(0.2)?);
+/// let likelihood = SpectrumLikelihood::new(&spectrum, [0.0, 0.0], Bearing::from_radians(0.0), Temper { exponent: 0.2 });
 /// let at = |place: [f32; 2]| likelihood.log_likelihood(&place);
 /// assert!(at([0.0, 500.0]) > at([500.0, 0.0]) + 0.9);
 /// # Ok::<(), foxhunt::aoa::spectrum::SpectrumError>(())

@@ -11,12 +11,12 @@ use crate::math::{exp, sqrt, wrap};
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Peak {
     /// Radians counter-clockwise from the array's axis, within -pi and pi.
-    pub angle: f32,
+    pub angle_rad: f32,
     /// Standard deviation, in radians: that of the normal distribution whose logarithm is the parabola through the top
     /// and the points either side at which the tempered spectrum has fallen to exp(-1/2) of it, or the next dip.
-    pub deviation: f32,
-    /// Share of the mass of the tempered spectrum, up to the dips either side, in that of all peaks returned.
-    pub share: f32,
+    pub sigma_rad: f32,
+    /// Fraction of the mass of the tempered spectrum, up to the dips either side, in that of all peaks returned.
+    pub probability: f32,
 }
 
 /// Peaks are at most so many.
@@ -24,9 +24,9 @@ pub(super) const PEAKS: usize = 3;
 
 /// A peak ends where the level rises again by so many hundredths of a decibel.
 const DIP: f32 = 100.0;
-/// Peaks with less of the mass are none.
-const LEAST_SHARE: f32 = 0.02;
-/// Deviation of what is only known to a degree.
+/// Peaks with less of the mass are dropped: fewer alternatives to weigh, for the loss of faint sources.
+const LEAST_FRACTION: f32 = 0.02;
+/// Sigma of what is only known to a degree.
 const FINEST: f32 = 0.289 * DEGREE;
 const DEGREE: f32 = PI / 180.0;
 
@@ -39,7 +39,7 @@ struct Hill {
 }
 
 impl Spectrum {
-    /// The peaks, that with the most mass first. Those less than three deviations of their difference apart are one, with
+    /// The peaks, that with the most mass first. Those less than three sigmas of their difference apart are one, with
     /// the mean and the variance of both.
     ///
     /// There are none if the spectrum is flat, or as good as flat: if, tempered, a peak would be as wide as
@@ -61,11 +61,13 @@ impl Spectrum {
             let mass = self.mass(&hill, scale, highest);
             if let (Some(kept), Some(peak)) = (hills.get_mut(place), peaks.get_mut(place)) {
                 *kept = Some(hill);
-                *peak = self.parabola(&hill, scale).map(|(angle, deviation)| Peak {
-                    angle,
-                    deviation,
-                    share: mass,
-                });
+                *peak = self
+                    .parabola(&hill, scale)
+                    .map(|(angle_rad, sigma_rad)| Peak {
+                        angle_rad,
+                        sigma_rad,
+                        probability: mass,
+                    });
                 total += if peak.is_some() { mass } else { 0.0 };
             }
         }
@@ -129,7 +131,7 @@ impl Spectrum {
             .sum()
     }
 
-    /// Angle and deviation of the parabola through a top and a point either side.
+    /// Angle and sigma of the parabola through a top and a point either side.
     fn parabola(&self, hill: &Hill, scale: f32) -> Option<(f32, f32)> {
         let top = self.level(hill.top);
         let fall = |most: usize, step: usize| {
@@ -163,13 +165,13 @@ impl Spectrum {
 impl Peak {
     /// Whether it is as wide as the circle.
     fn is_flat(&self) -> bool {
-        self.deviation >= Observation::MAX_SIGMA_RAD
+        self.sigma_rad >= Observation::MAX_SIGMA_RAD
     }
 }
 
-/// A deviation within what can be known and what is worth knowing.
-fn bounded(deviation: f32) -> f32 {
-    deviation.clamp(FINEST, Observation::MAX_SIGMA_RAD)
+/// A sigma within what can be known and what is worth knowing.
+fn bounded(sigma_rad: f32) -> f32 {
+    sigma_rad.clamp(FINEST, Observation::MAX_SIGMA_RAD)
 }
 
 impl Hill {
@@ -193,45 +195,45 @@ fn merge(one: &mut Option<Peak>, other: &mut Option<Peak>) {
     let (Some(a), Some(b)) = (*one, *other) else {
         return;
     };
-    let turn = wrap(b.angle - a.angle);
-    let variances = (a.deviation * a.deviation, b.deviation * b.deviation);
+    let turn = wrap(b.angle_rad - a.angle_rad);
+    let variances = (a.sigma_rad * a.sigma_rad, b.sigma_rad * b.sigma_rad);
     if turn * turn >= 9.0 * (variances.0 + variances.1) {
         return;
     }
-    let mass = a.share + b.share;
-    let (p, q) = (a.share / mass, b.share / mass);
+    let mass = a.probability + b.probability;
+    let (p, q) = (a.probability / mass, b.probability / mass);
     let variance = p * variances.0 + q * variances.1 + p * q * turn * turn;
     *one = Some(Peak {
-        angle: wrap(a.angle + q * turn),
-        deviation: bounded(sqrt(variance)),
-        share: mass,
+        angle_rad: wrap(a.angle_rad + q * turn),
+        sigma_rad: bounded(sqrt(variance)),
+        probability: mass,
     });
     *other = None;
 }
 
-/// From masses to shares, without those that are next to nothing, the largest first.
+/// From masses to probabilities, without those that are next to nothing, the largest first.
 fn normalise(peaks: &mut [Option<Peak>; PEAKS], total: f32) {
     let mut kept = 0.0;
     for slot in peaks.iter_mut() {
         if let Some(peak) = *slot {
-            if peak.share < LEAST_SHARE * total {
+            if peak.probability < LEAST_FRACTION * total {
                 *slot = None;
             } else {
-                kept += peak.share;
+                kept += peak.probability;
             }
         }
     }
     for peak in peaks.iter_mut().flatten() {
-        peak.share /= kept;
+        peak.probability /= kept;
     }
-    let share = |peak: &Option<Peak>| peak.map_or(-1.0, |peak| peak.share);
+    let probability = |peak: &Option<Peak>| peak.map_or(-1.0, |peak| peak.probability);
     let [a, b, c] = peaks;
     for (one, other) in [(0, 1), (1, 2), (0, 1)] {
         let (one, other) = match (one, other) {
             (0, 1) => (&mut *a, &mut *b),
             _ => (&mut *b, &mut *c),
         };
-        if share(other) > share(one) {
+        if probability(other) > probability(one) {
             core::mem::swap(one, other);
         }
     }

@@ -20,7 +20,7 @@ fn apart(a: f32, b: f32) -> f32 {
 }
 
 fn temper(exponent: f32) -> Temper {
-    Temper::new(exponent).unwrap()
+    Temper { exponent }
 }
 
 /// Two normal peaks in linear power over a floor, in decibels above the least.
@@ -31,7 +31,7 @@ fn two(a: f32, b: f32, second: f32, width: f32) -> Spectrum {
 }
 
 #[test]
-fn a_peak_is_found_between_degrees_with_its_deviation_and_share() {
+fn a_peak_is_found_between_degrees_with_its_sigma_and_probability() {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
     for _ in 0..500 {
         let a = 360.0 * uniform(&mut rng);
@@ -41,25 +41,29 @@ fn a_peak_is_found_between_degrees_with_its_deviation_and_share() {
         let peaks = two(a, b, second, width).peaks(temper(exponent));
         let peaks: Vec<Peak> = peaks.into_iter().flatten().collect();
         assert_eq!(peaks.len(), 2);
-        let shares: f32 = peaks.iter().map(|peak| peak.share).sum();
-        assert!((shares - 1.0).abs() < 1e-5 && peaks[0].share >= peaks[1].share);
+        let probabilities: f32 = peaks.iter().map(|peak| peak.probability).sum();
+        assert!((probabilities - 1.0).abs() < 1e-5 && peaks[0].probability >= peaks[1].probability);
         for (angle, height) in [(a, 1.0_f32), (b, second)] {
-            let off = |peak: &Peak| apart(peak.angle.to_degrees(), angle).abs();
+            let off = |peak: &Peak| apart(peak.angle_rad.to_degrees(), angle).abs();
             let peak = peaks.iter().find(|peak| off(peak) < 20.0).unwrap();
             assert!(off(peak) < 0.15, "{} at {width}", off(peak));
             // A normal peak to the power of t is narrower by its root.
-            let deviation = peak.deviation.to_degrees() * exponent.sqrt() / width;
-            assert!((deviation - 1.0).abs() < 0.1, "{deviation}");
+            let sigma = peak.sigma_rad.to_degrees() * exponent.sqrt() / width;
+            assert!((sigma - 1.0).abs() < 0.1, "{sigma}");
             // The floor adds to both.
-            let share = height.powf(exponent) / (1.0 + second.powf(exponent));
-            assert!((peak.share - share).abs() < 0.1, "{} {share}", peak.share);
+            let probability = height.powf(exponent) / (1.0 + second.powf(exponent));
+            assert!(
+                (peak.probability - probability).abs() < 0.1,
+                "{} {probability}",
+                peak.probability
+            );
         }
     }
 }
 
 #[test]
 fn peaks_that_overlap_are_one() {
-    // To the power of a quarter twice as wide: 12 degrees, and 51 are three deviations of the difference.
+    // To the power of a quarter twice as wide: 12 degrees, and 51 are three sigmas of the difference.
     for (distance, count) in [(45.0, 1), (60.0, 2)] {
         let spectrum = two(350.0, 350.0 + distance, 1.0, 6.0);
         let peaks = spectrum.peaks(temper(0.25));
@@ -71,10 +75,13 @@ fn peaks_that_overlap_are_one() {
                 .all(|t| spectrum.peaks(*t).iter().flatten().count() == 2)
         );
         if let (1, Some(one)) = (count, peaks[0]) {
-            assert!(apart(one.angle.to_degrees(), 12.5).abs() < 0.5, "{one:?}");
+            assert!(
+                apart(one.angle_rad.to_degrees(), 12.5).abs() < 0.5,
+                "{one:?}"
+            );
             let exact = (12.0_f32.powi(2) + 22.5 * 22.5).sqrt();
             assert!(
-                (one.deviation.to_degrees() / exact - 1.0).abs() < 0.05,
+                (one.sigma_rad.to_degrees() / exact - 1.0).abs() < 0.05,
                 "{one:?}"
             );
         }
@@ -87,8 +94,8 @@ fn peaks_over_the_ends_of_the_circle_and_none_of_a_flat_one() {
         let [Some(peak), None, None] = two(at, at, 1.0, 6.0).peaks(temper(0.5)) else {
             panic!("there is one at {at}");
         };
-        assert!(apart(peak.angle.to_degrees(), at).abs() < 0.1);
-        assert!(peak.angle.abs() <= PI + 1e-5 && (peak.share - 1.0).abs() < 1e-6);
+        assert!(apart(peak.angle_rad.to_degrees(), at).abs() < 0.1);
+        assert!(peak.angle_rad.abs() <= PI + 1e-5 && (peak.probability - 1.0).abs() < 1e-6);
     }
     for level in [0.0, 30.0, 600.0] {
         assert_eq!(of(|_| level).peaks(temper(1.0)), [None; 3]);
@@ -98,8 +105,8 @@ fn peaks_over_the_ends_of_the_circle_and_none_of_a_flat_one() {
     let [Some(peak), None, None] = needle.peaks(temper(10.0)) else {
         panic!("there is one");
     };
-    assert!((peak.deviation.to_degrees() - 0.289).abs() < 1e-3);
-    assert!((peak.angle.to_degrees() - 77.0).abs() < 0.01);
+    assert!((peak.sigma_rad.to_degrees() - 0.289).abs() < 1e-3);
+    assert!((peak.angle_rad.to_degrees() - 77.0).abs() < 0.01);
     // Many are three.
     let comb = of(|degree| 20.0 + 10.0 * (degree.to_radians() * 8.0).cos());
     assert_eq!(comb.peaks(temper(1.0)).iter().flatten().count(), 3);
@@ -116,12 +123,20 @@ fn anything_has_peaks_that_are_directions() {
         let spectrum = of(|degree| cells[degree as usize]);
         let exponent = [0.001, 0.2, 10.0][run % 3];
         let peaks = spectrum.peaks(temper(exponent));
-        let shares: Vec<f32> = peaks.iter().flatten().map(|peak| peak.share).collect();
-        assert!(shares.is_empty() || (shares.iter().sum::<f32>() - 1.0).abs() < 1e-4);
+        let probabilities: Vec<f32> = peaks
+            .iter()
+            .flatten()
+            .map(|peak| peak.probability)
+            .collect();
+        assert!(probabilities.is_empty() || (probabilities.iter().sum::<f32>() - 1.0).abs() < 1e-4);
         for peak in peaks.iter().flatten() {
-            assert!(peak.angle.abs() <= PI + 1e-5 && peak.deviation > 0.005 && peak.share > 0.0);
-            let bearing = Bearing::from_radians(peak.angle);
-            assert!(Observation::new(0, [0.0, 0.0], bearing, peak.deviation).is_ok());
+            assert!(
+                peak.angle_rad.abs() <= PI + 1e-5
+                    && peak.sigma_rad > 0.005
+                    && peak.probability > 0.0
+            );
+            let bearing = Bearing::from_radians(peak.angle_rad);
+            assert!(Observation::new(0, [0.0, 0.0], bearing, peak.sigma_rad).is_ok());
         }
     }
 }
@@ -137,8 +152,8 @@ fn a_hump_as_wide_as_the_circle_is_no_bearing() {
         let [Some(peak), None, None] = hump(decibels).peaks(temper(0.2)) else {
             panic!("there is one of {decibels}");
         };
-        assert!(peak.deviation < before, "{decibels}: {}", peak.deviation);
-        before = peak.deviation;
+        assert!(peak.sigma_rad < before, "{decibels}: {}", peak.sigma_rad);
+        before = peak.sigma_rad;
     }
 }
 
@@ -191,7 +206,7 @@ fn values_are_checked() {
     spectrum.clear();
     assert_eq!(spectrum, Spectrum::new());
     for exponent in [0.0, 11.0, f32::NAN] {
-        assert_eq!(Temper::new(exponent), Err(SpectrumError::Temper));
+        assert_eq!(temper(exponent).check().unwrap_err().field(), "exponent");
     }
     assert_eq!(size_of::<Spectrum>(), 722);
 }

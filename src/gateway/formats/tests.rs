@@ -8,7 +8,8 @@ use crate::gateway::outcome::Rejected;
 
 /// The reading of a line of one format.
 pub fn read<F: Format>(line: &str, config: &Config) -> Result<Reading, Rejected> {
-    match F::EMPTY.parse(line.as_bytes(), config)? {
+    let mut format = F::EMPTY;
+    match format.parse(line.as_bytes(), config)? {
         Sentence::Reading(reading) => Ok(reading),
         other => panic!("{line} is no bearing but {other:?}"),
     }
@@ -24,7 +25,8 @@ fn every_finder_has_a_name_and_an_example_that_only_it_reads() {
                 finder: heard,
                 ..Config::DEFAULT
             };
-            All::EMPTY.parse(which, line, &config)
+            let mut formats = All::EMPTY;
+            formats.parse(which, line, &config)
         };
         assert!(matches!(read(None), Ok(Sentence::Reading(_))), "{finder:?}");
         for &other in Finder::ALL {

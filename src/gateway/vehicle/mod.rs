@@ -220,7 +220,7 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
                 .map(|observation| observation.from_station(port as u8))
                 .map_err(|_| Rejected::OutOfRange)
         };
-        let of_peak = |peak: Peak| observe(-peak.angle * DEGREES, peak.deviation);
+        let of_peak = |peak: Peak| observe(-peak.angle_rad * DEGREES, peak.sigma_rad);
         let observation = match best {
             Some(peak) => of_peak(peak)?,
             None => observe(reading.degrees, sigma_rad(reading, config))?,
@@ -230,7 +230,7 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
             && let Some([best, second, third]) = peaks
         {
             for peak in [second, third, best].into_iter().flatten() {
-                let seen = of_peak(peak).map(|seen| Alternative::new(seen, peak.share));
+                let seen = of_peak(peak).map(|seen| Alternative::new(seen, peak.probability));
                 if let Ok(Ok(alternative)) = seen {
                     let _ = alternatives.push(alternative);
                 }
@@ -325,14 +325,14 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Gateway<L, F, R, 
         self.vehicle.push(port, byte, &self.config)
     }
 
-    /// Forgets the source and the origin: see [`Vehicle::restart`].
-    pub fn restart(&mut self) {
-        self.vehicle.restart();
-    }
-
     /// The state, with reports, counts and the locator.
     pub const fn vehicle(&self) -> &Vehicle<L, F, R, PORTS> {
         &self.vehicle
+    }
+
+    /// The state, to restart or restore it.
+    pub const fn vehicle_mut(&mut self) -> &mut Vehicle<L, F, R, PORTS> {
+        &mut self.vehicle
     }
 
     /// The configuration.

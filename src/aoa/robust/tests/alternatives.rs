@@ -31,7 +31,7 @@ fn spectrum(lobes: [f32; 2], second: f32) -> Spectrum {
 /// 95 % region holds the source. `None` without a fix.
 fn located(seed: u64, all: bool) -> Option<(f32, bool)> {
     let (mut rng, mut own) = (generator(seed ^ 0x5bec), generator(seed));
-    let temper = Temper::new(0.3).unwrap();
+    let temper = Temper { exponent: 0.3 };
     let mut locator = Clocked::<Robust<256, 64>>::new(with(independent()));
     let mut building = SOURCE;
     for i in 0..40 {
@@ -50,9 +50,9 @@ fn located(seed: u64, all: bool) -> Option<(f32, bool)> {
         let peaks = spectrum(seen, second).peaks(temper);
         let taken = if all { 3 } else { 1 };
         let alternatives = peaks.iter().take(taken).rev().flatten().map(|peak| {
-            let bearing = Bearing::from_radians(peak.angle);
-            let observation = Observation::new(0, place, bearing, peak.deviation).unwrap();
-            part(observation, if all { peak.share } else { 1.0 })
+            let bearing = Bearing::from_radians(peak.angle_rad);
+            let observation = Observation::new(0, place, bearing, peak.sigma_rad).unwrap();
+            part(observation, if all { peak.probability } else { 1.0 })
         });
         let alternatives: Vec<Alternative> = alternatives.collect();
         locator.push_reading(&alternatives, &mut own);

@@ -7,7 +7,7 @@ use super::{Config as All, Finder, Sense};
 use crate::ConfigError;
 use crate::aoa::geodesy::Geodetic;
 use crate::aoa::spectrum::{Spectrum, Temper};
-use crate::config::require;
+use crate::config::{require, require_all};
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::decimal::{decimal, fixed};
 use crate::gateway::outcome::Rejected;
@@ -85,10 +85,7 @@ impl Config {
         confidence: Confidence::Percent,
         frequency_hz: None,
         sigmas: None,
-        temper: match Temper::new(0.2) {
-            Ok(temper) => temper,
-            Err(_) => panic!("0.2 is in range"),
-        },
+        temper: Temper::DEFAULT,
     };
 
     /// Checks all fields.
@@ -100,6 +97,7 @@ impl Config {
             !matches!(self.frequency_hz, Some(0)),
             "frequency_hz is not above zero"
         );
+        require_all!(self.temper);
         Ok(())
     }
 }

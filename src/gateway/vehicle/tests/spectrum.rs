@@ -1,20 +1,34 @@
 //! Lines of a KrakenSDR with their spectra.
 
 use super::*;
-use crate::aoa::robust::{Errors, RobustLocator, Settings as Robust};
-use crate::aoa::spectrum::Temper;
-use crate::gateway::{LONG_REPORT, SpectrumReader};
+use crate::aoa::Robust;
+use crate::aoa::robust::{self, Correlation, Errors};
+use crate::gateway::formats::{Agrelo, KrakenSpectrum, Nmea};
+use crate::gateway::report::FullReport;
 
-fn reader() -> SpectrumReader {
-    SpectrumReader::new(Temper::new(0.2).unwrap())
-}
+type Whole<L> = Gateway<L, (Nmea, Agrelo, KrakenSpectrum), FullReport>;
 
-type Whole<L> = Vehicle<L, LONG_REPORT, SpectrumReader>;
+const BY_NORTH: Config<robust::Config> = Config {
+    reference: BearingReference::TrueNorth,
+    ..Config::new(robust::Config {
+        errors: Errors {
+            correlation: Correlation {
+                at_rest: 0.0,
+                distance_m: 1.0,
+                time_s: 1.0,
+            },
+            ..Errors::DEFAULT
+        },
+        ..robust::Config::DEFAULT
+    })
+};
 
-fn robust() -> Whole<RobustLocator<256, 64>> {
-    let errors = Errors::new().correlation(0.0, 1.0, 1.0).unwrap();
-    let settings = Settings::new().with_reference(BearingReference::TrueNorth);
-    Vehicle::with_spectrum(settings, RobustLocator::new(Robust::new(errors)), reader())
+fn robust(reference: BearingReference) -> Whole<Robust<256, 64>> {
+    Gateway::new(Config {
+        reference,
+        ..BY_NORTH
+    })
+    .unwrap()
 }
 
 /// A line taken on the equator, so many metres east of the meridian, with peaks at compass degrees, `decibels` high.
@@ -37,16 +51,18 @@ fn line(number: i64, east: f64, peaks: &[(f32, f32)]) -> String {
     line + " \n"
 }
 
-fn push<L: Locate>(vehicle: &mut Whole<L>, text: &str) -> Vec<Event> {
-    text.bytes().filter_map(|byte| vehicle.push(byte)).collect()
+fn push<L: Locate>(gateway: &mut Whole<L>, text: &str) -> Vec<Event> {
+    text.bytes()
+        .filter_map(|byte| gateway.push(0, byte))
+        .collect()
 }
 
 #[test]
 fn bearings_are_the_peaks() {
-    let mut vehicle = robust();
-    let events = push(&mut vehicle, &line(0, 0.0, &[(30.3, 20.0), (200.0, 22.0)]));
+    let mut gateway = robust(BearingReference::TrueNorth);
+    let events = push(&mut gateway, &line(0, 0.0, &[(30.3, 20.0), (200.0, 22.0)]));
     assert!(matches!(events[..], [Event::NotObservable(_)]));
-    let mut seen: Vec<f32> = (vehicle.locator().observations())
+    let mut seen: Vec<f32> = (gateway.vehicle().locator().observations())
         .map(|o| o.bearing().compass_degrees())
         .collect();
     seen.sort_by(f32::total_cmp);
@@ -58,26 +74,33 @@ fn bearings_are_the_peaks() {
         "{seen:?}"
     );
     // The best is what was used.
-    let best = vehicle.observation().unwrap();
+    let best = gateway.vehicle().observation().unwrap();
     assert!((best.bearing().compass_degrees() - 200.0).abs() < 0.1);
-    assert_eq!(vehicle.counters().bearings, 1);
+    assert_eq!(gateway.vehicle().counters().bearings, 1);
 
     // By a heading: the array's axis is the car's.
-    let mut vehicle = robust();
-    vehicle.settings = Settings::new();
+    let mut gateway = robust(BearingReference::Relative);
     let turned = line(0, 0.0, &[(30.0, 20.0)]).replace("0, 0, Compass", "0, 90.0, Compass");
-    push(&mut vehicle, &turned);
-    let bearing = vehicle.observation().unwrap().bearing().compass_degrees();
+    push(&mut gateway, &turned);
+    let bearing = gateway
+        .vehicle()
+        .observation()
+        .unwrap()
+        .bearing()
+        .compass_degrees();
     assert!((bearing - 120.0).abs() < 0.1, "{bearing}");
 }
 
 #[test]
 fn a_plain_locator_gets_the_largest_peak() {
-    let settings = Settings::new().with_reference(BearingReference::TrueNorth);
-    let locator = Locator::<60, 16>::new(locator::Settings::new());
-    let mut vehicle: Whole<_> = Vehicle::with_spectrum(settings, locator, reader());
-    push(&mut vehicle, &line(0, 0.0, &[(30.0, 20.0), (200.0, 18.0)]));
-    let [one] = vehicle.locator().observations() else {
+    let config = Config {
+        reference: BearingReference::TrueNorth,
+        ..CONFIG
+    };
+    let mut gateway: Whole<Clean<60, 16>> = Gateway::new(config).unwrap();
+    push(&mut gateway, &line(0, 0.0, &[(30.0, 20.0), (200.0, 18.0)]));
+    let mut seen = gateway.vehicle().locator().observations();
+    let (Some(one), None) = (seen.next(), seen.next()) else {
         panic!("one line, one bearing");
     };
     assert!((one.bearing().compass_degrees() - 30.0).abs() < 0.1);
@@ -85,7 +108,7 @@ fn a_plain_locator_gets_the_largest_peak() {
 
 #[test]
 fn a_drive_among_reflections_leads_to_a_fix() {
-    let mut vehicle = robust();
+    let mut gateway = robust(BearingReference::TrueNorth);
     let mut last = None;
     for i in 0..12 {
         let east = 100.0 * f64::from(i);
@@ -97,7 +120,7 @@ fn a_drive_among_reflections_leads_to_a_fix() {
         let reflected = (100.0 + 53.0 * i as f32) % 360.0;
         let higher = if i % 2 == 0 { 21.0 } else { 19.0 };
         let text = line(i64::from(i), east, &[(direct, 20.0), (reflected, higher)]);
-        last = push(&mut vehicle, &text).pop();
+        last = push(&mut gateway, &text).pop();
     }
     let Some(Event::Fix(fix)) = last else {
         panic!("{last:?}")
@@ -121,21 +144,21 @@ fn a_line_without_its_spectrum_changes_nothing() {
         ),
         (line(0, 0.0, &[]), Rejected::LowQuality),
     ] {
-        let mut vehicle = robust();
-        assert_eq!(push(&mut vehicle, &text), [Event::Rejected(reason)]);
-        assert_eq!(vehicle.locator().observations().len(), 0);
-        assert_eq!(vehicle.observation(), None);
+        let mut gateway = robust(BearingReference::TrueNorth);
+        assert_eq!(push(&mut gateway, &text), [Event::Rejected(reason)]);
+        assert_eq!(gateway.vehicle().locator().observations().len(), 0);
+        assert_eq!(gateway.vehicle().observation(), None);
         // The next is whole.
         assert!(matches!(
-            push(&mut vehicle, &whole)[..],
+            push(&mut gateway, &whole)[..],
             [Event::NotObservable(_)]
         ));
     }
     // Other finders' lines have none.
-    let mut vehicle = robust();
+    let mut gateway = robust(BearingReference::TrueNorth);
     let other = format!("{}%030/9\r", rmc("120000"));
     assert!(matches!(
-        push(&mut vehicle, &other)[..],
-        [Event::NotObservable(_)]
+        push(&mut gateway, &other)[..],
+        [Event::Used, Event::NotObservable(_)]
     ));
 }

@@ -102,7 +102,8 @@ fn locate(
     let source = problem.track.source.map(|v| v as f32);
     Ok(Outcome {
         error: problem.error(estimate.position),
-        covered: Ellipse::of_normal(estimate.position, estimate.covariance, 0.95).contains(source),
+        covered: Ellipse::of_normal(estimate.position, estimate.covariance.into(), 0.95)
+            .contains(source),
         path: watcher.path,
         evaluations: counter.calls(),
     })

@@ -1,0 +1,111 @@
+//! How a bearing finds its heading.
+
+use super::*;
+
+#[test]
+fn heading_by_compass_by_course_or_none() {
+    let config = CONFIG;
+    let near = |result: Result<f32, Rejected>, degrees: f32| {
+        assert!(
+            (result.unwrap() - degrees).abs() < 1e-3,
+            "{result:?} is not {degrees}"
+        );
+    };
+    let fix = rmc("120000");
+    near(last_bearing(config, &format!("{fix}%010/9\r")), 100.0);
+    let compass = format!("{fix}{}", sentence("HEHDT,300.0,T"));
+    near(last_bearing(config, &format!("{compass}%010/9\r")), 310.0);
+    let north = Config {
+        reference: BearingReference::TrueNorth,
+        ..config
+    };
+    near(last_bearing(north, &format!("{compass}%010/9\r")), 10.0);
+
+    // The course of a vehicle that has slowed down is none.
+    let slow = sentence("GPVTG,090.0,T,,M,002.0,N,3.7,K,A");
+    assert_eq!(
+        last_bearing(config, &format!("{fix}{slow}%010/9\r")),
+        Err(Rejected::NoHeading)
+    );
+    near(last_bearing(north, &format!("{fix}{slow}%010/9\r")), 10.0);
+    // An old heading does not hold: back to the course.
+    let later = format!("{compass}{}%010/9\r", rmc("120003"));
+    near(last_bearing(config, &later), 100.0);
+}
+
+#[test]
+fn a_bearing_belongs_to_where_the_vehicle_was_when_it_was_taken() {
+    let turned = |time: &str, degrees: u32| rmc(time) + &sentence(&format!("HEHDT,{degrees}.0,T"));
+    let poses = turned("120000", 350) + &turned("120001", 10);
+    let line = kraken(NOON + 1_000, 20.0, NOWHERE);
+    let at = |latency: u32| {
+        let line = line.replace("UCA, 0,", &format!("UCA, {latency},"));
+        last_bearing(CONFIG, &(poses.clone() + &line)).unwrap()
+    };
+    for (latency, degrees) in [(0, 30.0), (250, 25.0), (500, 20.0), (1_000, 10.0)] {
+        assert!(
+            (at(latency) - degrees).abs() < 1e-3,
+            "{latency} ms: {}",
+            at(latency)
+        );
+    }
+    // Half a second after the last heading, as it turned.
+    let line = kraken(NOON + 1_500, 20.0, NOWHERE);
+    let bearing = last_bearing(CONFIG, &(poses + &line)).unwrap();
+    assert!((bearing - 40.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_course_is_no_heading_in_a_bend() {
+    let fix = rmc("120000");
+    let bend = |course: &str| {
+        let turned = rmc("120001").replace("090.0", course);
+        let payload = turned.trim_start_matches('$').split('*').next().unwrap();
+        fix.clone() + &sentence(payload) + "%010/9\r"
+    };
+    assert!(last_bearing(CONFIG, &bend("098.0")).is_ok());
+    assert_eq!(last_bearing(CONFIG, &bend("105.0")), Err(Rejected::Turning));
+    let agile = Config {
+        max_turn_rate_deg_s: 20.0,
+        ..CONFIG
+    };
+    assert!(last_bearing(agile, &bend("105.0")).is_ok());
+}
+
+#[test]
+fn the_course_of_a_direction_finder_that_stands_is_no_heading() {
+    let line = |second: i64, place: &str, main: &str| {
+        let pose = format!("{place}, 11.5, 30.0, 60.0, {main}");
+        kraken(NOON + 1_000 * second, 20.0, &pose)
+    };
+    let moving = line(0, "48.1", "GPS") + &line(1, "48.1001", "GPS");
+    let bearing = last_bearing(CONFIG, &moving).unwrap();
+    assert!((bearing - 50.0).abs() < 1e-3);
+    let standing = moving + &line(2, "48.1001", "GPS");
+    assert_eq!(last_bearing(CONFIG, &standing), Err(Rejected::NoHeading));
+    let with_compass = standing + &line(3, "48.1001", "Compass");
+    let bearing = last_bearing(CONFIG, &with_compass).unwrap();
+    assert!((bearing - 80.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_direction_finder_that_stands_is_not_judged_by_an_instant() {
+    let line = |milliseconds: i64, place: &str| {
+        let pose = format!("{place}, 11.5, 30.0, 60.0, GPS");
+        kraken(NOON + milliseconds, 20.0, &pose)
+    };
+    let standing = line(0, "48.1") + &line(1_000, "48.1");
+    // Two channels at one time; and a place that is newer than the last by less than it takes to judge.
+    for (milliseconds, place) in [(1_000, "48.1"), (1_400, "48.1001")] {
+        let text = standing.clone() + &line(milliseconds, place);
+        let last = last_bearing(CONFIG, &text);
+        assert_eq!(last, Err(Rejected::NoHeading));
+    }
+    // Twice a second, with places of once a second, from a vehicle that moves.
+    let places = ["48.1", "48.1", "48.1001", "48.1001", "48.1002", "48.1002"];
+    let moving: String = (0..)
+        .zip(places)
+        .map(|(i, place)| line(500 * i, place))
+        .collect();
+    assert!(last_bearing(CONFIG, &moving).is_ok());
+}
