@@ -23,7 +23,7 @@ impl Posterior {
     /// # Panics
     /// If there are both a bias and outliers or mirrored bearings: that would take a sum over the bias, too.
     pub fn with_faults(sights: &[Sight], faults: &Faults) -> Option<Self> {
-        let mixed = faults.outlier_rate + faults.mirrored_rateed_rate > 0.0;
+        let mixed = faults.outlier_rate + faults.mirrored_rate > 0.0;
         assert!(
             !(mixed && faults.bias_sigma > 0.0),
             "either a bias or outliers"
@@ -103,8 +103,8 @@ impl Line {
             along: Vector2::new(sight.bearing.cos(), sight.bearing.sin()),
             sigma: sight.sigma,
             odds: [
-                1.0 - faults.outlier_rate - faults.mirrored_rateed_rate,
-                faults.mirrored_rateed_rate,
+                1.0 - faults.outlier_rate - faults.mirrored_rate,
+                faults.mirrored_rate,
             ]
             .map(|rate| rate * peak),
         }
