@@ -20,7 +20,7 @@ mod target {
         fingerprint::{
             Config, GaussianMatcher, Matcher, PacketModel, Posterior, RadioMap, Reading,
             TableMatcher,
-            tracker::{self, Heard, Site, Tracker, Workspace},
+            tracker::{self, Packet, Site, Tracker, Workspace},
         },
         model::Likelihood,
         random::{SeedableRng, Xoshiro128PlusPlus, uniform},
@@ -115,21 +115,22 @@ mod target {
         for update in 0..UPDATES[0] + UPDATES[1] {
             let [column, row] = step.map(|step| (step * update as f32) as usize);
             let point = (row + 3) % lattice.rows() * lattice.columns() + column + 5;
-            let mut scan = [Heard {
-                beacon: 0,
-                mean_dbm: 0.0,
-                packets: 2,
-            }; 12];
-            for (beacon, heard) in scan.iter_mut().enumerate() {
-                heard.beacon = beacon as u8;
-                let noise = 8.0 * uniform(&mut rng) - 4.0;
+            let noise = [(); BEACONS].map(|()| 8.0 * uniform(&mut rng) - 4.0);
+            for (beacon, noise) in noise.into_iter().enumerate().take(map.beacons()) {
                 let there = map.moments(beacon, point);
-                heard.mean_dbm = noise + there.map_or(0.0, |moments| moments.mean_dbm);
+                let packet = black_box(Packet {
+                    time_ms: 500 * update,
+                    beacon: beacon as u8,
+                    rssi_dbm: noise + there.map_or(0.0, |moments| moments.mean_dbm),
+                });
+                for _ in 0..2 {
+                    let pushed = tracker.push(packet, &site, &mut workspace, &mut rng);
+                    assert_eq!(pushed, Ok(None));
+                }
             }
-            let scan = black_box(scan.get(..map.beacons()).expect("twelve at most"));
             let mut run = || {
-                let led = tracker.scan(500 * update, scan, &site, &mut workspace, &mut rng);
-                assert!(matches!(black_box(led), Ok(Some(_))));
+                let fix = tracker.flush(&site, &mut workspace, &mut rng);
+                assert!(black_box(fix).is_some());
             };
             if update < UPDATES[0] {
                 run();

@@ -48,7 +48,8 @@ impl core::error::Error for ConfigError {}
 /// Returns from a `check` with a [`ConfigError`] unless a condition holds. False for NaN, as comparisons are.
 macro_rules! require {
     ($holds:expr, $message:literal) => {
-        if !$holds {
+        let holds = $holds;
+        if !holds {
             return Err($crate::ConfigError::new($message));
         }
     };

@@ -1,7 +1,7 @@
 //! Empty states are all zero bits, so that a `static` of them takes no flash.
 
 use foxhunt::{
-    aoa::Clean,
+    aoa::{Clean, Locate, presets::City},
     filter::ParticleFilter,
     fingerprint::{
         Posterior,
@@ -41,6 +41,7 @@ fn empty_states_take_no_flash() {
         AuxiliaryFilter::EMPTY => AuxiliaryFilter<2, 10>,
         PointMassFilter::EMPTY => PointMassFilter<2, 10>,
         Memory::EMPTY => Memory<2, 100>,
+        City::EMPTY => City<3>,
         Posterior::EMPTY => Posterior<80>,
         Cloud::EMPTY => Cloud<300>,
         Workspace::EMPTY => Workspace<300, 80>,

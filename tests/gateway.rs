@@ -57,11 +57,9 @@ fn run<'a>(gateway: &mut Gateway, bytes: impl IntoIterator<Item = &'a u8>) -> St
 fn state(locator: &Locator) -> (Vec<u32>, String) {
     let [east, north] = locator.columns();
     let columns = [east, north, locator.weights()];
+    let observations: Vec<_> = locator.observations().collect();
     let bits = columns.into_iter().flatten().map(|v| v.to_bits()).collect();
-    (
-        bits,
-        format!("{:?} {:?}", locator.observations(), locator.answer()),
-    )
+    (bits, format!("{observations:?} {:?}", locator.answer()))
 }
 
 /// The lines by what became of them, added up.

@@ -32,27 +32,21 @@ fn site(bytes: &[u8]) -> Option<tracker::Site<'_>> {
 }
 
 pub fn track(rng: &mut Xoshiro128PlusPlus) {
-    use tracker::{Heard, Packet, Tag, Trackers, Workspace};
+    use tracker::{Packet, Trackers, Workspace};
     let bytes = any([0; 200]);
     let Some(site) = site(some(&bytes)) else {
         return;
     };
     let mut workspace = any(Workspace::<50, 64>::EMPTY);
     let mut trackers = any(Trackers::<3, 50, 8>::EMPTY);
-    let scan = any([Heard {
-        beacon: 0,
-        mean_dbm: 0.0,
-        packets: 1,
-    }; 8]);
     for _ in 0..any(100) {
-        let (tracker, _) = trackers.of(Tag(any(0)), any(0));
+        let (tracker, _) = trackers.of(any(0), any(0));
         let packet = any(Packet {
             time_ms: 0,
             beacon: 0,
             rssi_dbm: 0.0,
         });
         _ = black_box(tracker.push(packet, &site, &mut workspace, rng));
-        _ = black_box(tracker.scan(any(0), some(&scan), &site, &mut workspace, rng));
         if let Some(fix) = tracker.flush(&site, &mut workspace, rng) {
             black_box((
                 fix.ellipse(any(0.0)),

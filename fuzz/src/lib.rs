@@ -11,7 +11,7 @@ use foxhunt::{
     },
     fingerprint::{
         Encoding, GaussianMatcher, Matcher, Neighbours, Posterior, RadioMap, Reading, TableMatcher,
-        tracker::{self, Heard, Site, Tracker, Workspace},
+        tracker::{self, Packet, Site, Tracker, Workspace},
     },
     gateway::{
         Config, Event, Formats, FullReport, Gateway, Vehicle, beacon,
@@ -240,14 +240,13 @@ pub fn radio_map(data: &[u8]) {
         let mut workspace = Box::new(Workspace::<24, 1024>::EMPTY);
         let mut tracker = Tracker::<24, 64>::EMPTY;
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
-        let heard = [0, 1].map(|beacon| Heard {
-            beacon,
-            mean_dbm: -60.0,
-            packets: 3,
-        });
-        for time in [0, 500, 1_000] {
-            let fix = tracker.scan(time, &heard, &site, &mut workspace, &mut rng);
-            if let Ok(Some(fix)) = fix {
+        for time_ms in [0, 500, 1_000] {
+            for beacon in [0, 1, 0] {
+                let rssi_dbm = -60.0;
+                let packet = Packet { time_ms, beacon, rssi_dbm };
+                let _ = tracker.push(packet, &site, &mut workspace, &mut rng);
+            }
+            if let Some(fix) = tracker.flush(&site, &mut workspace, &mut rng) {
                 assert!(fix.position.iter().all(|x| x.is_finite()), "{fix:?}");
             }
         }

@@ -13,10 +13,10 @@ use crate::math::{atan2, sin_cos, sqrt, wrap};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Errors {
-    /// Normal, with the deviation of each observation.
+    /// Normal, with the sigma of each observation.
     Gaussian,
     /// Von Mises, with one unknown concentration that is estimated from the residuals: only the ratios of the
-    /// deviations count. Lenth, "On finding the source of a signal", Technometrics 23 (1981).
+    /// sigmas count. Lenth, "On finding the source of a signal", Technometrics 23 (1981).
     VonMises,
 }
 
@@ -61,7 +61,7 @@ pub const MAX_STEPS: u32 = 40;
 /// A search ends with a step of less than a thousandth of a standard deviation, here squared ...
 const SETTLED: f32 = 1e-6;
 
-/// ... or when what a step would gain is lost in the rounding of the cost, of which this is a share.
+/// ... or when what a step would gain is lost in the rounding of the cost, of which this is a fraction.
 const ROUNDING: f32 = 1e-5;
 
 /// What one bearing says about a position: its error there, and the derivative of its direction.
@@ -148,7 +148,7 @@ pub fn solve(
     }
     let mut position = start;
     let mut here = Normal::at(observations, errors, position);
-    // Levenberg's damping: a share of the diagonal, which shortens a step that made things worse.
+    // Levenberg's damping: a fraction of the diagonal, which shortens a step that made things worse.
     let mut damping = 0.0;
     for _ in 0..MAX_STEPS {
         let damped = Symmetric2 {
@@ -288,18 +288,18 @@ mod tests {
     #[test]
     fn what_has_no_solution_says_why() {
         let one = [towards([0.0, 0.0], [0.0, 500.0], 0.0)];
-        let parked = [one[0]; 5];
+        let stationary = [one[0]; 5];
         let start = [10.0, 400.0];
         assert_eq!(
             solve(&one, Errors::Gaussian, start),
             Err(SolveError::TooFewBearings)
         );
         assert_eq!(
-            solve(&parked[..2], Errors::VonMises, start),
+            solve(&stationary[..2], Errors::VonMises, start),
             Err(SolveError::TooFewBearings)
         );
         assert_eq!(
-            solve(&parked, Errors::Gaussian, start),
+            solve(&stationary, Errors::Gaussian, start),
             Err(SolveError::Parallel)
         );
         let parting = [

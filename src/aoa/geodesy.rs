@@ -360,7 +360,7 @@ mod tests {
         pairs
     }
 
-    /// Largest error as a share of what is allowed, to metres and back.
+    /// Largest error as a fraction of what is allowed, to metres and back.
     fn worst(reach: f64) -> (f64, f64) {
         let mut worst = (0.0_f64, 0.0_f64);
         for (origin, place) in grid(reach) {

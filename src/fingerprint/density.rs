@@ -108,9 +108,13 @@ impl Matcher for KernelDensity<'_> {
                 *sum += self.log_density(reading, point);
             })?;
         }
-        let (located, log_likelihood) = posterior
+        let (found, log_likelihood) = posterior
             .of_log_likelihoods(&self.lattice, self.config.tempering)
             .ok_or(ReadingError::Survey)?;
-        Ok(located.with(log_likelihood, used))
+        Ok(Match {
+            log_likelihood,
+            used,
+            ..found
+        })
     }
 }

@@ -36,7 +36,7 @@ pub struct GaussianMatcher<'a> {
 const FLOOR: i32 = 255;
 
 impl<'a> GaussianMatcher<'a> {
-    /// Of a map of [`Encoding::Moments`].
+    /// Compares with a map of [`Encoding::Moments`].
     ///
     /// # Errors
     /// For another map, or when a field of the configuration is out of range.
@@ -175,10 +175,14 @@ impl Matcher for GaussianMatcher<'_> {
                 self.add_missing(beacon, costs);
             }
         }
-        let (located, cost) = posterior
+        let (found, cost) = posterior
             .of_costs(&self.map, &self.exponentials)
             .ok_or(ReadingError::Survey)?;
         let log_likelihood = self.top * used as f32 - self.step * f32::from(cost);
-        Ok(located.with(log_likelihood, used))
+        Ok(Match {
+            log_likelihood,
+            used,
+            ..found
+        })
     }
 }

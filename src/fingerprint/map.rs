@@ -86,7 +86,7 @@ pub(super) struct Levels {
 }
 
 impl Levels {
-    /// Of a header.
+    /// Reads the scale from a header.
     const fn read(bytes: &[u8]) -> Self {
         let [count] = take(bytes, 7);
         let [lowest, spacing_db] = take(bytes, 24);
@@ -188,7 +188,7 @@ impl<'a> RadioMap<'a> {
     /// Opens a map.
     ///
     /// # Errors
-    /// When the bytes are not those of a map, or no longer.
+    /// When the bytes are no map, or a damaged one.
     pub const fn new(bytes: &'a [u8]) -> Result<Self, MapError> {
         if bytes.len() < HEADER + CHECKSUM {
             return Err(MapError::Length);
@@ -249,7 +249,7 @@ impl<'a> RadioMap<'a> {
         })
     }
 
-    /// The map, if it has at most so many points and beacons: to refuse one at the start for which there will be no room.
+    /// Refuses a map of more points or beacons: at the start, if there will be no room for them.
     ///
     /// # Errors
     /// [`MapError::Points`] or [`MapError::Beacons`].
@@ -263,12 +263,12 @@ impl<'a> RadioMap<'a> {
         Ok(self)
     }
 
-    /// Where its points lie.
+    /// The lattice of its points.
     pub const fn lattice(&self) -> &Lattice {
         &self.lattice
     }
 
-    /// What it holds.
+    /// What the map holds of each beacon.
     pub const fn encoding(&self) -> Encoding {
         self.encoding
     }
@@ -281,7 +281,7 @@ impl<'a> RadioMap<'a> {
         }
     }
 
-    /// How many beacons it knows.
+    /// The number of beacons.
     pub const fn beacons(&self) -> usize {
         self.beacons.len() / BEACON
     }
@@ -323,8 +323,8 @@ impl<'a> RadioMap<'a> {
         self.surveyed
     }
 
-    /// How strong a beacon is at a point. `None` where it was not heard, for numbers that the map has not, and in a map
-    /// of [`Encoding::Levels`].
+    /// How strong a beacon is at a point. `None` where it was not heard, for unknown numbers, and in a map of
+    /// [`Encoding::Levels`].
     pub fn moments(&self, beacon: usize, point: usize) -> Option<Moments> {
         let [sigma, mean] = *self.moments_row(beacon)?.as_chunks::<2>().0.get(point)?;
         (sigma > 0).then(|| Moments {
@@ -333,8 +333,8 @@ impl<'a> RadioMap<'a> {
         })
     }
 
-    /// Natural logarithm of the density, per dB, of a level of a beacon at a point. `None` for numbers that the map has
-    /// not, and in a map of [`Encoding::Moments`].
+    /// Natural logarithm of the density, per dB, of a level of a beacon at a point. `None` for unknown numbers, and
+    /// in a map of [`Encoding::Moments`].
     pub fn log_density(&self, beacon: usize, rssi_dbm: f32, point: usize) -> Option<f32> {
         let row = self.level_row(beacon, self.level(rssi_dbm))?;
         let bytes = row.as_chunks::<4>().0.get(point / 8)?;

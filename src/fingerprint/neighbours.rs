@@ -22,7 +22,7 @@ pub struct Neighbours<'a> {
 const SILENCE_DBM: f32 = -120.0;
 
 impl<'a> Neighbours<'a> {
-    /// Of 1 to [`Neighbours::MOST`] neighbours, in a map of [`Encoding::Moments`].
+    /// Finds 1 to [`Neighbours::MOST`] neighbours in a map of [`Encoding::Moments`].
     ///
     /// # Errors
     /// For another map or number of neighbours, or when a field of the configuration is out of range.
@@ -88,7 +88,11 @@ impl Matcher for Neighbours<'_> {
             }
         }
         let (squares, point) = nearest[0];
-        let located = posterior.of_weights(lattice, point);
-        Ok(located.with(-squares, used))
+        let found = posterior.of_weights(lattice, point);
+        Ok(Match {
+            log_likelihood: -squares,
+            used,
+            ..found
+        })
     }
 }

@@ -134,7 +134,7 @@ impl<const P: usize> Posterior<P> {
         &mut self,
         map: &RadioMap<'_>,
         exponentials: &Exponentials,
-    ) -> Option<(Located, u16)> {
+    ) -> Option<(Match, u16)> {
         let (point, least) = self.least_cost(map)?;
         let weigh = |_, cost: u16| exponentials.at(i32::from(cost) - i32::from(least));
         Some((self.locate(map.lattice(), point, weigh), least))
@@ -146,7 +146,7 @@ impl<const P: usize> Posterior<P> {
         &mut self,
         lattice: &Lattice,
         tempering: f32,
-    ) -> Option<(Located, f32)> {
+    ) -> Option<(Match, f32)> {
         let weights = self.weights.get(..lattice.points())?;
         let mut best = (0, f32::NEG_INFINITY);
         for (point, log_likelihood) in weights.iter().enumerate() {
@@ -160,7 +160,7 @@ impl<const P: usize> Posterior<P> {
     }
 
     /// Computes the probabilities from weights on any scale, which stand in their place.
-    pub(super) fn of_weights(&mut self, lattice: &Lattice, point: usize) -> Located {
+    pub(super) fn of_weights(&mut self, lattice: &Lattice, point: usize) -> Match {
         self.locate(lattice, point, |weight, _| weight)
     }
 
@@ -172,7 +172,7 @@ impl<const P: usize> Posterior<P> {
         lattice: &Lattice,
         point: usize,
         weigh: impl Fn(f32, u16) -> f32,
-    ) -> Located {
+    ) -> Match {
         self.points = lattice.points();
         let [column, row] = lattice.cell(point).map(|number| number as f32);
         let mut weights = self.weights.get_mut(..self.points).unwrap_or_default();
@@ -202,29 +202,12 @@ impl<const P: usize> Posterior<P> {
         for weight in self.weights.get_mut(..self.points).unwrap_or_default() {
             *weight *= scale;
         }
-        Located {
+        Match {
             point,
             position: lattice.place([column, row]),
             mean: lattice.place([column + sum_x * scale, row + sum_y * scale]),
-        }
-    }
-}
-
-/// A [`Match`] without its likelihood.
-pub(super) struct Located {
-    point: usize,
-    position: [f32; 2],
-    mean: [f32; 2],
-}
-
-impl Located {
-    pub fn with(self, log_likelihood: f32, used: usize) -> Match {
-        Match {
-            point: self.point,
-            position: self.position,
-            mean: self.mean,
-            log_likelihood,
-            used,
+            log_likelihood: 0.0,
+            used: 0,
         }
     }
 }

@@ -21,7 +21,7 @@ pub struct TableMatcher<'a> {
 }
 
 impl<'a> TableMatcher<'a> {
-    /// Of a map of [`Encoding::Levels`].
+    /// Compares with a map of [`Encoding::Levels`].
     ///
     /// # Errors
     /// For another map, or when a field of the configuration is out of range.
@@ -87,10 +87,14 @@ impl Matcher for TableMatcher<'_> {
                 add(row, costs);
             }
         }
-        let (located, cost) = posterior
+        let (found, cost) = posterior
             .of_costs(&self.map, &self.exponentials)
             .ok_or(ReadingError::Survey)?;
         let log_likelihood = levels.top * used as f32 - levels.step * f32::from(cost);
-        Ok(located.with(log_likelihood, used))
+        Ok(Match {
+            log_likelihood,
+            used,
+            ..found
+        })
     }
 }

@@ -2,9 +2,8 @@
 
 use heapless::Vec;
 
-use super::formats::{self, Sentence, Set};
+use super::formats::{self, Peaks, Sentence, Set};
 use super::outcome::Rejected;
-use crate::aoa::spectrum::Peak;
 
 /// The most bytes of a line that are kept: those of a KrakenSDR before its spectrum.
 const KEPT_BYTES: usize = 240;
@@ -67,7 +66,7 @@ impl<F: Set> LineReader<F> {
     }
 
     /// The peaks of its spectrum, the largest first, where spectra are read.
-    pub fn peaks(&self, config: &formats::Config) -> Option<[Option<Peak>; 3]> {
+    pub fn peaks(&self, config: &formats::Config) -> Option<Peaks> {
         self.formats.peaks(self.which, config)
     }
 

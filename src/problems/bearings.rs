@@ -90,7 +90,7 @@ impl Track {
         (0..self.bearings()).filter_map(move |index| {
             let [px, py] = self.receiver(index);
             let angle = atan2(y - py, x - px) + sigma * normal(rng);
-            let time_ms = 1000 * index as u32;
+            let time_ms = 1000 * index;
             Observation::new(time_ms, [px, py], Bearing::from_radians(angle), sigma).ok()
         })
     }

@@ -8,10 +8,13 @@ use crate::aoa::clean::{self, Moves};
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
 use crate::aoa::robust::{self, Correlation, Errors, Tails};
 use crate::aoa::testing::at;
-use crate::aoa::{Answer, Bearing, Clean, Locate, Observation, Robust};
+use crate::aoa::{
+    Answer, Bearing, Clean, Locate, Manoeuvring, MultiTarget, Observation, Robust, manoeuvring,
+    multi,
+};
 use crate::checksum::crc32;
 use crate::filter::ParticleFilter;
-use crate::math::atan2;
+use crate::math::{atan2, sin_cos};
 use crate::model::RandomWalk;
 use crate::random::{Rng, SeedableRng, Xoshiro128PlusPlus, normal};
 use crate::refine::{DifferentialEvolution, Firefly, FishSchool};
@@ -151,6 +154,58 @@ fn so_does_a_robust_one() {
         let snapshot = goes_on::<State>(&config, true, |a, b| assert_eq!(text(a), text(b)));
         assert!(snapshot.len() <= largest::<(State, Xoshiro128PlusPlus)>());
     }
+}
+
+/// Of a source that is stationary and then drives off.
+#[test]
+fn so_does_one_of_a_manoeuvring_source() {
+    type State = (Manoeuvring<Robust<64, 12>>, Xoshiro128PlusPlus);
+    let mut config = manoeuvring::Config::DEFAULT;
+    config.track.errors.bias_sigma_rad = 0.05;
+    let mut rng = generator();
+    let round = |i: u32| {
+        let (sin, cos) = sin_cos(0.08 * i as f32);
+        let [x, y] = [300.0 * cos, 300.0 * sin];
+        let north = 10.0 * i.saturating_sub(40) as f32;
+        let radians = atan2(north - y, -x) + 0.02 * normal(&mut rng);
+        Observation::new(1000 * i, [x, y], Bearing::from_radians(radians), 0.02).unwrap()
+    };
+    let drive: Vec<Observation> = (0..80).map(round).collect();
+    let push = |(locator, rng): &mut State, observation: &Observation| {
+        locator.push(observation, &config, rng).unwrap();
+    };
+    let mut going: State = (Locate::EMPTY, generator());
+    let mut phases = std::collections::BTreeSet::new();
+    for (i, observation) in drive.iter().enumerate() {
+        push(&mut going, observation);
+        let moving = going.0.motion().map_or(0.0, |motion| motion.moving);
+        phases.insert((10.0 * moving) as u32);
+        let mut restored: State = (Locate::EMPTY, Xoshiro128PlusPlus::seed_from_u64(99));
+        for (other, time_ms) in drive.iter().rev().step_by(7).zip(0..) {
+            push(&mut restored, &at(1000 * time_ms, other));
+        }
+        let snapshot = saved(&going);
+        restore(&mut restored, &snapshot).unwrap();
+        assert_eq!(saved(&restored), snapshot);
+        assert_eq!(text(&restored), text(&going));
+        // A few on, which is where what was forgotten would show.
+        let mut on = going.clone();
+        for observation in drive.iter().skip(i + 1).take(5) {
+            push(&mut on, observation);
+            push(&mut restored, observation);
+        }
+        assert_eq!(text(&restored), text(&on));
+    }
+    assert!(phases.contains(&0) && phases.contains(&9), "{phases:?}");
+}
+
+#[test]
+fn so_does_one_of_several_sources() {
+    let mut config = multi::Config::DEFAULT;
+    config.track.errors.position_sigma_m = 5.0;
+    goes_on::<MultiTarget<2, Robust<64, 12>, 12>>(&config, true, |a, b| {
+        assert_eq!(text(a), text(b))
+    });
 }
 
 #[test]

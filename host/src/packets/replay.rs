@@ -2,10 +2,7 @@
 
 use anyhow::Result;
 use foxhunt::{
-    fingerprint::{
-        RadioMap,
-        tracker::{Site, Tag},
-    },
+    fingerprint::{RadioMap, tracker::Site},
     gateway::beacon::{BeaconGateway, Config, Event, Framing},
 };
 
@@ -66,7 +63,7 @@ impl<'a> Replay<'a> {
     /// The places of the particles of a tag, in metres; none if it has no fix.
     pub fn particles(&self, tag: u32) -> Vec<[f64; 2]> {
         let mut trackers = self.gateway.tags();
-        let Some((_, tracker)) = trackers.find(|(known, _)| *known == Tag(tag)) else {
+        let Some((_, tracker)) = trackers.find(|(known, _)| *known == tag) else {
             return Vec::new();
         };
         if tracker.fix().is_none() {

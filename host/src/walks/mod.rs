@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use foxhunt::{
     fingerprint::{
         Encoding, Lattice, RadioMap, ReadingError,
-        tracker::{self, Config, Heard, Site, Tracker, Workspace},
+        tracker::{self, Config, Site, Tracker, Workspace},
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
@@ -78,16 +78,19 @@ pub fn follow_scans(run: &Run, map: &[u8], config: Config, seed: u64) -> Result<
     let (mut tracker, mut workspace) = fresh();
     let mut places = Vec::new();
     for (step, scan) in run.scans.iter().enumerate() {
-        let heard = |(beacon, level): (usize, &Option<f64>)| {
-            level.map(|level| Heard {
+        for (beacon, level) in scan.iter().enumerate() {
+            let Some(level) = level else { continue };
+            let packet = tracker::Packet {
+                time_ms: (1000.0 * INTERVAL) as u32 * step as u32,
                 beacon: beacon as u8,
-                mean_dbm: level as f32,
-                packets: run.packets as u16,
-            })
-        };
-        let scan: Vec<Heard> = scan.iter().enumerate().filter_map(heard).collect();
-        let time_ms = (1000.0 * INTERVAL) as u32 * step as u32;
-        let fix = tracker.scan(time_ms, &scan, &site, &mut workspace, &mut rng)?;
+                rssi_dbm: *level as f32,
+            };
+            // The level is the mean of so many packets.
+            for _ in 0..run.packets {
+                tracker.push(packet, &site, &mut workspace, &mut rng)?;
+            }
+        }
+        let fix = tracker.flush(&site, &mut workspace, &mut rng);
         places.push(fix.context("a scan led to nothing")?.position[0].into());
     }
     Ok(places)

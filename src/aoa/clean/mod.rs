@@ -31,7 +31,7 @@ use crate::math::sqrt;
 use crate::persist;
 use crate::random::Rng;
 use crate::resample::Scheme;
-use posterior::{Agreement, Posterior, misfit, misfit_at_infinity, mode};
+use posterior::{CleanBearings, Posterior, misfit, misfit_at_infinity, mode};
 use proposal::ModeProposal;
 pub use rejuvenation::{ModeMoves, Moves};
 
@@ -123,13 +123,13 @@ pub struct Clean<const N: usize, const B: usize = 64, M: Moves<N> = ModeMoves> {
     memory: M::Memory,
 }
 
-/// As far as advice thinks that a source may be which there is no fix of.
+/// How far away a source may be that there is no fix of: where advice looks for it, and candidates are expected.
 const RANGE_M: f32 = 20_000.0;
 
-/// The smallest sine of the angle of two bearings whose intersection may start a particle.
+/// Least sine of the angle of two bearings whose intersection may start a particle: less starts some far away.
 const LEAST_SINE: f32 = 0.02;
 
-/// Moves of every particle before the first fix, at least.
+/// Least moves of every particle before the first fix: fewer keep traces of the intersections, more take time.
 const START_MOVES: u8 = 8;
 
 impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
@@ -161,7 +161,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
         self.bearings.note(observation, 1.0);
         let source = self.answer.fix().map(|fix| fix.position);
         let new = Entry::new(*observation, 1.0);
-        self.bearings.add(new, &Agreement { source });
+        self.bearings.add(new, &CleanBearings { source });
         self.answer = if source.is_some() {
             // A normal likelihood is never zero, so the update cannot fail.
             let _ = self.filter.update(&BearingLikelihood::new(observation));
@@ -210,6 +210,12 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
             north,
             weights: self.weights(),
         })
+    }
+}
+
+impl<const N: usize, const B: usize> Default for Clean<N, B> {
+    fn default() -> Self {
+        Self::EMPTY
     }
 }
 

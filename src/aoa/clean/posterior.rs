@@ -60,11 +60,11 @@ impl<const B: usize> Target<2> for Posterior<'_, B> {
 }
 
 /// Clean bearings never contradict each other.
-pub(super) struct Agreement {
+pub(super) struct CleanBearings {
     pub(super) source: Option<[f32; 2]>,
 }
 
-impl Comparison for Agreement {
+impl Comparison for CleanBearings {
     fn source(&self) -> Option<[f32; 2]> {
         self.source
     }

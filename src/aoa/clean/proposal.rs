@@ -70,8 +70,8 @@ impl Proposal<2> for ModeProposal {
     }
 }
 
-/// Draws that do not depend on where a particle is are spread a little wider than the curvature at the mode, as
-/// the tails of a posterior of bearings are.
+/// Scale of draws that do not depend on where a particle is: wider than one reaches the tails of a posterior of bearings,
+/// for fewer that are accepted.
 const INDEPENDENT_SCALE: f32 = 1.25;
 
 /// The best scale of a random walk in two dimensions: 2.38 / sqrt(2) (Gelman, Roberts and Gilks 1996).
@@ -80,7 +80,7 @@ const WALK_SCALE: f32 = 1.68;
 #[cfg(test)]
 mod tests {
     extern crate std;
-    use super::super::posterior::{Agreement, Posterior, mode};
+    use super::super::posterior::{CleanBearings, Posterior, mode};
     use super::*;
     use crate::aoa::core::{Buffer, Entry, sweep};
     use crate::aoa::{Bearing, Observation};
@@ -126,7 +126,10 @@ mod tests {
             let bearing = Bearing::from_compass_degrees(degrees);
             let sigma = 3f32.to_radians();
             let observation = Observation::new(time_ms, [east, 0.0], bearing, sigma).unwrap();
-            bearings.add(Entry::new(observation, 1.0), &Agreement { source: None });
+            bearings.add(
+                Entry::new(observation, 1.0),
+                &CleanBearings { source: None },
+            );
         }
         bearings
     }

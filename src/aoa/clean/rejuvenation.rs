@@ -72,8 +72,8 @@ impl<const N: usize> Rejuvenate<N> for ModeMoves {
     }
 }
 
-/// A refinement moves particles by the differences between them. Where fewer than so many are left, these say too
-/// little, and copies of a single one would stay together for ever: the moves about the mode part them first.
+/// A refinement moves particles by the differences between them. Where they are worth fewer than this, copies of a single
+/// one would stay together for ever, and the moves about the mode part them first: less leaves copies, more takes time.
 const COMPANY: f32 = 8.0;
 
 impl<const N: usize, F: Refinement<2>> Rejuvenate<N> for F {

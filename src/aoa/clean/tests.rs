@@ -190,8 +190,8 @@ fn a_bearing_of_another_source_has_low_odds() {
     let mut locator = Clocked::<Clean<100>>::new(Config::DEFAULT);
     drive(&mut locator, 60, &mut rng);
     let (own, other) = (observe([700.0, 0.0], 0.0), observe([700.0, 0.0], 0.3));
-    let odds = |locator: &Clocked<Clean<100>>, o| locator.state().odds(o, locator.config());
-    assert!(odds(&locator, &own) > 100.0 && odds(&locator, &other) < 0.01);
+    let odds = |observation| locator.state().odds(observation, locator.config());
+    assert!(odds(&own) > 100.0 && odds(&other) < 0.01);
 }
 
 #[test]

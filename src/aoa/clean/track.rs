@@ -1,6 +1,6 @@
 //! The locator for clean bearings as one that others build on.
 
-use super::posterior::Agreement;
+use super::posterior::CleanBearings;
 use super::{Clean, Config, Moves, RANGE_M};
 use crate::aoa::core::Entry;
 use crate::aoa::robust::{self, Candidate, Correlation, Errors};
@@ -45,11 +45,11 @@ impl<const N: usize, const B: usize, M: Moves<N>> Track for Clean<N, B, M> {
         rng: &mut R,
     ) -> Answer {
         self.reset();
-        let agreement = Agreement {
+        let clean = CleanBearings {
             source: Some(candidate.position()),
         };
         self.bearings
-            .adopt(candidate.entries(), candidate.latest(), &agreement);
+            .adopt(candidate.entries(), candidate.latest(), &clean);
         self.answer = self.first_answer(config, rng);
         self.answer
     }
@@ -79,6 +79,6 @@ impl<const N: usize, const B: usize, M: Moves<N>> Stationary for Clean<N, B, M> 
     fn recall(&mut self, observation: &Observation, _: &Config<M>) {
         self.bearings.note(observation, 1.0);
         let new = Entry::new(*observation, 1.0);
-        self.bearings.add(new, &Agreement { source: None });
+        self.bearings.add(new, &CleanBearings { source: None });
     }
 }

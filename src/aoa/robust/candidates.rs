@@ -1,10 +1,10 @@
 //! Unassigned bearings, and the sources that may be found among them.
 
+use super::config::Config;
 use super::density::Density;
 use super::evidence::{Candidate, Evidence};
-use super::mode::{MODES, Mode, Modes, best};
+use super::mode::{MODES, Mode, Modes, best, hypotheses, plane, position};
 use super::search::search;
-use super::{Config, crossing, hypotheses, plane, position};
 use crate::aoa::core::is_narrow;
 use crate::aoa::words::Belief;
 use crate::aoa::{Advice, Answer, Hypothesis, Mixture, NotObservable, Observation, PushError};
@@ -124,7 +124,7 @@ impl<const B: usize> Candidates<B> {
             return NotObservable::TooFewBearings { have };
         }
         let terms = self.evidence.terms(&config.errors);
-        match crossing(&self.evidence, &terms, &self.modes, config) {
+        match self.evidence.crossing(&terms, &self.modes, config) {
             Err(reason) => reason,
             Ok(()) => NotObservable::NoIntersection,
         }

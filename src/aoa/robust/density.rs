@@ -1,6 +1,5 @@
 //! What all bearings and the priors say of a state.
 
-use super::errors;
 use super::term::{State, Term};
 use crate::aoa::Mixture;
 use crate::aoa::core::{BLOCK, Block, Target};
@@ -68,7 +67,7 @@ impl Density<'_> {
     ) {
         for (term, portion) in self.terms.iter().zip(portions) {
             let reading = term.read(state, self.bias_sigma_rad * state[2]);
-            errors::count(counts, &reading, weight);
+            reading.count(counts, weight);
             counts.outlier -= weight * (1.0 - portion);
         }
     }

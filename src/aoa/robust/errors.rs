@@ -2,7 +2,6 @@
 
 use core::f32::consts::{PI, TAU};
 
-use super::term::Reading;
 use crate::ConfigError;
 use crate::aoa::{Mixture, Observation};
 use crate::config::{require, require_all};
@@ -231,17 +230,6 @@ pub(super) const NONE: Mixture = Mixture {
     mirrored: 0.0,
     outlier: 0.0,
 };
-
-/// Counts a bearing by what it probably is.
-pub(super) fn count(counts: &mut Mixture, reading: &Reading, weight: f32) {
-    let fitted = weight * reading.odds / (1.0 + reading.odds);
-    counts.outlier += weight - fitted;
-    if reading.mirrored {
-        counts.mirrored += fitted;
-    } else {
-        counts.direct += fitted;
-    }
-}
 
 impl Tails {
     /// Density of no error, for a standard deviation of one, beside that of a uniform angle.

@@ -2,13 +2,13 @@
 
 use heapless::Vec;
 
-use super::Config;
+use super::config::Config;
 use super::density::{Density, Region};
 use super::errors::Errors;
-use super::mode::{Mode, Modes};
+use super::mode::{Mode, Modes, best, plane, position};
 use super::term::{State, Term, fold_angle};
-use crate::aoa::core::{Buffer, Comparison, Entry};
-use crate::aoa::{Alternative, Observation};
+use crate::aoa::core::{Buffer, Comparison, Crossing, Entry};
+use crate::aoa::{Alternative, NotObservable, Observation};
 use crate::math::{ln, sqrt, wrap};
 use crate::persist;
 
@@ -206,9 +206,31 @@ impl<const B: usize> Evidence<B> {
         best.map(|i| (i, sqrt(least)))
     }
 
+    /// Whether bearings make a fix by their best mode, under the same mixture as all else.
+    #[inline(never)]
+    pub(super) fn crossing(
+        &self,
+        terms: &[Term],
+        modes: &Modes,
+        config: &Config,
+    ) -> Result<(), NotObservable> {
+        let (at_infinity, information) = self.at_infinity(terms);
+        let mut crossing = Crossing {
+            gain: 0.0,
+            information,
+            limit: config.relative_range_sigma,
+        };
+        let best = best(modes).ok_or_else(|| crossing.reason())?;
+        let density = self.density(terms, config);
+        crossing.gain = 2.0 * (density.log_density(&best.mean) - at_infinity);
+        let variance = plane(&best.covariance.matrix()).largest_eigenvalue();
+        let range = self.bearings.range_squared(position(&best.mean));
+        crossing.check(variance, range)
+    }
+
     /// The log-likelihood of a source at infinity, in the direction that fits best; and the sum of 1 / sigma^2.
     #[inline(never)]
-    pub(super) fn at_infinity(&self, terms: &[Term]) -> (f32, f32) {
+    fn at_infinity(&self, terms: &[Term]) -> (f32, f32) {
         /// Directions that are tried, those of some bearings, and means of those that fit: more find the best direction
         /// more often, which keeps parallel bearings from making a fix.
         const STARTS: usize = 16;

@@ -26,6 +26,7 @@
 //!   contradict each other at nearly the same place.
 
 mod candidates;
+mod config;
 mod density;
 mod errors;
 mod evidence;
@@ -38,98 +39,28 @@ mod track;
 
 use core::f32::consts::LN_2;
 
-use super::core::{Crossing, Proposal, is_depleted, is_narrow, sweep};
+use super::core::{Proposal, is_depleted, is_narrow, sweep};
 use super::words::Belief;
 use super::{
     Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
     Observation, PushError,
 };
 use crate::ConfigError;
-use crate::config::{require, require_all};
-use crate::estimate::Symmetric2;
 use crate::filter::ParticleFilter;
-use crate::math::{exp, sqrt};
+use crate::math::sqrt;
 use crate::particles::read;
 use crate::persist;
 use crate::random::Rng;
 use crate::resample::Scheme;
 pub(super) use candidates::Candidates;
+pub use config::Config;
 pub use errors::{Correlation, Errors, Tails};
 pub use evidence::Candidate;
 use evidence::{Change, Evidence};
-use mode::{Mode, Modes};
+use mode::{Modes, hypotheses, plane, position};
 use proposal::MixtureProposal;
 use search::search;
 use term::{State, Term};
-
-/// What a [`Robust`] locator can be told.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Config {
-    /// What is believed of the errors before any bearing.
-    pub errors: Errors,
-    /// The source is as likely nearer to the place of the first bearing as farther away than this many metres, 1 to 1e6.
-    pub range_m: f32,
-    /// Largest standard deviation of the range to the source that makes a fix, as a fraction of the range, 0.01 to 1.
-    pub relative_range_sigma: f32,
-    /// Particles are resampled and moved when the effective sample size falls below this fraction of their number, 0 to 1.
-    pub resample_below: f32,
-    /// Metropolis-Hastings steps of every particle after a resampling, 1 to 16. Each evaluates all bearings in the buffer
-    /// once.
-    pub moves: u8,
-}
-
-impl Config {
-    /// For a direction finder on a vehicle.
-    pub const DEFAULT: Self = Self {
-        errors: Errors::DEFAULT,
-        range_m: 20_000.0,
-        relative_range_sigma: 0.25,
-        resample_below: 0.5,
-        moves: 2,
-    };
-
-    /// For a vehicle in a city: its array is mounted 3 degrees off, and satellites place it to 3 m.
-    pub const CITY: Self = Self {
-        errors: Errors {
-            bias_sigma_rad: 0.05,
-            position_sigma_m: 3.0,
-            ..Errors::DEFAULT
-        },
-        ..Self::DEFAULT
-    };
-
-    /// Checks the fields.
-    ///
-    /// # Errors
-    /// Names the field that is out of range.
-    pub const fn check(&self) -> Result<(), ConfigError> {
-        require_all!(self.errors);
-        require!(
-            self.range_m >= 1.0 && self.range_m <= 1e6,
-            "range_m is not within 1 and 1e6"
-        );
-        require!(
-            self.relative_range_sigma >= 0.01 && self.relative_range_sigma <= 1.0,
-            "relative_range_sigma is not within 0.01 and 1"
-        );
-        require!(
-            self.resample_below >= 0.0 && self.resample_below <= 1.0,
-            "resample_below is not within 0 and 1"
-        );
-        require!(
-            self.moves >= 1 && self.moves <= 16,
-            "moves is not within 1 and 16"
-        );
-        Ok(())
-    }
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
 
 /// Locates one stationary source, with `N` particles and a buffer of `B` bearings, some of which may be wrong.
 ///
@@ -172,10 +103,10 @@ persist!(impl[const N: usize, const B: usize] Robust<N, B> as "Robust"(N, B) {
     evidence, filter, modes, answer, moments, rates, since_search, outliers_removed
 });
 
-/// Moves of every particle for the first fix.
+/// Moves of every particle for the first fix: it starts from draws of the modes, which a few moves correct.
 const START_MOVES: u8 = 3;
 
-/// Particles are moved after so many bearings at the latest: cheap insurance against a mode that has been missed.
+/// Particles are moved after so many bearings at the latest: fewer find a missed mode sooner, for time.
 const AT_LEAST_EVERY: u32 = 8;
 
 impl<const N: usize, const B: usize> Locate for Robust<N, B> {
@@ -289,8 +220,8 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
         let mut probabilities = errors::NONE;
         for (i, weight) in self.weights().iter().enumerate() {
             let state = read(&particles, i);
-            let reading = term.read(&state, scale * state[2]);
-            errors::count(&mut probabilities, &reading, *weight);
+            term.read(&state, scale * state[2])
+                .count(&mut probabilities, *weight);
         }
         Some(probabilities)
     }
@@ -303,6 +234,12 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
             north,
             weights: self.weights(),
         })
+    }
+}
+
+impl<const N: usize, const B: usize> Default for Robust<N, B> {
+    fn default() -> Self {
+        Self::EMPTY
     }
 }
 
@@ -390,7 +327,7 @@ impl<const N: usize, const B: usize> Robust<N, B> {
             self.evidence.set_source(&best.mean);
             terms = self.evidence.terms(&believed.errors);
         }
-        crossing(&self.evidence, &terms, &self.modes, believed)?;
+        self.evidence.crossing(&terms, &self.modes, believed)?;
         self.start(&terms, believed, rng);
         self.credible_fix(1.0, believed)
     }
@@ -417,7 +354,7 @@ impl<const N: usize, const B: usize> Robust<N, B> {
             let portions = (self.evidence.entries().iter()).map(|entry| entry.probability);
             density.count(&mode.mean, mode.weight, portions, &mut counts);
         }
-        // What excluded a bearing that fits may have been forgotten.
+        // The alternative of a bearing that fits may have been forgotten.
         if counts.outlier < 0.0 {
             counts.outlier = 0.0;
         }
@@ -457,48 +394,6 @@ impl<const N: usize, const B: usize> Robust<N, B> {
             Err(NotObservable::NoIntersection)
         }
     }
-}
-
-/// Whether bearings make a fix by their best mode, under the same mixture as all else.
-#[inline(never)]
-fn crossing<const B: usize>(
-    evidence: &Evidence<B>,
-    terms: &[Term],
-    modes: &Modes,
-    config: &Config,
-) -> Result<(), NotObservable> {
-    let (at_infinity, information) = evidence.at_infinity(terms);
-    let mut crossing = Crossing {
-        gain: 0.0,
-        information,
-        limit: config.relative_range_sigma,
-    };
-    let best = mode::best(modes).ok_or_else(|| crossing.reason())?;
-    let density = evidence.density(terms, config);
-    crossing.gain = 2.0 * (density.log_density(&best.mean) - at_infinity);
-    let variance = plane(&best.covariance.matrix()).largest_eigenvalue();
-    let range = evidence.bearings.range_squared(position(&best.mean));
-    crossing.check(variance, range)
-}
-
-fn hypotheses(modes: &Modes) -> impl Iterator<Item = Hypothesis> {
-    let best = mode::largest(modes);
-    let mass = move |mode: &Mode| exp(mode.log_mass - best);
-    let total: f32 = modes.iter().map(mass).sum();
-    modes.iter().map(move |mode| Hypothesis {
-        position: position(&mode.mean),
-        covariance: plane(&mode.covariance.matrix()),
-        probability: mass(mode) / total,
-    })
-}
-
-fn position(&[x, y, _]: &State) -> [f32; 2] {
-    [x, y]
-}
-
-/// Of place and bias, the part of the place.
-fn plane(&[[xx, xy, _], [_, yy, _], _]: &[State; 3]) -> Symmetric2 {
-    Symmetric2 { xx, xy, yy }
 }
 
 #[cfg(test)]

@@ -4,11 +4,13 @@ use heapless::Vec;
 
 use super::density::Density;
 use super::term::State;
+use crate::aoa::Hypothesis;
+use crate::estimate::Symmetric2;
 use crate::kalman::Covariance;
 use crate::math::{exp, ln};
 use crate::snapshot::value;
 
-/// The most hypotheses that are kept.
+/// The most hypotheses that are kept: more keep more sources apart, for time and 60 bytes each.
 pub(super) const MODES: usize = 4;
 
 pub(super) type Modes = Vec<Mode, MODES>;
@@ -32,7 +34,7 @@ value!(Mode {
 });
 
 impl Mode {
-    /// Squared deviations of a state from the mean.
+    /// Squared distance of a state from the mean, in sigmas.
     pub(super) fn distance(&self, state: &State) -> f32 {
         let offset = core::array::from_fn(|d| state[d] - self.mean[d]);
         dot(&self.covariance.whiten(offset), &[1.0; 3], |w, _| w * w)
@@ -45,7 +47,7 @@ impl Mode {
         u * u + v * v
     }
 
-    /// A state about `from`, `scale` times as far as the deviations `z` take it.
+    /// A state about `from`, `scale` times as far as the sigmas `z` take it.
     pub(super) fn step(&self, from: &State, scale: f32, z: [f32; 3]) -> State {
         let offset = self.covariance.colour(z);
         core::array::from_fn(|d| from[d] + scale * offset[d])
@@ -71,7 +73,7 @@ impl Mode {
             } else {
                 damping = if damping > 0.0 { damping * 10.0 } else { 1e-2 };
             }
-            // A hundredth of a deviation is near enough to propose from.
+            // A hundredth of a sigma is near enough to propose from.
             if decrement * (1.0 + damping) < 1e-4 {
                 break;
             }
@@ -89,9 +91,9 @@ impl Mode {
 
 /// Sets the weights by the masses, and drops the modes that have next to none.
 pub(super) fn weigh(modes: &mut Modes) {
-    /// Laplace's approximation is rough, and a mode that is never proposed is never tried.
+    /// Least weight: Laplace's approximation is rough, and a mode that is never proposed is never tried; more wastes draws.
     const LEAST: f32 = 0.02;
-    /// Logarithm of the mass, less that of the largest, that is not worth a try.
+    /// Logarithm of a mass over the largest that is dropped: less keeps modes that never come back, for time.
     const NEGLIGIBLE: f32 = -25.0;
     let best = largest(modes);
     modes.retain(|mode| mode.log_mass - best > NEGLIGIBLE);
@@ -188,4 +190,26 @@ impl InverseFactor {
     fn square(&self) -> [[f32; 3]; 3] {
         self.0.map(|a| self.0.map(|b| dot(&a, &b, |a, b| a * b)))
     }
+}
+
+/// The modes as hypotheses.
+pub(super) fn hypotheses(modes: &Modes) -> impl Iterator<Item = Hypothesis> {
+    let best = largest(modes);
+    let mass = move |mode: &Mode| exp(mode.log_mass - best);
+    let total: f32 = modes.iter().map(mass).sum();
+    modes.iter().map(move |mode| Hypothesis {
+        position: position(&mode.mean),
+        covariance: plane(&mode.covariance.matrix()),
+        probability: mass(mode) / total,
+    })
+}
+
+/// Of place and bias, the place.
+pub(super) fn position(&[x, y, _]: &State) -> [f32; 2] {
+    [x, y]
+}
+
+/// Of a covariance of place and bias, that of the place.
+pub(super) fn plane(&[[xx, xy, _], [_, yy, _], _]: &[State; 3]) -> Symmetric2 {
+    Symmetric2 { xx, xy, yy }
 }

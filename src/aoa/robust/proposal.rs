@@ -9,12 +9,14 @@ use crate::aoa::core::Proposal;
 use crate::math::{exp_of_weight, ln, sin_cos, sqrt};
 use crate::random::{Rng, normal, uniform, uniform_open};
 
-/// Draws about a mode are spread a little wider than its curvature, and some much wider, for tails that are not normal.
+/// Scale of most draws about a mode: wider reaches tails that are not normal, for fewer that are accepted.
 const NARROW: f32 = 1.15;
+/// Scale of the other draws, for long tails,
 const WIDE: f32 = 2.5;
+/// and their fraction: more fill the tails sooner, for fewer that are accepted.
 const WIDE_FRACTION: f32 = 0.2;
-/// Fraction of the draws that are from the prior. Without them a particle in a mode that the search has lost would never leave it:
-/// its way back would be too unlikely for any gain.
+/// Fraction of the draws that are from the prior. Without them a particle in a mode that the search has lost would never
+/// leave it, because its way back would be too unlikely; more are seldom accepted.
 const ANYWHERE: f32 = 0.02;
 /// The best scale of a random walk in three dimensions: 2.38 / sqrt(3) (Gelman, Roberts and Gilks 1996).
 const WALK: f32 = 1.37;

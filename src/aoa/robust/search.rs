@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use super::Config;
+use super::config::Config;
 use super::density::Density;
 use super::evidence::{Evidence, Terms};
 use super::mode::{MODES, Mode, Modes, weigh};
@@ -12,24 +12,28 @@ use crate::aoa::triangulation::crossing;
 use crate::math::sqrt;
 use crate::random::{Rng, uniform};
 
-/// How many times as large the deviations are while candidates are compared: crossings are scattered much more widely
-/// than the posterior of all bearings, and would all look hopeless.
+/// How many times as large the sigmas are while candidates are compared, because crossings scatter much more widely than
+/// the posterior: less misses modes, more makes all candidates alike.
 const WIDENING: f32 = 3.0;
-/// Crossings, in blocks that are evaluated together, and how many pairs are tried for each.
+/// Blocks of crossings: more find the source among more outliers, for `16 B` likelihoods each.
 const BLOCKS: usize = 4;
 const CANDIDATES: usize = BLOCKS * BLOCK;
+/// Pairs that are tried for each crossing: more lose fewer crossings while most bearings are parallel, for time.
 const TRIES: u32 = 8;
-/// The smallest sine of the angle of two bearings that are crossed.
+/// Least sine of the angle of two bearings that are crossed: less crosses ever more parallel ones, far away.
 const LEAST_SINE: f32 = 0.02;
-/// How many of the candidates are climbed from,
+/// Candidates that are climbed from: more find more hypotheses at once, for time.
 const CLIMBS: u32 = 3;
-/// and in how many steps: by the widened bearings, by those themselves, and from the modes that are known.
+/// Steps of a climb by the widened bearings: enough to come near a mode, which the next climb reaches.
 const ROUGH: u32 = 4;
+/// Steps of a climb by the bearings themselves: most take fewer, slow ones end early.
 const FINE: u32 = 12;
+/// Steps of a climb from a known mode, which one more bearing moves little.
 const AGAIN: u32 = 8;
-/// Squared deviations of a mode within which a candidate is no news.
+/// Squared sigmas of a mode within which a candidate is not a new one: less climbs to the same mode again, more misses a
+/// second one nearby.
 const NEAR: f32 = 100.0;
-/// Squared deviations within which two modes are one.
+/// Squared sigmas within which two modes are one: less keeps one mode twice, more loses one of two.
 const SAME: f32 = 4.0;
 
 /// A place to climb from, and what the widened bearings say of it.
@@ -150,7 +154,7 @@ fn take_best(candidates: &mut [Candidate], modes: &Modes, wide: &Density<'_>) ->
 
 /// Adds a mode, if it is a new one or the better of two; in place of the lightest when there are too many.
 pub(super) fn add(modes: &mut Modes, mode: Mode) {
-    // Each near the other: a mode that is long, along a ray, lies about everything on it, but is not about the ray's.
+    // Each near the other: a mode that is long, along a ray, lies about everything on it, but not the other way round.
     let same =
         |other: &&mut Mode| other.distance(&mode.mean) < SAME && mode.distance(&other.mean) < SAME;
     let rival = if let Some(same) = modes.iter_mut().find(same) {

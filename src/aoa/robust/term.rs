@@ -3,8 +3,8 @@
 use core::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use super::errors::{Errors, Tails};
-use crate::aoa::Observation;
 use crate::aoa::core::{BLOCK, Block, Entry};
+use crate::aoa::{Mixture, Observation};
 use crate::math::{atan_coarse, exp_of_weight, ln, sin_cos, sqrt, wrap};
 
 /// Metres east and north, and the bias of all bearings in its prior sigmas.
@@ -40,6 +40,19 @@ pub(super) struct Reading {
     pub(super) odds: f32,
     /// What it counts for, beside others, in 1 / rad^2: 1 / sigma^2 if it is sure not to be an outlier.
     pub(super) information: f32,
+}
+
+impl Reading {
+    /// Counts the bearing by what it probably is.
+    pub(super) fn count(&self, counts: &mut Mixture, weight: f32) {
+        let fitted = weight * self.odds / (1.0 + self.odds);
+        counts.outlier += weight - fitted;
+        if self.mirrored {
+            counts.mirrored += fitted;
+        } else {
+            counts.direct += fitted;
+        }
+    }
 }
 
 impl Term {

@@ -1,10 +1,12 @@
 //! The robust locator as one that others build on.
 
+use super::Robust;
+use super::config::Config;
 use super::errors::Errors;
+use super::evidence::Candidate;
 use super::mode::weigh;
 use super::search::climb_again;
 use super::term::State;
-use super::{Candidate, Config, Robust, crossing};
 use crate::aoa::track::{Stationary, Track, odds_by_moments};
 use crate::aoa::{Answer, Locate, Mixture, Observation};
 use crate::random::Rng;
@@ -35,7 +37,7 @@ impl<const N: usize, const B: usize> Track for Robust<N, B> {
         let terms = self.evidence.terms(&config.errors);
         self.modes = climb_again(&self.evidence.density(&terms, config), candidate.modes);
         weigh(&mut self.modes);
-        let crosses = crossing(&self.evidence, &terms, &self.modes, config);
+        let crosses = self.evidence.crossing(&terms, &self.modes, config);
         let fix = crosses.and_then(|()| {
             self.start(&terms, config, rng);
             self.credible_fix(1.0, config)

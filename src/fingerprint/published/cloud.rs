@@ -1,7 +1,7 @@
 //! The particle filter of the paper.
 
-use super::{Model, StepError, check_match, check_time};
-use crate::filter::ParticleFilter;
+use super::Model;
+use crate::filter::{ParticleFilter, UpdateError};
 use crate::model::ConstantVelocity;
 use crate::particles::Particles;
 use crate::random::{Rng, normal, uniform};
@@ -20,29 +20,19 @@ impl<const N: usize> Cloud<N> {
     };
 
     /// Starts around the first match: places scatter about it by the covariance of a match, velocities about zero.
-    ///
-    /// # Errors
-    /// [`StepError::Match`].
-    pub fn start_around<R: Rng + ?Sized>(
-        &mut self,
-        found: [f32; 2],
-        model: &Model,
-        rng: &mut R,
-    ) -> Result<(), StepError> {
-        check_match(found)?;
+    pub fn start_around<R: Rng + ?Sized>(&mut self, found: [f32; 2], model: &Model, rng: &mut R) {
         self.filter.initialise(rng, |rng| {
             let [dx, dy] = model.observation.colour([normal(rng), normal(rng)]);
             let [vx, vy] = model.velocity_sigma_m_s.map(|sigma| sigma * normal(rng));
             [found[0] + dx, found[1] + dy, vx, vy]
         });
-        Ok(())
     }
 
     /// Starts anywhere in a box, and takes the first match.
     ///
     /// # Errors
-    /// [`StepError::Match`], [`StepError::Box`], or [`StepError::Impossible`] when the match is far from the box; in the
-    /// last case the particles are anywhere in the box.
+    /// When no particle explains the match, because it is far from the box or not finite; the particles are then anywhere
+    /// in the box.
     pub fn start_within<R: Rng + ?Sized>(
         &mut self,
         least: [f32; 2],
@@ -50,12 +40,8 @@ impl<const N: usize> Cloud<N> {
         found: [f32; 2],
         model: &Model,
         rng: &mut R,
-    ) -> Result<(), StepError> {
-        check_match(found)?;
+    ) -> Result<(), UpdateError> {
         let sizes = [most[0] - least[0], most[1] - least[1]];
-        if !sizes.iter().all(|size| *size >= 0.0 && size.is_finite()) {
-            return Err(StepError::Box);
-        }
         self.filter.initialise(rng, |rng| {
             let x = least[0] + sizes[0] * uniform(rng);
             let y = least[1] + sizes[1] * uniform(rng);
@@ -66,20 +52,18 @@ impl<const N: usize> Cloud<N> {
     }
 
     /// Takes the match of a scan, `dt` seconds after the last one (eq. 8 to 16). Resamples before it moves the
-    /// particles, so that [`Cloud::mean`] is that of the weighted cloud.
+    /// particles, so that [`Cloud::mean`] is that of the weighted cloud. An invalid interval counts as zero.
     ///
     /// # Errors
-    /// [`StepError::Match`], [`StepError::Time`]; or [`StepError::Impossible`], when the particles have moved but not
-    /// learned anything.
+    /// When no particle explains the match: the particles have then moved, but not learned anything.
     pub fn step<R: Rng + ?Sized>(
         &mut self,
         dt: f32,
         found: [f32; 2],
         model: &Model,
         rng: &mut R,
-    ) -> Result<(), StepError> {
-        check_match(found)?;
-        check_time(dt)?;
+    ) -> Result<(), UpdateError> {
+        let dt = if dt > 0.0 && dt.is_finite() { dt } else { 0.0 };
         self.filter.resample(Scheme::Systematic, rng);
         let motion = ConstantVelocity {
             sigma_m_s2: model.acceleration_sigma_m_s2,
@@ -88,13 +72,12 @@ impl<const N: usize> Cloud<N> {
         self.weigh(found, model)
     }
 
-    fn weigh(&mut self, found: [f32; 2], model: &Model) -> Result<(), StepError> {
+    fn weigh(&mut self, found: [f32; 2], model: &Model) -> Result<(), UpdateError> {
         let likelihood = |state: &[f32; 4]| {
             let white = (model.observation).whiten([found[0] - state[0], found[1] - state[1]]);
             -0.5 * (white[0] * white[0] + white[1] * white[1])
         };
-        let updated = self.filter.update(&likelihood);
-        updated.map(drop).map_err(|_| StepError::Impossible)
+        self.filter.update(&likelihood).map(drop)
     }
 
     /// The estimate: the weighted mean of the states.

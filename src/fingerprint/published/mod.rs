@@ -25,8 +25,8 @@
 //! model.check()?;
 //! let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
 //! let mut cloud = Cloud::<300>::EMPTY;
-//! cloud.start_around([0.0, 1.75], &model, &mut rng)?;
-//! let mut kalman = model.kalman_start([0.0, 1.75])?;
+//! cloud.start_around([0.0, 1.75], &model, &mut rng);
+//! let mut kalman = model.kalman_start([0.0, 1.75]);
 //! for found in [[3.5, 1.75], [6.0, 1.75], [9.5, 1.75]] {
 //!     cloud.step(2.0, found, &model, &mut rng)?;
 //!     model.kalman_step(&mut kalman, 2.0, found)?;
@@ -38,8 +38,6 @@
 
 mod cloud;
 mod kalman;
-
-use core::fmt;
 
 use crate::ConfigError;
 use crate::config::require;
@@ -57,34 +55,6 @@ pub struct Model {
     /// Standard deviations of the first velocity about zero, along x and along y, in metres a second.
     pub velocity_sigma_m_s: [f32; 2],
 }
-
-/// Why a match was refused. The filter is as before.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum StepError {
-    /// The match is not finite.
-    Match,
-    /// The time since the last step is negative or not finite.
-    Time,
-    /// The box of a start is empty or not finite.
-    Box,
-    /// No particle explains the match: start again.
-    Impossible,
-}
-
-impl fmt::Display for StepError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Match => "the match is not finite",
-            Self::Time => "the time since the last step is negative or not finite",
-            Self::Box => "the box of the start is empty or not finite",
-            Self::Impossible => "no particle explains the match",
-        })
-    }
-}
-
-impl core::error::Error for StepError {}
 
 impl Model {
     /// With the covariance diag(200, 40) m^2 that the paper prints and that cannot be. The paper leaves the rest open.
@@ -120,16 +90,6 @@ impl Model {
         );
         Ok(())
     }
-}
-
-fn check_match(found: [f32; 2]) -> Result<(), StepError> {
-    let is_finite = found.iter().all(|x| x.is_finite());
-    is_finite.then_some(()).ok_or(StepError::Match)
-}
-
-fn check_time(dt: f32) -> Result<(), StepError> {
-    let is_time = dt >= 0.0 && dt.is_finite();
-    is_time.then_some(()).ok_or(StepError::Time)
 }
 
 #[cfg(test)]

@@ -40,9 +40,9 @@ use pending::Pending;
 use super::ReadingError;
 pub use config::Config;
 pub use fix::{Fix, State};
-pub use pending::Heard;
+pub use pending::Packet;
 pub use site::Site;
-pub use tags::{Tag, Trackers};
+pub use tags::Trackers;
 pub use walls::{Piece, Walls};
 
 /// The scratch memory of an update of `N` particles on a map of up to `P` points: 12 P + 8 N + 16 bytes, which hold nothing
@@ -59,18 +59,6 @@ impl<const N: usize, const P: usize> Workspace<N, P> {
         field: Field::EMPTY,
         weights: Weights::EMPTY,
     };
-}
-
-/// A packet of a tag, as one beacon heard it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Packet {
-    /// When, in milliseconds. The clock may overflow: only differences count.
-    pub time_ms: u32,
-    /// The number of the beacon, see [`RadioMap::beacon_index`](super::RadioMap::beacon_index).
-    pub beacon: u8,
-    /// Strength in dBm.
-    pub rssi_dbm: f32,
 }
 
 /// Tracks one tag with `N` particles, by up to `B` beacons: 16 N + 8 B + 112 bytes, none of which move.
@@ -173,39 +161,29 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         workspace: &mut Workspace<N, P>,
         rng: &mut R,
     ) -> Result<Option<Fix>, ReadingError> {
-        let Packet {
-            time_ms,
-            beacon,
-            rssi_dbm,
-        } = packet;
-        if usize::from(beacon) >= site.map.beacons().min(B) {
+        if usize::from(packet.beacon) >= site.map.beacons().min(B) {
             return Err(ReadingError::Beacon);
         }
-        if !site.config.accepts(rssi_dbm) {
+        if !site.config.accepts(packet.rssi_dbm) {
             return Err(ReadingError::Strength);
         }
         if site.map.lattice().points() > P {
             return Err(ReadingError::Points);
         }
-        self.check_time(time_ms)?;
+        self.check_time(packet.time_ms)?;
         let window_ms = site.config.window_ms;
         let mut fix = None;
-        if window_ms > 0 && self.pending.is_due(time_ms, window_ms) {
+        if window_ms > 0 && self.pending.is_due(packet.time_ms, window_ms) {
             fix = self.flush(site, workspace, rng);
         }
-        let heard = Heard {
-            beacon,
-            mean_dbm: rssi_dbm,
-            packets: 1,
-        };
-        self.pending.add(time_ms, &heard);
+        self.pending.add(&packet);
         if window_ms == 0 {
             fix = self.flush(site, workspace, rng);
         }
         Ok(fix)
     }
 
-    /// Updates by the packets that wait, if there are any: at the end of a walk, or for a query.
+    /// Updates by the packets that wait, if there are any: at the end of a walk or of a whole scan, or for a query.
     pub fn flush<const P: usize, R: Rng + ?Sized>(
         &mut self,
         site: &Site<'_>,
@@ -218,33 +196,6 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         let pending = self.pending.take();
         self.update(pending.time_ms(), pending.levels(), site, workspace, rng);
         self.fix()
-    }
-
-    /// Takes a whole scan, whose packets were all heard at one time, and updates by it at once. Packets that wait go first;
-    /// readings that cannot be used are left out, and a scan with none leads to nothing.
-    ///
-    /// # Errors
-    /// [`ReadingError::TooOld`] or [`ReadingError::Points`].
-    pub fn scan<const P: usize, R: Rng + ?Sized>(
-        &mut self,
-        time_ms: u32,
-        scan: &[Heard],
-        site: &Site<'_>,
-        workspace: &mut Workspace<N, P>,
-        rng: &mut R,
-    ) -> Result<Option<Fix>, ReadingError> {
-        if site.map.lattice().points() > P {
-            return Err(ReadingError::Points);
-        }
-        self.flush(site, workspace, rng);
-        self.check_time(time_ms)?;
-        for heard in scan {
-            if usize::from(heard.beacon) < site.map.beacons() && site.config.accepts(heard.mean_dbm)
-            {
-                self.pending.add(time_ms, heard);
-            }
-        }
-        Ok(self.flush(site, workspace, rng))
     }
 
     /// Refuses a time before the last update, unless a few in a row are; forgets the tag after a gap.

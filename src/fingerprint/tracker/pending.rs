@@ -3,16 +3,16 @@
 use crate::persist;
 use crate::snapshot::value;
 
-/// One beacon of a scan.
+/// A packet of a tag, as one beacon heard it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Heard {
-    /// Its number, see [`RadioMap::beacon_index`](crate::fingerprint::RadioMap::beacon_index).
+pub struct Packet {
+    /// When, in milliseconds. The clock may overflow: only differences count.
+    pub time_ms: u32,
+    /// The number of the beacon, see [`RadioMap::beacon_index`](crate::fingerprint::RadioMap::beacon_index).
     pub beacon: u8,
-    /// Mean strength of its packets, in dBm.
-    pub mean_dbm: f32,
-    /// How many there were.
-    pub packets: u16,
+    /// Strength in dBm.
+    pub rssi_dbm: f32,
 }
 
 /// The packets of one beacon.
@@ -69,30 +69,22 @@ impl<const B: usize> Pending<B> {
         !self.is_empty()
     }
 
-    /// Milliseconds from the first packet until a time; negative before it.
-    fn age_ms(&self, time_ms: u32) -> i32 {
-        time_ms.wrapping_sub(self.first_ms) as i32
-    }
-
-    /// Adds packets of a beacon. Those beyond 65,535 are left out, and so are beacons that there is no room for.
-    pub fn add(&mut self, time_ms: u32, heard: &Heard) {
-        let beacon = usize::from(heard.beacon);
-        let (true, Some(packets)) = (beacon < B, self.packets.checked_add(heard.packets)) else {
+    /// Adds a packet. Those beyond 65,535 are left out, and so are beacons that there is no room for.
+    pub fn add(&mut self, packet: &Packet) {
+        let level = self.levels.get_mut(usize::from(packet.beacon));
+        let (Some(level), Some(packets)) = (level, self.packets.checked_add(1)) else {
             return;
         };
-        if self.is_empty() {
-            self.first_ms = time_ms;
+        if self.packets == 0 {
+            self.first_ms = packet.time_ms;
         }
         // Radios whose packets overtake each other count as the first.
-        let age = u32::try_from(self.age_ms(time_ms)).unwrap_or(0);
-        let ages = age.saturating_mul(heard.packets.into());
-        self.elapsed_ms = self.elapsed_ms.saturating_add(ages);
+        let age = packet.time_ms.wrapping_sub(self.first_ms) as i32;
+        self.elapsed_ms = self.elapsed_ms.saturating_add_signed(age.max(0));
         self.packets = packets;
-        if let (Some(level), 1..) = (self.levels.get_mut(beacon), heard.packets) {
-            level.packets += heard.packets;
-            let fraction = f32::from(heard.packets) / f32::from(level.packets);
-            level.mean_dbm += fraction * (heard.mean_dbm - level.mean_dbm);
-        }
+        level.packets += 1;
+        let fraction = 1.0 / f32::from(level.packets);
+        level.mean_dbm += fraction * (packet.rssi_dbm - level.mean_dbm);
     }
 
     pub fn levels(&self) -> &[Level; B] {

@@ -2,38 +2,20 @@
 
 use super::Tracker;
 use crate::persist;
-use crate::snapshot::{Error, Reader, Value, Writer};
-
-/// The identity of a tag, which its packets carry.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Tag(pub u32);
-
-impl Value for Tag {
-    const SIZE: usize = u32::SIZE;
-
-    fn write(&self, to: &mut Writer<'_>) {
-        self.0.write(to);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
-        Value::read(from).map(Self)
-    }
-}
 
 /// Trackers for up to `T` tags at once: T times a [`Tracker`] and 12 bytes.
 ///
 /// A tag that comes when all are taken gets the tracker of the tag that was silent for longest.
 ///
 /// ```
-/// use foxhunt::fingerprint::tracker::{Tag, Trackers};
+/// use foxhunt::fingerprint::tracker::Trackers;
 ///
 /// let mut trackers = Trackers::<2, 100>::EMPTY;
-/// assert_eq!(trackers.of(Tag(1), 10).1, None);
-/// assert_eq!(trackers.of(Tag(2), 20).1, None);
-/// trackers.of(Tag(1), 30);
-/// assert_eq!(trackers.of(Tag(3), 40).1, Some(Tag(2)));
-/// assert!(trackers.iter().all(|(tag, _)| tag != Tag(2)));
+/// assert_eq!(trackers.of(1, 10).1, None);
+/// assert_eq!(trackers.of(2, 20).1, None);
+/// trackers.of(1, 30);
+/// assert_eq!(trackers.of(3, 40).1, Some(2));
+/// assert!(trackers.iter().all(|(tag, _)| tag != 2));
 /// ```
 #[derive(Debug, Clone)]
 pub struct Trackers<const T: usize, const N: usize, const B: usize = 16> {
@@ -43,7 +25,7 @@ pub struct Trackers<const T: usize, const N: usize, const B: usize = 16> {
 #[derive(Debug, Clone)]
 struct Slot<const N: usize, const B: usize> {
     /// Whose it is, and when that was heard last.
-    owner: Option<(Tag, u32)>,
+    owner: Option<(u32, u32)>,
     tracker: Tracker<N, B>,
 }
 
@@ -62,7 +44,7 @@ impl<const T: usize, const N: usize, const B: usize> Trackers<T, N, B> {
     };
 
     /// The tracker of a tag that was heard at a time in milliseconds, and the tag that lost it, if one did.
-    pub fn of(&mut self, tag: Tag, time_ms: u32) -> (&mut Tracker<N, B>, Option<Tag>) {
+    pub fn of(&mut self, tag: u32, time_ms: u32) -> (&mut Tracker<N, B>, Option<u32>) {
         let place = self.place_of(tag, time_ms);
         let place = if place < T { place } else { 0 };
         let Slot { owner, tracker } = &mut self.slots[place];
@@ -77,7 +59,7 @@ impl<const T: usize, const N: usize, const B: usize> Trackers<T, N, B> {
     }
 
     /// The slot of a tag: its own, a free one, or that of the tag that was silent for longest.
-    fn place_of(&self, tag: Tag, time_ms: u32) -> usize {
+    fn place_of(&self, tag: u32, time_ms: u32) -> usize {
         let mut silent = (0, 0);
         let mut free = None;
         for (place, slot) in self.slots.iter().enumerate() {
@@ -105,14 +87,14 @@ impl<const T: usize, const N: usize, const B: usize> Trackers<T, N, B> {
     }
 
     /// All tags that are tracked, and their trackers.
-    pub fn iter(&self) -> impl Iterator<Item = (Tag, &Tracker<N, B>)> {
+    pub fn iter(&self) -> impl Iterator<Item = (u32, &Tracker<N, B>)> {
         self.slots
             .iter()
             .filter_map(|slot| slot.owner.map(|(tag, _)| (tag, &slot.tracker)))
     }
 
     /// All tags that are tracked, and their trackers.
-    pub fn iter_mut(&mut self) -> impl Iterator<Item = (Tag, &mut Tracker<N, B>)> {
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = (u32, &mut Tracker<N, B>)> {
         let slots = self.slots.iter_mut();
         slots.filter_map(|slot| slot.owner.map(|(tag, _)| (tag, &mut slot.tracker)))
     }

@@ -239,10 +239,10 @@ fn a_tag_of_300_particles_takes_less_than_six_and_a_half_kibibytes() {
 fn the_longest_silent_tag_is_evicted() {
     let mut trackers = Trackers::<3, 10>::EMPTY;
     for (tag, time) in [(1, u32::MAX - 10), (2, 5), (3, 7), (1, 9)] {
-        assert_eq!(trackers.of(Tag(tag), time).1, None);
+        assert_eq!(trackers.of(tag, time).1, None);
     }
-    assert_eq!(trackers.of(Tag(4), 10).1, Some(Tag(2)));
-    let mut tags: Vec<u32> = trackers.iter().map(|(tag, _)| tag.0).collect();
+    assert_eq!(trackers.of(4, 10).1, Some(2));
+    let mut tags: Vec<u32> = trackers.iter().map(|(tag, _)| tag).collect();
     tags.sort_unstable();
     assert_eq!(tags, [1, 3, 4]);
 }

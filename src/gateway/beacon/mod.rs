@@ -46,7 +46,7 @@ pub use outcome::{Counters, Event, Rejected};
 pub use packet::Packet;
 
 use crate::fingerprint::ReadingError;
-use crate::fingerprint::tracker::{self, Tag, Tracker, Trackers, Workspace};
+use crate::fingerprint::tracker::{self, Tracker, Trackers, Workspace};
 use crate::persist;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 use input::{Input, Message};
@@ -140,7 +140,7 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGatew
     }
 
     /// The tags and their trackers.
-    pub fn tags(&self) -> impl Iterator<Item = (Tag, &Tracker<N, B>)> {
+    pub fn tags(&self) -> impl Iterator<Item = (u32, &Tracker<N, B>)> {
         self.trackers.iter()
     }
 
@@ -160,7 +160,7 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGatew
             tag,
             rssi_dbm,
         } = packet;
-        let (site, tag) = (&config.site, Tag(tag));
+        let site = &config.site;
         let beacon = site.map.beacon_index(radio.into());
         let beacon = beacon.and_then(|beacon| u8::try_from(beacon).ok());
         let packet = tracker::Packet {
@@ -194,9 +194,9 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGatew
         Ok(match fix {
             Some(fix) => {
                 self.report.tag(tag, &fix);
-                Event::Fix(tag, fix)
+                Event::Fix { tag, fix }
             }
-            None => Event::Taken(tag),
+            None => Event::Taken { tag },
         })
     }
 

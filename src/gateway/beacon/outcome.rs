@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::fingerprint::tracker::{Fix, Tag};
+use crate::fingerprint::tracker::Fix;
 use crate::gateway::tally::Tally;
 use crate::snapshot::value;
 
@@ -12,9 +12,17 @@ use crate::snapshot::value;
 #[non_exhaustive]
 pub enum Event {
     /// A packet was taken, and waits for others.
-    Taken(Tag),
-    /// A packet led to an update: the tag is there.
-    Fix(Tag, Fix),
+    Taken {
+        /// Of this tag.
+        tag: u32,
+    },
+    /// A packet led to an update.
+    Fix {
+        /// Of this tag.
+        tag: u32,
+        /// Where it is.
+        fix: Fix,
+    },
     /// The message was not used.
     Rejected(Rejected),
     /// The host has asked, and [`BeaconGateway::report`](super::BeaconGateway::report) answers.
@@ -123,7 +131,7 @@ impl Counters {
     pub(super) fn count(&mut self, event: &Event) {
         self.messages = self.messages.saturating_add(1);
         let count = match event {
-            Event::Taken(_) | Event::Fix(..) => &mut self.packets,
+            Event::Taken { .. } | Event::Fix { .. } => &mut self.packets,
             Event::Queried => &mut self.queries,
             Event::Restarted => &mut self.restarts,
             Event::Other => &mut self.ignored,

@@ -1,4 +1,4 @@
-//! What a radio reports of a packet that it heard.
+//! A packet of a tag, as a radio reports it.
 
 use crate::checksum::crc32;
 use crate::gateway::decimal::fixed;
@@ -26,7 +26,7 @@ impl Packet {
     /// First byte of a frame: what it is, and in which version.
     const FRAME_KIND: u8 = 0xB1;
 
-    /// From the fields `time,radio,tag,rssi`.
+    /// Reads the fields `time,radio,tag,rssi`.
     pub(super) fn from_fields(fields: &[u8]) -> Result<Self, Rejected> {
         let columns: [&[u8]; 4] = columns(fields).ok_or(Rejected::Unparsable)?;
         let mut numbers = [0; 4];
@@ -43,72 +43,57 @@ impl Packet {
         })
     }
 
-    /// From a frame: kind, time, radio, tag, RSSI, and the CRC-32 of these; little-endian.
+    /// Reads a frame: kind, time, radio, tag, RSSI, and the CRC-32 of these; little-endian.
+    ///
+    /// # Errors
+    /// [`Rejected::Checksum`], or [`Rejected::Unparsable`] for another length or kind.
     pub fn from_frame(frame: &[u8]) -> Result<Self, Rejected> {
-        let &[
-            kind,
-            t0,
-            t1,
-            t2,
-            t3,
-            r0,
-            r1,
-            g0,
-            g1,
-            g2,
-            g3,
-            rssi,
-            c0,
-            c1,
-            c2,
-            c3,
-        ] = frame
-        else {
+        let (content, sum) = frame.split_last_chunk().ok_or(Rejected::Unparsable)?;
+        if frame.len() != Self::FRAME_BYTES {
             return Err(Rejected::Unparsable);
-        };
-        let (content, _) = frame.split_at_checked(12).ok_or(Rejected::Unparsable)?;
-        if crc32(content) != u32::from_le_bytes([c0, c1, c2, c3]) {
+        }
+        if crc32(content) != u32::from_le_bytes(*sum) {
             return Err(Rejected::Checksum);
         }
-        if kind != Self::FRAME_KIND {
+        let mut rest = content;
+        if take(&mut rest) != [Self::FRAME_KIND] {
             return Err(Rejected::Unparsable);
         }
         Ok(Self {
-            time_ms: u32::from_le_bytes([t0, t1, t2, t3]),
-            radio: u16::from_le_bytes([r0, r1]),
-            tag: u32::from_le_bytes([g0, g1, g2, g3]),
-            rssi_dbm: rssi as i8,
+            time_ms: u32::from_le_bytes(take(&mut rest)),
+            radio: u16::from_le_bytes(take(&mut rest)),
+            tag: u32::from_le_bytes(take(&mut rest)),
+            rssi_dbm: i8::from_le_bytes(take(&mut rest)),
         })
     }
 
     /// The frame of this packet, before it is stuffed: what a radio sends.
     pub fn to_frame(self) -> [u8; Self::FRAME_BYTES] {
-        let [t0, t1, t2, t3] = self.time_ms.to_le_bytes();
-        let [r0, r1] = self.radio.to_le_bytes();
-        let [g0, g1, g2, g3] = self.tag.to_le_bytes();
-        let content = [
-            Self::FRAME_KIND,
-            t0,
-            t1,
-            t2,
-            t3,
-            r0,
-            r1,
-            g0,
-            g1,
-            g2,
-            g3,
-            self.rssi_dbm as u8,
+        let numbers: [&[u8]; 5] = [
+            &[Self::FRAME_KIND],
+            &self.time_ms.to_le_bytes(),
+            &self.radio.to_le_bytes(),
+            &self.tag.to_le_bytes(),
+            &self.rssi_dbm.to_le_bytes(),
         ];
         let mut frame = [0; Self::FRAME_BYTES];
-        for (to, from) in frame
-            .iter_mut()
-            .zip(content.into_iter().chain(crc32(&content).to_le_bytes()))
-        {
-            *to = from;
+        for (to, from) in frame.iter_mut().zip(numbers.into_iter().flatten()) {
+            *to = *from;
+        }
+        if let Some((content, sum)) = frame.split_last_chunk_mut() {
+            *sum = crc32(content).to_le_bytes();
         }
         frame
     }
+}
+
+/// Takes the next bytes; zero where there are none.
+fn take<const K: usize>(rest: &mut &[u8]) -> [u8; K] {
+    let Some((taken, left)) = rest.split_first_chunk() else {
+        return [0; K];
+    };
+    *rest = left;
+    *taken
 }
 
 #[cfg(test)]

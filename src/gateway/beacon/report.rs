@@ -2,7 +2,7 @@
 
 use super::{Counters, Rejected};
 use crate::estimate::Ellipse;
-use crate::fingerprint::tracker::{Fix, State, Tag};
+use crate::fingerprint::tracker::{Fix, State};
 use crate::gateway::sentence::{DEGREES, Text, Unit};
 
 /// Has room for the fixes of [`super::MAX_TAGS`] tags and a status.
@@ -10,11 +10,11 @@ pub(super) type Report = Text<2560>;
 
 impl Report {
     /// `$PFOXT`
-    pub fn tag(&mut self, tag: Tag, fix: &Fix) {
+    pub fn tag(&mut self, tag: u32, fix: &Fix) {
         let ellipse = Ellipse::of_sigmas(fix.position, fix.covariance, 1.0);
         self.begin("PFOXT");
         self.field(fix.time_ms);
-        self.field(tag.0);
+        self.field(tag);
         self.put(match fix.state {
             State::Tracking => ",TRACKING",
             State::Uncertain => ",UNCERTAIN",
@@ -83,7 +83,7 @@ mod tests {
     #[test]
     fn sentences() {
         let mut report = Report::new();
-        report.tag(Tag(7), &fix());
+        report.tag(7, &fix());
         assert_eq!(
             report.as_str(),
             "$PFOXT,12500,7,TRACKING,31.250,-0.500,1.000,0.000,2.000,1.000,0.0,-3.3,211.0*45\r\n"
@@ -106,7 +106,7 @@ mod tests {
             effective_sample_size: 65_536.0,
         };
         for _ in 0..MAX_TAGS {
-            report.tag(Tag(u32::MAX), &fix);
+            report.tag(u32::MAX, &fix);
         }
         report.status(&Counters::EMPTY, 8, 0);
         // Every count, now one digit, may have ten.

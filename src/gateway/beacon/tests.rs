@@ -85,7 +85,7 @@ fn both_framings_give_the_same_answers() {
     let by_frames = run(&mut gateway(&map, Framing::Frames), &frames);
     assert_eq!(by_lines, by_frames);
     let (events, output) = by_lines;
-    assert!(matches!(events[0], Event::Taken(Tag(7))));
+    assert!(matches!(events[0], Event::Taken { tag: 7 }));
     assert_eq!(events.last(), Some(&Event::Queried));
     assert!(output.contains("$PFOXT,") && output.contains(",7,"));
     assert!(output.contains("$PFOXS,41,40,0,1,0,0,0,0,0,0,0,1,0,0*"));
@@ -98,7 +98,7 @@ fn tags_are_tracked_apart_and_the_silent_one_is_evicted() {
     for (time, tag) in [(0, 1), (10, 2), (20, 1), (30, 3)] {
         run(&mut gateway, line(&packet(time, 0, tag)).as_bytes());
     }
-    let tags: Vec<u32> = gateway.state.tags().map(|(tag, _)| tag.0).collect();
+    let tags: Vec<u32> = gateway.state.tags().map(|(tag, _)| tag).collect();
     assert_eq!(tags, [1, 3]);
     assert_eq!(gateway.state.counters().evicted, 1);
     run(&mut gateway, sentence("PFOXR").as_bytes());
@@ -155,7 +155,7 @@ fn an_uncertain_fix_is_reported_as_such() {
         .collect();
     let (events, output) = run(&mut gateway, lines.as_bytes());
     let fix = events.iter().find_map(|event| match event {
-        Event::Fix(_, fix) => Some(fix),
+        Event::Fix { fix, .. } => Some(fix),
         _ => None,
     });
     let uncertain = fix.is_some_and(|fix| fix.state == State::Uncertain);
@@ -174,7 +174,7 @@ proptest! {
                 Framing::Frames => [&[0], frame(&packet(5, 0, 7).to_frame()).as_slice()].concat(),
             };
             let (events, _) = run(&mut gateway, &whole);
-            prop_assert_eq!(events.last(), Some(&Event::Taken(Tag(7))));
+            prop_assert_eq!(events.last(), Some(&Event::Taken { tag: 7 }));
         }
     }
 

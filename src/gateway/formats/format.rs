@@ -216,8 +216,8 @@ macro_rules! sets {
                 };
                 match which {
                     $($number if is_heard($format::FINDER) => self.$place.parse(line, config),)+
-                    $($number)|+ => Err(Rejected::OtherFinder),
-                    _ => Err(Rejected::Unparsable),
+                    0 => Err(Rejected::Unparsable),
+                    _ => Err(Rejected::OtherFinder),
                 }
             }
 

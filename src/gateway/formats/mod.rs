@@ -11,7 +11,7 @@ pub mod ublox;
 
 pub use agrelo::Agrelo;
 pub use format::Formats;
-pub(super) use format::{Motion, Pose, Reading, Sentence, Set};
+pub(super) use format::{Motion, Peaks, Pose, Reading, Sentence, Set};
 pub use kraken::{Kraken, KrakenSpectrum};
 pub use nmea::Nmea;
 pub use ublox::Ublox;

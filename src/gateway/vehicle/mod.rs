@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use super::clock::{Clock, TimeOfDay};
 use super::config::Config;
-use super::formats::{All, Formats, Reading, Sentence};
+use super::formats::{All, Formats, Peaks, Reading, Sentence};
 use super::line::LineReader;
 use super::navigation::{Navigation, Receiver};
 use super::outcome::{Counters, Event, Rejected};
@@ -225,17 +225,10 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
             Some(peak) => of_peak(peak)?,
             None => observe(reading.degrees, sigma_rad(reading, config))?,
         };
-        let mut alternatives = Vec::<Alternative, 3>::new();
-        if F::SPECTRA
-            && let Some([best, second, third]) = peaks
-        {
-            for peak in [second, third, best].into_iter().flatten() {
-                let seen = of_peak(peak).map(|seen| Alternative::new(seen, peak.probability));
-                if let Ok(Ok(alternative)) = seen {
-                    let _ = alternatives.push(alternative);
-                }
-            }
-        }
+        let alternatives = match peaks {
+            Some(peaks) if F::SPECTRA => alternatives(peaks, of_peak),
+            _ => Vec::new(),
+        };
         let at = (frame.time, plane);
         let answer = self.search.push(at, &observation, &alternatives, config)?;
         if self.search.is_due(frame.time, config) {
@@ -254,6 +247,22 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
         self.report
             .answer(&search.locator, &config.locator, search.context());
     }
+}
+
+/// The peaks of a spectrum as bearings that exclude each other, the largest last.
+fn alternatives<E>(
+    [best, second, third]: Peaks,
+    observe: impl Fn(Peak) -> Result<Observation, E>,
+) -> Vec<Alternative, 3> {
+    let mut alternatives = Vec::new();
+    for peak in [second, third, best].into_iter().flatten() {
+        if let Ok(Ok(alternative)) =
+            observe(peak).map(|seen| Alternative::new(seen, peak.probability))
+        {
+            let _ = alternatives.push(alternative);
+        }
+    }
+    alternatives
 }
 
 /// By the table of the format, if it has one.

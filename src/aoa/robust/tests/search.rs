@@ -1,7 +1,7 @@
 //! The search for modes, and the moves between them.
 
 use super::super::density::Region;
-use super::super::mode::MODES;
+use super::super::mode::{MODES, Mode};
 use super::super::search::add;
 use super::*;
 use crate::kalman::Covariance;

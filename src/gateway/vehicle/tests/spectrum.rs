@@ -159,6 +159,6 @@ fn a_line_without_its_spectrum_changes_nothing() {
     let other = format!("{}%030/9\r", rmc("120000"));
     assert!(matches!(
         push(&mut gateway, &other)[..],
-        [Event::NotObservable(_)]
+        [Event::Used, Event::NotObservable(_)]
     ));
 }

@@ -228,7 +228,7 @@ fn one_run(
 }
 
 fn kalman(matches: &[[f32; 2]], model: &Model) -> Result<Vec<f64>> {
-    let mut state = model.kalman_start(matches[0])?;
+    let mut state = model.kalman_start(matches[0]);
     let mut places = vec![f64::from(state.mean[0])];
     for found in &matches[1..] {
         model.kalman_step(&mut state, INTERVAL as f32, *found)?;
@@ -247,7 +247,7 @@ fn cloud(
     if is_uniform {
         cloud.start_within([0.0; 2], [80.0, 3.5], matches[0], model, rng)?;
     } else {
-        cloud.start_around(matches[0], model, rng)?;
+        cloud.start_around(matches[0], model, rng);
     }
     let mut places = vec![f64::from(cloud.mean()[0])];
     for found in &matches[1..] {

@@ -88,7 +88,7 @@ fn filtered(
     for (step, place) in places.iter().enumerate() {
         let place = place.map(|x| x as f32);
         if step == 0 {
-            cloud.start_around(place, model, rng)?;
+            cloud.start_around(place, model, rng);
         } else {
             cloud.step(2.0, place, model, rng)?;
         }

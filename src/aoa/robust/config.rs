@@ -1,0 +1,74 @@
+//! What a locator for bearings of which some are wrong can be told.
+
+use super::errors::Errors;
+use crate::ConfigError;
+use crate::config::{require, require_all};
+
+/// What a [`Robust`](super::Robust) locator can be told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Config {
+    /// What is believed of the errors before any bearing.
+    pub errors: Errors,
+    /// The source is as likely nearer to the place of the first bearing as farther away than this many metres, 1 to 1e6.
+    pub range_m: f32,
+    /// Largest standard deviation of the range to the source that makes a fix, as a fraction of the range, 0.01 to 1.
+    pub relative_range_sigma: f32,
+    /// Particles are resampled and moved when the effective sample size falls below this fraction of their number, 0 to 1.
+    pub resample_below: f32,
+    /// Metropolis-Hastings steps of every particle after a resampling, 1 to 16. Each evaluates all bearings in the buffer
+    /// once.
+    pub moves: u8,
+}
+
+impl Config {
+    /// For a direction finder on a vehicle.
+    pub const DEFAULT: Self = Self {
+        errors: Errors::DEFAULT,
+        range_m: 20_000.0,
+        relative_range_sigma: 0.25,
+        resample_below: 0.5,
+        moves: 2,
+    };
+
+    /// For a vehicle in a city: its array is mounted 3 degrees off, and satellites place it to 3 m.
+    pub const CITY: Self = Self {
+        errors: Errors {
+            bias_sigma_rad: 0.05,
+            position_sigma_m: 3.0,
+            ..Errors::DEFAULT
+        },
+        ..Self::DEFAULT
+    };
+
+    /// Checks the fields.
+    ///
+    /// # Errors
+    /// Names the field that is out of range.
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        require_all!(self.errors);
+        require!(
+            self.range_m >= 1.0 && self.range_m <= 1e6,
+            "range_m is not within 1 and 1e6"
+        );
+        require!(
+            self.relative_range_sigma >= 0.01 && self.relative_range_sigma <= 1.0,
+            "relative_range_sigma is not within 0.01 and 1"
+        );
+        require!(
+            self.resample_below >= 0.0 && self.resample_below <= 1.0,
+            "resample_below is not within 0 and 1"
+        );
+        require!(
+            self.moves >= 1 && self.moves <= 16,
+            "moves is not within 1 and 16"
+        );
+        Ok(())
+    }
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
