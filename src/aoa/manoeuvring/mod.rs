@@ -60,7 +60,7 @@ const RECENT: usize = 32;
 /// let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
 /// let mut locator = Locator::<Manoeuvring<Robust<256>>>::new(Config::DEFAULT)?;
 /// // Driving round a source that is stationary for a minute and then drives north.
-/// for second in 0..90 {
+/// for second in 0..75 {
 ///     let angle = 0.04 * second as f32;
 ///     let [x, y] = [300.0 * angle.cos(), 300.0 * angle.sin()];
 ///     let north = if second < 60 { 0.0 } else { 10.0 * (second - 60) as f32 };
