@@ -17,13 +17,17 @@ mod target {
     use cortex_m_semihosting::hprintln;
     use foxhunt::{
         aoa::{
-            Answer, Bearing, Clean, Locate, Locator, MultiTarget, Observation, Robust, clean,
+            Answer, Bearing, Clean, Locate, Locator, MultiTarget, Observation, Robust,
+            clean::{self, Moves},
             multi, robust,
         },
-        gateway::{Config, Event, Formats, FullReport, ReportForm, Vehicle, formats::All},
+        gateway::{
+            Config, Event, FullReport, ReportForm, Vehicle,
+            formats::{All, Formats},
+        },
         problems::bearings::Track,
         random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform},
-        refine::{DifferentialEvolution, Firefly, FishSchool, Lengths, Refinement},
+        refine::{DifferentialEvolution, Firefly, FishSchool, Lengths},
         snapshot::Persist,
     };
     use foxhunt_emulated::stopwatch::Stopwatch;
@@ -63,10 +67,7 @@ mod target {
     }
 
     /// A gateway whose particles move as published, after every bearing.
-    fn greedy<M: Refinement<2>>(refinement: M, stopwatch: &Stopwatch) -> Updates
-    where
-        Clean<200, 64, M>: Locate<Config = clean::Config<M>>,
-    {
+    fn greedy<M: Moves<200>>(refinement: M, stopwatch: &Stopwatch) -> Updates {
         let config = black_box(Config::new(clean::Config {
             resample_below: 1.0,
             ..clean::Config::with_refinement(refinement)
