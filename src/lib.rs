@@ -21,7 +21,7 @@
 //! | [`problems`] | the problems of the published experiments, ready to run |
 //! | [`aoa`] | bearings and their conventions, triangulation, Gauss-Newton; locators of one source or several, stationary or manoeuvring |
 //! | [`fingerprint`] | radio maps in flash, matching of signal strengths with them, trackers of tags |
-//! | `gateway` (feature) | bytes in, fixes out: the state machine that firmware, host tools and tests share |
+//! | `gateway` (feature) | bytes in, fixes out: the same state machine in firmware, host tools and tests |
 //!
 //! To find a transmitter from bearings, start at [`aoa::Locator`]. To track something of your own, start at [`model`].
 //! The guide in `docs/` of the repository explains which locator to take, how to read the uncertainty, and how to build

@@ -86,9 +86,7 @@ fn drive<L: Locate + Persist, F: Formats, R: ReportForm, const PORTS: usize>(loc
 }
 
 fn spectrum() {
-    let temper = Temper {
-        exponent: any(0.0),
-    };
+    let temper = Temper { exponent: any(0.0) };
     if temper.check().is_err() {
         return;
     }

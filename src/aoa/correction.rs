@@ -10,7 +10,7 @@ use crate::math::{atan2, sin_cos, wrap};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Pull {
-    /// Falls steadily from 1 at quality 40 to 0 at quality 100, through the values that the printed bands share.
+    /// Falls steadily from 1 at quality 40 to 0 at quality 100, through the values that the printed bands have in common.
     #[default]
     Continuous,
     /// As printed. Within each band the weight *grows* with quality, so the better of two readings may be

@@ -266,7 +266,7 @@ mod tests {
 
     #[test]
     fn a_small_error_keeps_its_digits() {
-        // Von Mises and normal errors agree when they are small: the same spread, whatever its size.
+        // Von Mises and normal errors are the same when they are small: the same spread, whatever its size.
         for sigma in [0.02f32, 0.003, 0.0005] {
             let observations: [Observation; 8] = core::array::from_fn(|i| {
                 let error = if i % 2 == 0 { sigma } else { -sigma };

@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn the_columns_agree_with_the_single_particle() {
+    fn columns_give_the_likelihood_of_each_particle() {
         let likelihood = likelihood([3.0, -2.0], 33.0, 0.05);
         let places = places();
         let x: Vec<f32> = places.iter().map(|p| p[0]).collect();

@@ -1,4 +1,4 @@
-//! What the tests of the locators share.
+//! What the tests of the locators have in common.
 
 use core::ops::Deref;
 

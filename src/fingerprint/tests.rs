@@ -324,20 +324,20 @@ fn a_wrong_field_of_a_configuration_is_named() {
     assert!(!config.accepts(0.1) && !config.accepts(f32::NAN));
 }
 
+/// A map of one beacon: all sigmas by all means at 64 x 4 points.
+fn all_moments() -> Vec<u8> {
+    let mut bytes = header([1, 1, 0, 64, 4]);
+    bytes.extend([1, 0, 0, 0, 0, 0]);
+    bytes.extend([0xff; 32]);
+    for next in 0..256 {
+        bytes.extend([(next % 64) as u8, (64 * (next / 64) + 13) as u8]);
+    }
+    sealed(bytes)
+}
+
 #[test]
 fn costs_are_those_of_the_mixture_for_all_configurations() {
-    // One beacon, all sigmas by all means at 64 x 4 points.
-    let mut next = 0u32;
-    let bytes = {
-        let mut bytes = header([1, 1, 0, 64, 4]);
-        bytes.extend([1, 0, 0, 0, 0, 0]);
-        bytes.extend([0xff; 32]);
-        for _ in 0..256 {
-            bytes.extend([(next % 64) as u8, (64 * (next / 64) + 13) as u8]);
-            next += 1;
-        }
-        sealed(bytes)
-    };
+    let bytes = all_moments();
     let map = RadioMap::new(&bytes).unwrap();
     let mut posterior = Posterior::<256>::EMPTY;
     for (inflation, outliers, range) in [

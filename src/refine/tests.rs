@@ -91,20 +91,8 @@ fn discrepancy(refinement: &impl Refinement<2>, known: &Known, seed: u64) -> f64
 
     let features: [fn(&[f32; 2]) -> f32; 3] = [|s| s[0], |s| s[1], known.log_density];
     let kolmogorov = features.map(|f| {
-        let sorted = |sample: &[[f32; 2]]| {
-            let mut values: Vec<f32> = sample.iter().map(f).collect();
-            values.sort_by(f32::total_cmp);
-            values
-        };
-        let (a, b) = (sorted(&ends), sorted(&exact));
-        let below = |v: &[f32], x: f32| v.partition_point(|y| *y <= x) as f64 / v.len() as f64;
-        let gap = a
-            .iter()
-            .chain(&b)
-            .map(|x| (below(&a, *x) - below(&b, *x)).abs())
-            .fold(0.0, f64::max);
-        let (n, m) = (a.len() as f64, b.len() as f64);
-        gap * (n * m / (n + m)).sqrt()
+        let [a, b] = [&ends, &exact].map(|sample| sample.iter().map(f).collect());
+        kolmogorov_smirnov(a, b)
     });
     let centre = exact[0];
     let moments: [fn(f64, f64) -> f64; 5] =
@@ -125,6 +113,20 @@ fn discrepancy(refinement: &impl Refinement<2>, known: &Known, seed: u64) -> f64
         0.5 * (a.0 - b.0).abs() / (a.1 + b.1).sqrt()
     });
     kolmogorov.into_iter().chain(errors).fold(0.0, f64::max)
+}
+
+/// The statistic of Kolmogorov and Smirnov of two samples.
+fn kolmogorov_smirnov(mut a: Vec<f32>, mut b: Vec<f32>) -> f64 {
+    a.sort_by(f32::total_cmp);
+    b.sort_by(f32::total_cmp);
+    let below = |v: &[f32], x: f32| v.partition_point(|y| *y <= x) as f64 / v.len() as f64;
+    let gap = a
+        .iter()
+        .chain(&b)
+        .map(|x| (below(&a, *x) - below(&b, *x)).abs())
+        .fold(0.0, f64::max);
+    let (n, m) = (a.len() as f64, b.len() as f64);
+    gap * (n * m / (n + m)).sqrt()
 }
 
 /// Asserts that the Metropolis form leaves every known distribution invariant, and that the test sees that the greedy

@@ -11,15 +11,15 @@ use super::{CHECKSUM, Error, HEADER, Persist, Reader, Value, Writer, open, seal,
 /// them is no snapshot. Each snapshot is numbered, under its checksum, to tell the newer one.
 ///
 /// ```
-/// use foxhunt::aoa::locator::{Locator, Settings};
+/// use foxhunt::aoa::{Clean, Locate};
 /// use foxhunt::snapshot::Keeper;
 ///
-/// type State = Locator<100>;
+/// type State = Clean<100>;
 /// let mut ram = [[0xA5; Keeper::<State>::BYTES]; 2];
 ///
 /// let [one, other] = &mut ram;
 /// let mut keeper = Keeper::new([one, other]);
-/// let mut locator = State::new(Settings::new());
+/// let mut locator = State::EMPTY;
 /// assert!(keeper.restore(&mut locator).is_err());
 /// for _bearing in 0..3 {
 ///     keeper.save(&locator)?;

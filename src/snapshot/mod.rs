@@ -91,8 +91,6 @@ pub enum Error {
     Checksum,
     /// The snapshot is of another type, or of one with other constants, such as another number of particles.
     Shape,
-    /// It was taken with other settings.
-    Settings,
     /// A value that no state has: the snapshot was forged, or by another program.
     Malformed,
 }
@@ -106,7 +104,6 @@ impl fmt::Display for Error {
             Self::Truncated => "the snapshot is truncated",
             Self::Checksum => "the checksum of the snapshot is wrong",
             Self::Shape => "the snapshot is of another type or size",
-            Self::Settings => "the snapshot was taken with other settings",
             Self::Malformed => "the snapshot holds a value that no state has",
         })
     }

@@ -2,11 +2,10 @@
 
 use heapless::Deque;
 
-use super::Manoeuvring;
 use super::cloud::Cloud;
 use super::config::Config;
-use super::lost::Lost;
-use super::phases::{Phase, seconds};
+use super::drive::Drive;
+use super::state::{Lost, Manoeuvring, Phase, seconds};
 use crate::ConfigError;
 use crate::aoa::robust::{self, Candidate, Errors};
 use crate::aoa::track::{Stationary, Track};
@@ -23,6 +22,38 @@ use crate::random::Rng;
 const SLACK: f32 = 2.0;
 
 impl<L: Stationary> Manoeuvring<L> {
+    /// Takes one bearing. The stationary locator comes first: it may refuse it.
+    fn take<R: Rng + ?Sized>(
+        &mut self,
+        observation: &Observation,
+        config: &Config<L::Config>,
+        rng: &mut R,
+    ) -> Result<Answer, PushError> {
+        let elapsed_ms =
+            (self.stationary.latest()).map_or(0, |latest| observation.since_ms(latest.time_ms()));
+        let (place, had_fix) = (self.stationary.moments(), self.stationary.fix().is_some());
+        self.stationary.push(observation, &config.track, rng)?;
+        self.bearings = self.bearings.saturating_add(1);
+        if elapsed_ms >= 0 {
+            let errors = self.errors(config);
+            let fresh = self.remember(observation, &errors);
+            if had_fix || self.cloud.is_alive() {
+                let drive = Drive::new(config, seconds(elapsed_ms));
+                self.let_time_pass(&drive, &place, rng);
+                self.weigh(&fresh, &place, &errors);
+                self.search(&fresh, &drive, config, rng);
+            }
+        }
+        self.update_phase(config);
+        self.answer = self.conclude(config);
+        if let Answer::Fix(fix) = self.answer
+            && self.lost.bearings == 0
+        {
+            self.seen = Some(fix);
+        }
+        Ok(self.answer)
+    }
+
     /// How the source moves; `None` before the first fix, until time has passed since, and again after the source was lost for
     /// good.
     pub fn motion(&self) -> Option<Motion> {

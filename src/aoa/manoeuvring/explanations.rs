@@ -1,11 +1,9 @@
 //! The probabilities of both explanations.
 
-use super::Manoeuvring;
 use super::cloud::COMPONENTS;
 use super::component::{Component, KnownBias};
 use super::drive::Drive;
-use super::lost::MEMORY;
-use super::phases::Phase;
+use super::state::{MEMORY, Manoeuvring, Phase};
 use crate::aoa::Observation;
 use crate::aoa::robust::Errors;
 use crate::aoa::track::{Stationary, odds_by_moments};

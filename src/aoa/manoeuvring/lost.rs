@@ -1,20 +1,15 @@
 //! A source that is lost.
 
-use super::Manoeuvring;
 use super::cloud::COMPONENTS;
 use super::component::Component;
 use super::config::Config;
 use super::drive::Drive;
+use super::state::{Lost, MEMORY, Manoeuvring};
 use crate::aoa::Observation;
 use crate::aoa::track::Stationary;
 use crate::estimate::Symmetric2;
 use crate::math::{sin_cos, sqrt};
 use crate::random::{Rng, normal};
-use crate::snapshot::value;
-
-/// Bearings over which the fraction of outliers is counted: fewer notice a loss sooner, and take more rows of outliers for
-/// one.
-pub(super) const MEMORY: f32 = 8.0;
 
 /// The source is lost when more of the latest bearings are outliers: lower searches for sources that were never lost,
 const TOO_MANY: f32 = 0.7;
@@ -29,22 +24,6 @@ const SEARCHING: f32 = 0.2;
 /// Standard deviation of such a component along the ray, as a fraction of that of all: small enough for a bearing from
 /// elsewhere to be linear, large enough for some two dozen to cover the ray.
 const LENGTH: f32 = 0.3;
-
-/// For how long the source has been lost: not at all, if there are no bearings.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Lost {
-    pub(super) seconds: f32,
-    pub(super) bearings: u32,
-}
-
-value!(Lost { seconds, bearings });
-
-impl Lost {
-    pub(super) const NOT: Self = Self {
-        seconds: 0.0,
-        bearings: 0,
-    };
-}
 
 impl<L: Stationary> Manoeuvring<L> {
     /// Looks for a lost source on the ray of a bearing.

@@ -1,23 +1,10 @@
 //! When the source is said to move, to have stopped, and to be lost for good.
 
-use super::Manoeuvring;
 use super::config::Config;
 use super::explanations::stationary_there;
-use super::lost::Lost;
+use super::state::{Lost, Manoeuvring, Phase, seconds};
 use crate::aoa::track::{Stationary, Track};
 use crate::math::sqrt;
-use crate::snapshot::{Error, Reader, Value, Writer, by_value};
-
-/// Whose answer is given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Phase {
-    /// The stationary locator's: where the source is, or that this is not known yet.
-    Stationary,
-    /// The mean of both explanations.
-    Departing,
-    /// The cloud's. The stationary locator looks for a place where the source may have stopped.
-    Moving,
-}
 
 /// Probability of having moved from which on the answer says so: lower notices a departure sooner, with more false alarms.
 const MOVED: f32 = 0.5;
@@ -133,27 +120,3 @@ impl<L: Stationary> Manoeuvring<L> {
         }
     }
 }
-
-/// Seconds of so many milliseconds.
-pub(super) fn seconds(milliseconds: i32) -> f32 {
-    milliseconds as f32 / 1000.0
-}
-
-impl Value for Phase {
-    const SIZE: usize = 1;
-
-    fn write(&self, to: &mut Writer<'_>) {
-        (*self as u8).write(to);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
-        Ok(match u8::read(from)? {
-            0 => Self::Stationary,
-            1 => Self::Departing,
-            2 => Self::Moving,
-            _ => return Err(Error::Malformed),
-        })
-    }
-}
-
-by_value!(Phase);

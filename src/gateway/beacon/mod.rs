@@ -1,6 +1,6 @@
 //! The gateway of a tunnel: reports of its radios in, the places of the tags out.
 //!
-//! [`BeaconGateway`] takes one byte after the other from the line that the radios share, as
+//! [`BeaconGateway`] takes one byte after the other from the common line of the radios, as
 //! [`Vehicle`](super::Vehicle) does, and returns what each message led to. It holds no clock: every time is one that a
 //! packet states.
 //!

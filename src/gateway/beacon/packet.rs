@@ -10,7 +10,7 @@ use super::Rejected;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Packet {
-    /// When, in milliseconds of a clock that all radios share. It may overflow: only differences count.
+    /// When, in milliseconds of a clock that is common to all radios. It may overflow: only differences count.
     pub time_ms: u32,
     /// The radio that heard it: a beacon of the map, by its identifier.
     pub radio: u16,

@@ -8,9 +8,12 @@ mod stationary;
 
 use core::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};
 
+use super::state::RECENT;
 use super::*;
 use crate::aoa::testing::{at, is_zero};
-use crate::aoa::{Bearing, Locate, Locator, Robust, robust};
+use crate::aoa::{
+    Answer, Bearing, Locate, Locator, Mixture, Observation, PushError, Robust, robust,
+};
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
 use crate::resample::{Scheme, resample};
 use crate::weights;

@@ -54,29 +54,17 @@ pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
         for particle in &mut particles {
             if *time < chase.stop {
                 let keep = if uniform(&mut rng) < turn { 0.0 } else { keep };
-                let kick = sigma * (1.0 - keep * keep).sqrt();
-                let [x, y, u, v] = *particle;
-                let (p, q) = (
-                    keep * u + kick * normal(&mut rng),
-                    keep * v + kick * normal(&mut rng),
-                );
-                *particle = [x + 0.5 * (u + p), y + 0.5 * (v + q), p, q];
+                drive(particle, keep, sigma, &mut rng);
             } else {
                 particle[0] += 0.1 * normal(&mut rng);
                 particle[1] += 0.1 * normal(&mut rng);
             }
         }
-        for (particle, weight) in particles.iter().zip(&mut weights) {
-            let error = read(observation, &errors, &[particle[0], particle[1], 0.0]).error;
-            *weight *= 1.0 + error.odds(error.angle, error.variance, &errors);
-        }
-        let total: f32 = weights.iter().sum();
-        weights.iter_mut().for_each(|weight| *weight /= total);
-        let mean = [0, 1].map(|d: usize| {
+        weigh(&particles, &mut weights, observation, &errors);
+        out.push([0, 1].map(|d: usize| {
             let all = particles.iter().zip(&weights);
             all.map(|(p, w)| w * p[d]).sum::<f32>()
-        });
-        out.push(mean);
+        }));
         if weights::effective_sample_size(&weights) < 0.5 * PARTICLES as f32 {
             let mut memory = vec![0.0; PARTICLES];
             let chosen = resample(Scheme::Systematic, &weights, &mut memory, &mut rng);
@@ -85,4 +73,22 @@ pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
         }
     }
     out
+}
+
+/// Moves a particle by a second, in which its velocity keeps a part of what it was.
+fn drive(particle: &mut [f32; 4], keep: f32, sigma: f32, rng: &mut Xoshiro128PlusPlus) {
+    let kick = sigma * (1.0 - keep * keep).sqrt();
+    let [x, y, u, v] = *particle;
+    let (p, q) = (keep * u + kick * normal(rng), keep * v + kick * normal(rng));
+    *particle = [x + 0.5 * (u + p), y + 0.5 * (v + q), p, q];
+}
+
+/// Weighs the particles by a bearing.
+fn weigh(particles: &[[f32; 4]], weights: &mut [f32], observation: &Observation, errors: &Errors) {
+    for ([x, y, ..], weight) in particles.iter().zip(weights.iter_mut()) {
+        let error = read(observation, errors, &[*x, *y, 0.0]).error;
+        *weight *= 1.0 + error.odds(error.angle, error.variance, errors);
+    }
+    let total: f32 = weights.iter().sum();
+    weights.iter_mut().for_each(|weight| *weight /= total);
 }

@@ -63,7 +63,7 @@ fn located(seed: u64, all: bool) -> Option<(f32, bool)> {
     }
 }
 
-/// Share of the runs with a fix and, of those, median and largest error in metres and the probability of the regions that hold
+/// Fraction of the runs with a fix and, of those, median and largest error in metres and the probability of the regions that hold
 /// the source.
 fn statistics(all: bool) -> [f32; 4] {
     const RUNS: u64 = 300;
@@ -90,7 +90,7 @@ fn the_peaks_of_a_spectrum_are_worth_more_than_its_highest() {
 }
 
 #[test]
-fn a_share_is_taken_off_the_odds() {
+fn odds_are_scaled_by_the_probability_of_an_alternative() {
     let errors = Errors::DEFAULT;
     let whole = towards([3.0, -2.0], SOURCE, 0.0, 0.05);
     let odds = |probability: f32, at: [f32; 2]| {
@@ -128,7 +128,7 @@ fn one_reading_of_two_bearings_counts_as_one() {
 }
 
 #[test]
-fn what_becomes_one_has_the_mean_of_the_shares() {
+fn merged_alternatives_have_the_mean_of_their_probabilities() {
     let errors = Errors {
         correlation: Correlation {
             at_rest: 0.9,

@@ -21,7 +21,7 @@ fn passing(pass: f32, metres: f32, sigma: f32, rng: &mut Xoshiro128PlusPlus) -> 
         .collect()
 }
 
-/// Share of the runs whose 95 % region holds the source, and the root mean square of the errors in metres.
+/// Fraction of the runs whose 95 % region holds the source, and the root mean square of the errors in metres.
 fn coverage<const B: usize>(errors: Errors, runs: u64) -> (f32, f32) {
     let (mut within, mut square) = (0, 0.0);
     for seed in 0..runs {
@@ -53,8 +53,8 @@ fn the_region_of_a_source_nearby_holds_it_as_often_as_it_says() {
         "{ignored} {worse} m without, {covered} {better} m with; buffer of 16: {small} {averaged} m"
     );
     // 95 % of 1000 has a sigma of 0.7 %: one false alarm in 50 000 seeds for each.
-    for share in [covered, small] {
-        assert!((0.92..=0.98).contains(&share), "{share}");
+    for fraction in [covered, small] {
+        assert!((0.92..=0.98).contains(&fraction), "{fraction}");
     }
     assert!(ignored < 0.75 && better < worse, "{ignored}");
 }
