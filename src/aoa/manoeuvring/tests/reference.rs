@@ -45,11 +45,10 @@ pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
         }
         if particles.is_empty() {
             let columns = stationary.state().columns();
-            for i in 0..PARTICLES {
+            particles.extend((0..PARTICLES).map(|i| {
                 let [x, y, _] = crate::particles::read(&columns, i % 512);
-                let velocity = [sigma * normal(&mut rng), sigma * normal(&mut rng)];
-                particles.push([x, y, velocity[0], velocity[1]]);
-            }
+                [x, y, sigma * normal(&mut rng), sigma * normal(&mut rng)]
+            }));
         }
         for particle in &mut particles {
             if *time < chase.stop {
@@ -66,10 +65,7 @@ pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
             all.map(|(p, w)| w * p[d]).sum::<f32>()
         }));
         if weights::effective_sample_size(&weights) < 0.5 * PARTICLES as f32 {
-            let mut memory = vec![0.0; PARTICLES];
-            let chosen = resample(Scheme::Systematic, &weights, &mut memory, &mut rng);
-            particles = chosen.iter().map(|i| particles[i]).collect();
-            weights.fill(1.0 / PARTICLES as f32);
+            particles = resampled(&particles, &mut weights, &mut rng);
         }
     }
     out
@@ -91,4 +87,17 @@ fn weigh(particles: &[[f32; 4]], weights: &mut [f32], observation: &Observation,
     }
     let total: f32 = weights.iter().sum();
     weights.iter_mut().for_each(|weight| *weight /= total);
+}
+
+/// As many particles of equal weight.
+fn resampled(
+    particles: &[[f32; 4]],
+    weights: &mut [f32],
+    rng: &mut Xoshiro128PlusPlus,
+) -> Vec<[f32; 4]> {
+    let mut memory = vec![0.0; PARTICLES];
+    let chosen = resample(Scheme::Systematic, weights, &mut memory, rng);
+    let particles = chosen.iter().map(|i| particles[i]).collect();
+    weights.fill(1.0 / PARTICLES as f32);
+    particles
 }
