@@ -87,13 +87,9 @@ fn drive<L: Locate + Persist, F: Formats, R: ReportForm, const PORTS: usize>(loc
 
 fn spectrum() {
     let temper = Temper { exponent: any(0.0) };
-<<<<<<< HEAD
     if temper.check().is_err() {
         return;
     }
-=======
-    _ = black_box(temper.check());
->>>>>>> core
     let mut spectrum = any(Spectrum::new());
     for _ in 0..any(100) {
         _ = black_box(spectrum.push(any(0.0)));

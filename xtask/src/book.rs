@@ -207,7 +207,8 @@ mod tests {
     #[test]
     fn a_planted_fault_is_found() {
         let page = |root: &Path, text: &str| fs::write(root.join("docs/src/one.md"), text).unwrap();
-        let cases: [(&str, &dyn Fn(&Path), &str); 6] = [
+        type Case<'a> = (&'a str, &'a dyn Fn(&Path), &'a str);
+        let cases: [Case<'_>; 6] = [
             (
                 "missing",
                 &|root| fs::remove_file(root.join("docs/src/one.md")).unwrap(),
