@@ -37,10 +37,7 @@ pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
     {
         if *time < chase.departure {
             let answer = stationary.push(observation, &mut rng).unwrap();
-            out.push(match answer {
-                Answer::Fix(fix) => fix.position,
-                Answer::NotObservable(_) => [f32::NAN; 2],
-            });
+            out.push(answer.fix().map_or([f32::NAN; 2], |fix| fix.position));
             continue;
         }
         if particles.is_empty() {

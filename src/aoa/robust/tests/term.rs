@@ -23,7 +23,7 @@ fn a_term_is_the_mixture_over_what_a_bearing_is() {
         };
         for &sigma in sigmas {
             let errors = Errors {
-                tails: tails,
+                tails,
                 ..Errors::DEFAULT
             };
             let bearing = Bearing::from_radians(2.0);
