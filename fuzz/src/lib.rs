@@ -6,16 +6,14 @@
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use foxhunt::{
-    aoa::{
-        Clean, Locate, MultiTarget, Observation, Robust, clean, multi, robust,
-    },
+    aoa::{Clean, Locate, MultiTarget, Observation, Robust, clean, multi, robust},
     fingerprint::{
         Encoding, GaussianMatcher, Matcher, Neighbours, Posterior, RadioMap, Reading, TableMatcher,
         tracker::{self, Packet, Site, Tracker, Workspace},
     },
     gateway::{
-        Config, Event, Formats, FullReport, Gateway, Vehicle, beacon,
-        formats::{All, Finder, KrakenSpectrum, Nmea},
+        Config, Event, FullReport, Gateway, Vehicle, beacon,
+        formats::{All, Finder, Formats, KrakenSpectrum, Nmea},
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
     snapshot::{Persist, largest},
@@ -243,7 +241,11 @@ pub fn radio_map(data: &[u8]) {
         for time_ms in [0, 500, 1_000] {
             for beacon in [0, 1, 0] {
                 let rssi_dbm = -60.0;
-                let packet = Packet { time_ms, beacon, rssi_dbm };
+                let packet = Packet {
+                    time_ms,
+                    beacon,
+                    rssi_dbm,
+                };
                 let _ = tracker.push(packet, &site, &mut workspace, &mut rng);
             }
             if let Some(fix) = tracker.flush(&site, &mut workspace, &mut rng) {

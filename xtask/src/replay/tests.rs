@@ -82,7 +82,7 @@ fn what_a_locator_does_not_listen_to_is_refused() {
             .contains("--bias-sigma is of no use")
     );
     let (done, _) = replay(&file, &["--outliers", "1.5"]);
-    assert!(done.unwrap_err().to_string().contains("wild"));
+    assert!(done.unwrap_err().to_string().contains("outlier"));
 }
 
 #[test]
@@ -104,7 +104,7 @@ fn what_contradicts_is_refused_before_anything_is_read() {
         assert!(error.contains("is of no use with"), "{more:?}: {error}");
     }
     for (more, reason) in [
-        (["--outliers", "-1"], "wild"),
+        (["--outliers", "-1"], "outlier"),
         (["--minimum-speed", "-1"], "speed"),
         (["--minimum-quality", "-0.5"], "quality"),
         (["--range", "-5"], "range"),
@@ -115,7 +115,7 @@ fn what_contradicts_is_refused_before_anything_is_read() {
     // What belongs together is not.
     for more in [
         ["--finder", "ublox", "--tag", "CCF9578E0D8A"],
-        ["--finder", "any", "--frequency", "433920000"],
+        ["--confidence", "percent", "--frequency", "433920000"],
         ["--sigmas", "linear", "--best-sigma", "3"],
     ] {
         let error = refused(&more);
