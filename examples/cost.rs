@@ -270,6 +270,8 @@ mod target {
         });
     }
 
+    // Its loop is compiled on its own: what it costs does not depend on the other kernels.
+    #[inline(never)]
     fn kernel<A: Copy, B: Copy + Default>(
         name: &str,
         arguments: &[A; N],

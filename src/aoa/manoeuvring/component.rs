@@ -120,7 +120,8 @@ impl Component {
 
     /// Whether it is stationary and may well be at that place.
     pub(super) fn is_at(&self, place: &Self) -> bool {
-        let offset = [0, 1].map(|d: usize| self.position[d] - place.position[d]);
+        let ([ax, ay], [bx, by]) = (self.position, place.position);
+        let offset = [ax - bx, ay - by];
         let covariance = (self.position_covariance).plus(&place.position_covariance);
         self.is_stationary() && covariance.is_within(offset, SAME_PLACE)
     }
@@ -214,7 +215,8 @@ impl Component {
         if fit >= 0.5 {
             for _ in 0..ITERATIONS {
                 let shift = prediction.error / prediction.variance;
-                let about = [0, 1].map(|d: usize| self.position[d] - prediction.gain[d] * shift);
+                let ([x, y], [gx, gy]) = (self.position, prediction.gain);
+                let about = [x - gx * shift, y - gy * shift];
                 prediction = self.predict_bearing(about, observation, errors, bias);
             }
         }

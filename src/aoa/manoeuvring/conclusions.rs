@@ -102,11 +102,12 @@ impl<L: Stationary> Manoeuvring<L> {
             && let Some(stationary) = self.stationary.fix()
         {
             let p = 1.0 - self.moved;
-            let apart = [0, 1].map(|d: usize| stationary.position[d] - position[d]);
+            let ([sx, sy], [x, y]) = (stationary.position, position);
+            let apart = [sx - x, sy - y];
             covariance = (covariance.scaled(1.0 - p))
                 .plus(&stationary.covariance.scaled(p))
                 .plus_outer(p * (1.0 - p), apart);
-            position = [0, 1].map(|d: usize| position[d] + p * apart[d]);
+            position = [x + p * apart[0], y + p * apart[1]];
         }
         let n = self.cloud.effective_sample_size();
         let fix = Fix::of_cloud(position, covariance, n, self.bearings);

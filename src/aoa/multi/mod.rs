@@ -412,7 +412,8 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
 
 /// Whether two sources are at the same place as far as can be told.
 fn are_one(a: &Fix, b: &Fix) -> bool {
-    let offset = [0, 1].map(|d: usize| a.position[d] - b.position[d]);
+    let ([ax, ay], [bx, by]) = (a.position, b.position);
+    let offset = [ax - bx, ay - by];
     a.covariance.plus(&b.covariance).is_within(offset, SAME)
 }
 
