@@ -32,7 +32,8 @@ impl<const N: usize> Filter<N> for Foxhunt<N> {
         };
         let bearing = Bearing::from_radians(sighting.bearing);
         let sigma = libm::sqrtf(BEARING_VARIANCE);
-        let observation = Observation::new(sighting.position, bearing, sigma).ok()?;
+        // Only its likelihood is of interest here, which does not depend on the time.
+        let observation = Observation::new(0, sighting.position, bearing, sigma).ok()?;
 
         self.filter.predict(&walk, 1.0, &mut self.generator);
         self.filter
