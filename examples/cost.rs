@@ -107,6 +107,7 @@ mod target {
     pub fn run() {
         steps();
         kernels();
+        other_kernels();
         refinements();
         robust();
     }
@@ -143,42 +144,44 @@ mod target {
 
     /// Each kernel, over an array.
     fn kernels() {
-        let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
-        let mut a = [0.0; N];
-        a.fill_with(|| normal(&mut rng));
-        let mut b = [0.0; N];
-        b.fill_with(|| normal(&mut rng));
-
+        let (a, pairs) = arguments();
         kernel("m4f.math.exp", &a, math::exp);
         kernel("m4f.math.ln", &a.map(f32::abs), math::ln);
         kernel("m4f.math.sqrt", &a.map(f32::abs), math::sqrt);
         kernel("m4f.math.wrap", &a, math::wrap);
-        let mut pairs = [[0.0; 2]; N];
-        for ((pair, &y), &x) in pairs.iter_mut().zip(&a).zip(&b) {
-            *pair = [y, x];
-        }
         kernel("m4f.math.atan2", &pairs, |[y, x]| math::atan2(y, x));
         kernel("m4f.math.sin_cos", &a, math::sin_cos);
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
         kernel("m4f.random.normal", &a, |_| normal(&mut rng));
-        other_kernels(&a, &pairs);
+    }
+
+    /// Normal samples, and pairs of them.
+    #[inline(never)]
+    fn arguments() -> ([f32; N], [[f32; 2]; N]) {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
+        let mut a = [0.0; N];
+        a.fill_with(|| normal(&mut rng));
+        let pairs = a.map(|y| [y, normal(&mut rng)]);
+        (a, pairs)
     }
 
     /// The elementary functions of others, over the same arrays.
     #[inline(never)]
-    fn other_kernels(a: &[f32; N], pairs: &[[f32; 2]; N]) {
+    fn other_kernels() {
+        let (a, pairs) = arguments();
         let magnitudes = a.map(f32::abs);
-        kernel("m4f.math.exp.libm", a, libm::expf);
-        kernel("m4f.math.exp.micromath", a, F32Ext::exp);
+        kernel("m4f.math.exp.libm", &a, libm::expf);
+        kernel("m4f.math.exp.micromath", &a, F32Ext::exp);
         kernel("m4f.math.ln.libm", &magnitudes, libm::logf);
         kernel("m4f.math.ln.micromath", &magnitudes, F32Ext::ln);
         kernel("m4f.math.sqrt.libm", &magnitudes, libm::sqrtf);
         kernel("m4f.math.sqrt.micromath", &magnitudes, F32Ext::sqrt);
-        kernel("m4f.math.atan2.libm", pairs, |[y, x]| libm::atan2f(y, x));
-        kernel("m4f.math.atan2.micromath", pairs, |[y, x]| {
+        kernel("m4f.math.atan2.libm", &pairs, |[y, x]| libm::atan2f(y, x));
+        kernel("m4f.math.atan2.micromath", &pairs, |[y, x]| {
             F32Ext::atan2(y, x)
         });
-        kernel("m4f.math.sin_cos.libm", a, libm::sincosf);
-        kernel("m4f.math.sin_cos.micromath", a, F32Ext::sin_cos);
+        kernel("m4f.math.sin_cos.libm", &a, libm::sincosf);
+        kernel("m4f.math.sin_cos.micromath", &a, F32Ext::sin_cos);
     }
 
     /// One iteration of each refinement, by a density that costs next to nothing, and of the school by a bearing as well.
@@ -270,8 +273,8 @@ mod target {
         });
     }
 
-    // Its loop is compiled on its own: what it costs does not depend on the other kernels.
-    #[inline(never)]
+    // Always inlined: the code of a kernel's loop does not depend on how many others there are.
+    #[inline(always)]
     fn kernel<A: Copy, B: Copy + Default>(
         name: &str,
         arguments: &[A; N],
