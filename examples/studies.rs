@@ -19,11 +19,11 @@ mod target {
     use cortex_m_semihosting::{heprintln, nr::GET_CMDLINE, syscall1};
     use foxhunt::{
         aoa::{BearingLikelihood, Clean},
-        problems::{bearings::Track, gamma, growth},
         proposal::{Sensor, Transition},
         random::{SeedableRng, Xoshiro128PlusPlus},
     };
     use foxhunt_emulated::stopwatch::Stopwatch;
+    use foxhunt_problems::{bearings::Track, gamma, growth};
     use foxhunt_studies::methods::{bearings, scalar};
 
     /// Runs of every method, each with a seed of its own.

@@ -25,13 +25,13 @@ mod target {
             Config, Event, FullReport, ReportForm, Vehicle,
             formats::{All, Formats},
         },
-        problems::bearings::Track,
         random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform},
         refine::{DifferentialEvolution, Firefly, FishSchool, Lengths},
         snapshot::Persist,
     };
     use foxhunt_emulated::stopwatch::Stopwatch;
     use foxhunt_gateways::{evolution, firefly, fish, kept, plain, robust as city};
+    use foxhunt_problems::bearings::Track;
     use heapless::String;
 
     const DRIVE: &[u8] = include_bytes!("data/drive.nmea");

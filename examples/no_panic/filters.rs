@@ -10,13 +10,13 @@ use foxhunt::{
     math,
     model::{ConstantVelocity, Dynamics, RandomWalk},
     particles::{self, Particles},
-    problems::{bearings::Track, gamma, growth},
     proposal::{AuxiliaryFilter, PointMassFilter, Transition, UnscentedParticleFilter},
     random::{self, SeedableRng, Xoshiro128PlusPlus},
     refine::{DifferentialEvolution, Firefly, FishSchool, Memory, Refinement},
     resample::{Scheme, resample},
     weights::{self, Weights},
 };
+use foxhunt_problems::{bearings::Track, gamma, growth};
 
 use crate::{
     bearings::observation,

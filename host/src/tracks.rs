@@ -1,9 +1,9 @@
 //! The problems of the published experiments, ready made.
 //!
 //! Each has a source that stands still, receivers along a track and bearings with Gaussian errors: those of
-//! [`foxhunt::problems::bearings`], for references in f64.
+//! [`foxhunt_problems::bearings`], for references in f64.
 
-use foxhunt::problems::bearings;
+use foxhunt_problems::bearings;
 
 /// A source and the places from which its bearing is taken.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,7 +7,6 @@ use foxhunt::aoa::{Bearing, Clean, Locator, Observation, clean};
 use foxhunt::estimate::Symmetric2;
 use foxhunt::filter::ParticleFilter;
 use foxhunt::model::ConstantVelocity;
-use foxhunt::problems::growth::{Growth, Measurement, START};
 use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 use foxhunt::resample::Scheme;
 use foxhunt_host::measured::Measured;
@@ -15,6 +14,7 @@ use foxhunt_host::reference::{Kalman, Posterior, growth, mahalanobis};
 use foxhunt_host::replay::Replay;
 use foxhunt_host::simulate;
 use foxhunt_host::tracks::Track;
+use foxhunt_problems::growth::{Growth, Measurement, START};
 use nalgebra::{Matrix4, RowVector4, Vector4};
 use rayon::prelude::*;
 

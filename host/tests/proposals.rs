@@ -6,7 +6,6 @@
 use foxhunt::filter::ParticleFilter;
 use foxhunt::kalman::{Covariance, Unscented};
 use foxhunt::model::Likelihood;
-use foxhunt::problems::{gamma, growth};
 use foxhunt::proposal::{
     AuxiliaryFilter, PointMassFilter, Posterior, Transition, UnscentedParticleFilter,
 };
@@ -14,6 +13,7 @@ use foxhunt::random::{Rng, SeedableRng, Xoshiro128PlusPlus};
 use foxhunt::refine::{DifferentialEvolution, Memory};
 use foxhunt::resample::Scheme;
 use foxhunt_host::reference;
+use foxhunt_problems::{gamma, growth};
 use rayon::prelude::*;
 
 const STEPS: usize = 50;

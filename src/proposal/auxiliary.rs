@@ -24,7 +24,7 @@ use crate::weights::{self, Weights};
 /// the model on it about three times a step, at most thirteen times.
 ///
 /// ```
-/// use foxhunt::problems::gamma;
+/// use foxhunt_problems::gamma;
 /// use foxhunt::proposal::AuxiliaryFilter;
 /// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
 ///

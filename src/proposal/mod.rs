@@ -11,7 +11,7 @@
 //!
 //! `G` is the number of cells of a transient grid, whose memory the caller lends.
 //!
-//! RMSE over 2,000 runs of the models in [`crate::problems`], as a multiple of the exact filter's: with gamma noise, ten
+//! RMSE over 2,000 runs of the models in the crate `foxhunt-problems`, as a multiple of the exact filter's: with gamma noise, ten
 //! particles and four variances of the measurement, and the growth model with fifty particles.
 //!
 //! | filter | 1e-5 | 0.01 | 0.1 | 1 | growth |

@@ -26,7 +26,7 @@ use crate::particles::{Particles, read};
 /// of about three rounds, at most twelve.
 ///
 /// ```
-/// use foxhunt::problems::growth;
+/// use foxhunt_problems::growth;
 /// use foxhunt::proposal::PointMassFilter;
 /// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
 ///

@@ -20,7 +20,7 @@ use crate::resample::Scheme;
 ///
 /// ```
 /// use foxhunt::kalman::{Covariance, Unscented};
-/// use foxhunt::problems::gamma;
+/// use foxhunt_problems::gamma;
 /// use foxhunt::proposal::UnscentedParticleFilter;
 /// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
 /// use foxhunt::resample::Scheme;

@@ -1,10 +1,10 @@
 use foxhunt::{
     kalman::{Covariance, Unscented},
-    problems::gamma,
     proposal::{AuxiliaryFilter, PointMassFilter, UnscentedParticleFilter},
     random::{SeedableRng, Xoshiro128PlusPlus},
     resample::Scheme,
 };
+use foxhunt_problems::gamma;
 
 use crate::{Case, digest::Digest};
 

@@ -5,8 +5,8 @@ use std::vec::Vec;
 use super::*;
 use crate::aoa::testing::{at, is_zero};
 use crate::aoa::{Bearing, Locator, Robust};
+use crate::drives::Track as Drive;
 use crate::math::atan2;
-use crate::problems::bearings::Track as Drive;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
 
 type One = Robust<256, 64>;

@@ -4,8 +4,8 @@
 //! that leave the posterior invariant, beside the plain filter, ours and the exact answer.
 
 use anyhow::Result;
-use foxhunt::problems::growth::{self, Growth, Measurement};
 use foxhunt_host::{figures::Figure, reference, simulate, tracks::Track};
+use foxhunt_problems::growth::{self, Growth, Measurement};
 
 use super::{
     bearings,

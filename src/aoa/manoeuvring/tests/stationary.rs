@@ -1,7 +1,7 @@
 //! What it costs that a source might move which does not.
 
 use super::*;
-use crate::problems::bearings::Track;
+use crate::drives::Track;
 
 /// Sum of squares, and runs that are covered.
 struct Score {

@@ -7,7 +7,7 @@ use super::term::Term;
 use super::*;
 use crate::aoa::Bearing;
 use crate::aoa::testing::{Clocked, at};
-use crate::problems::bearings::Track;
+use crate::drives::Track;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
 use std::{vec, vec::Vec};
 

@@ -6,12 +6,12 @@
 mod legacy;
 
 use anyhow::Result;
-use foxhunt::problems::gamma::{self, GammaNoise, Measurement};
 use foxhunt_host::{
     figures::Figure,
     picture::{Axis, Curve, Curves, Style},
     reference, simulate,
 };
+use foxhunt_problems::gamma::{self, GammaNoise, Measurement};
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 

@@ -5,7 +5,7 @@
 //!
 //! ```
 //! use foxhunt::filter::ParticleFilter;
-//! use foxhunt::problems::growth;
+//! use foxhunt_problems::growth;
 //! use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
 //! use foxhunt::resample::Scheme;
 //!
@@ -22,6 +22,8 @@
 //! }
 //! assert!((squares / 50.0).sqrt() < 8.0);
 //! ```
+
+#![no_std]
 
 pub mod bearings;
 pub mod gamma;

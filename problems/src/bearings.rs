@@ -5,13 +5,12 @@
 
 use core::f32::consts::TAU;
 
-use crate::aoa::{Bearing, Observation};
-use crate::math::{atan2, sin_cos, sqrt};
-use crate::random::{Rng, normal};
+use foxhunt::aoa::{Bearing, Observation};
+use foxhunt::math::{atan2, sin_cos, sqrt};
+use foxhunt::random::{Rng, normal};
 
 /// A track, and what the published filter of it assumes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Track {
     /// A straight line past the source.
     A1,
@@ -108,8 +107,8 @@ fn corner(way: f32, leg: f32) -> [f32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aoa::gauss_newton::{Errors, solve};
-    use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+    use foxhunt::aoa::gauss_newton::{Errors, solve};
+    use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
 
     #[test]
     fn every_track_finds_its_source() {

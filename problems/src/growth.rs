@@ -4,11 +4,11 @@
 //! x_0 = 0.1 (Gordon, Salmond and Smith 1993). The measurement does not know the sign, so the posterior has two
 //! modes. 50 steps; the exact filter's pooled RMSE is 3.01.
 
-use crate::kalman::Covariance;
-use crate::math::sin_cos;
-use crate::model::{Dynamics, Likelihood};
-use crate::proposal::{Sensor, Transition};
-use crate::random::{Rng, normal};
+use foxhunt::kalman::Covariance;
+use foxhunt::math::sin_cos;
+use foxhunt::model::{Dynamics, Likelihood};
+use foxhunt::proposal::{Sensor, Transition};
+use foxhunt::random::{Rng, normal};
 
 /// State before the first step.
 pub const START: f32 = 0.1;

@@ -8,11 +8,11 @@
 
 use core::f32::consts::PI;
 
-use crate::kalman::Covariance;
-use crate::math::{ln, sin_cos, sqrt};
-use crate::model::{Dynamics, Likelihood};
-use crate::proposal::{Sensor, Transition};
-use crate::random::{Rng, gamma, normal};
+use foxhunt::kalman::Covariance;
+use foxhunt::math::{ln, sin_cos, sqrt};
+use foxhunt::model::{Dynamics, Likelihood};
+use foxhunt::proposal::{Sensor, Transition};
+use foxhunt::random::{Rng, gamma, normal};
 
 /// State before the first step.
 pub const START: f32 = 1.0;
@@ -124,7 +124,7 @@ impl Sensor<1, 1> for Measurement {
 mod tests {
     extern crate std;
     use super::*;
-    use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+    use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
 
     #[test]
     fn the_density_and_the_moments_are_those_of_the_steps() {
