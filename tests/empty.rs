@@ -5,7 +5,6 @@ use foxhunt::{
     filter::ParticleFilter,
     fingerprint::{
         Posterior,
-        published::Cloud,
         tracker::{Tracker, Trackers, Workspace},
     },
     gateway::{
@@ -43,7 +42,6 @@ fn empty_states_take_no_flash() {
         Memory::EMPTY => Memory<2, 100>,
         City::EMPTY => City<3>,
         Posterior::EMPTY => Posterior<80>,
-        Cloud::EMPTY => Cloud<300>,
         Workspace::EMPTY => Workspace<300, 80>,
         Tracker::EMPTY => Tracker<300>,
         Trackers::EMPTY => Trackers<8, 300>,

@@ -43,7 +43,6 @@ mod matcher;
 mod neighbours;
 mod packet;
 mod posterior;
-pub mod published;
 mod table;
 #[cfg(test)]
 mod tests;

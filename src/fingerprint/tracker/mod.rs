@@ -1,8 +1,7 @@
 //! The tracker: packets in, the place of a tag out.
 //!
 //! A particle filter that weighs places by the map itself, not by a place that a match has found: a scan that fits two
-//! places makes two clouds, and the walk decides between them (Cui et al. 2017 match first, see
-//! [`super::published`]).
+//! places makes two clouds, and the walk decides between them (Cui et al. 2017 match first).
 //!
 //! * Packets of half a second, say, make one update. It compares their mean levels with every point of the map, and
 //!   weighs the particles by interpolation between the points.

@@ -12,6 +12,7 @@ mod errors;
 mod measured;
 mod pictures;
 mod simulated;
+mod two_stage;
 mod windows;
 
 /// Runs all experiments.

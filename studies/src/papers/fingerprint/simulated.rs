@@ -3,7 +3,6 @@
 use anyhow::Result;
 use foxhunt::{
     filter::ParticleFilter,
-    fingerprint::published::{Cloud, Model},
     kalman::Covariance,
     model::ConstantVelocity,
     random::{Rng, SeedableRng, Xoshiro128PlusPlus, normal, uniform},
@@ -21,6 +20,7 @@ use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 
 use super::errors::Errors;
+use super::two_stage::{Cloud, Model};
 use crate::papers::{
     statistics::{Estimate, bootstrap},
     study::{Study, progress},
@@ -137,7 +137,7 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
 /// The errors of every method.
 fn one_column(column: usize, study: &Study) -> Result<Vec<Errors>> {
     let runs = u64::from(study.runs.unwrap_or(1000));
-    let matched = matched_model(column, study.seed)?;
+    let matched = matched_model(column, study.seed);
     let filter = CorridorFilter::new(&Motion::default(), 0.5, 17);
     let runs: Vec<Vec<Vec<Vec<f64>>>> = (0..runs)
         .into_par_iter()
@@ -161,7 +161,7 @@ fn draw_run(column: usize, run: u64, seed: u64) -> Run {
 
 /// With the covariance that matches have: along the tunnel that of other runs, across it that of somebody anywhere between
 /// the walls.
-fn matched_model(column: usize, seed: u64) -> Result<Model> {
+fn matched_model(column: usize, seed: u64) -> Model {
     let square = |run: u64| {
         let run = draw_run(column, u64::MAX - run, seed);
         let scans = run.scans.iter().zip(&run.truth);
@@ -171,12 +171,10 @@ fn matched_model(column: usize, seed: u64) -> Result<Model> {
     let squares: Vec<f64> = (0..TRAINING).into_par_iter().map(square).collect();
     let along = (squares.iter().sum::<f64>() / TRAINING as f64).sqrt();
     let across = 3.5 / 12f64.sqrt();
-    let model = Model {
+    Model {
         observation: Covariance::diagonal([along as f32, across as f32]),
         ..Model::AS_PRINTED
-    };
-    model.check()?;
-    Ok(model)
+    }
 }
 
 /// The errors of each method, walk by walk.

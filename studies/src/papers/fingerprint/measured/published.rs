@@ -2,13 +2,13 @@
 
 use anyhow::Result;
 use foxhunt::{
-    fingerprint::published::{Cloud, Model},
     kalman::Covariance,
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
 use foxhunt_host::walks::{Office, PARTICLES, Walk};
 
 use super::both::Both;
+use crate::papers::fingerprint::two_stage::{Cloud, Model};
 
 /// A walk, and the place that each step is matched with: in the frame of the maps, in which corridors go along x.
 type Matched<'a> = (&'a Walk, Vec<[f64; 2]>);
@@ -49,7 +49,6 @@ pub fn two_stage(office: &Office, seeds: u64, seed: u64, is_fitted: bool) -> Res
         if is_fitted {
             model.observation = Covariance::diagonal(sigmas(&matched));
         }
-        model.check()?;
         for (walk, places) in &matched {
             for filter_seed in 0..seeds {
                 let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed << 8 ^ filter_seed);

@@ -1,10 +1,9 @@
 //! The particle filter beside the Kalman filter, which is exact for this model.
 
-extern crate std;
 use super::*;
-use crate::filter::UpdateError;
-use crate::kalman::KalmanError;
-use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
+use foxhunt::filter::UpdateError;
+use foxhunt::kalman::KalmanError;
+use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 
 const WALK: [[f32; 2]; 9] = [
     [1.0, 1.0],
@@ -46,7 +45,7 @@ fn many_particles_come_to_what_the_kalman_filter_says() {
             }
             for k in 0..4 {
                 mean[k] += cloud.mean()[k] / 40.0;
-                variance[k] += cloud.covariance()[k][k] / 40.0;
+                variance[k] += cloud.filter.covariance()[k][k] / 40.0;
             }
         }
         for (k, sigma) in kalman.covariance.sigmas().iter().enumerate() {
@@ -83,40 +82,9 @@ fn a_start_anywhere_in_a_box_learns_from_its_first_match() {
         .start_within(least, most, [30.0, 1.75], &model, &mut rng)
         .unwrap();
     assert!((cloud.mean()[0] - 30.0).abs() < 1.0);
-    let [x, y, ..] = cloud.particles().columns();
+    let [x, y, ..] = cloud.filter.particles().columns();
     assert!(x.iter().all(|x| (0.0..=80.0).contains(x)));
     assert!(y.iter().all(|y| (0.0..=3.5).contains(y)));
-}
-
-#[test]
-fn a_wrong_field_of_a_model_is_named() {
-    let printed = Model::AS_PRINTED;
-    let observed = |sigmas| Model {
-        observation: Covariance::diagonal(sigmas),
-        ..printed
-    };
-    let (acceleration_sigma_m_s2, velocity_sigma_m_s) = ([-0.1, 0.0], [0.0, f32::NAN]);
-    for (model, field) in [
-        (observed([1.0, 0.0]), "observation"),
-        (observed([1.0, f32::INFINITY]), "observation"),
-        (
-            Model {
-                acceleration_sigma_m_s2,
-                ..printed
-            },
-            "acceleration_sigma_m_s2",
-        ),
-        (
-            Model {
-                velocity_sigma_m_s,
-                ..printed
-            },
-            "velocity_sigma_m_s",
-        ),
-    ] {
-        assert_eq!(model.check().unwrap_err().field(), field);
-    }
-    assert_eq!(printed.check(), Ok(()));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The Kalman filter that the paper compares with: for its model, the exact answer.
 
 use super::Model;
-use crate::kalman::{Covariance, Gaussian, Innovation, KalmanError};
+use foxhunt::kalman::{Covariance, Gaussian, Innovation, KalmanError};
 
 impl Model {
     /// The state after the first match, for [`Model::kalman_step`].

@@ -1,16 +1,15 @@
 //! The particle filter of the paper.
 
 use super::Model;
-use crate::filter::{ParticleFilter, UpdateError};
-use crate::model::ConstantVelocity;
-use crate::particles::Particles;
-use crate::random::{Rng, normal, uniform};
-use crate::resample::Scheme;
+use foxhunt::filter::{ParticleFilter, UpdateError};
+use foxhunt::model::ConstantVelocity;
+use foxhunt::random::{Rng, normal, uniform};
+use foxhunt::resample::Scheme;
 
 /// A bootstrap filter of `N` particles (x, y, vx, vy) that takes matches for measurements: 24 N + 8 bytes.
 #[derive(Debug, Clone)]
 pub struct Cloud<const N: usize> {
-    filter: ParticleFilter<4, N>,
+    pub(super) filter: ParticleFilter<4, N>,
 }
 
 impl<const N: usize> Cloud<N> {
@@ -83,15 +82,5 @@ impl<const N: usize> Cloud<N> {
     /// The estimate: the weighted mean of the states.
     pub fn mean(&self) -> [f32; 4] {
         self.filter.mean()
-    }
-
-    /// The weighted covariance of the states.
-    pub fn covariance(&self) -> [[f32; 4]; 4] {
-        self.filter.covariance()
-    }
-
-    /// The states and their log-weights.
-    pub fn particles(&self) -> &Particles<4, N> {
-        self.filter.particles()
     }
 }
