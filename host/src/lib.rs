@@ -9,6 +9,7 @@
 //! - [`tetam`]: a survey and walks measured in an office floor; [`walks`]: those, and simulated ones, tracked;
 //! - [`simulate`]: noisy bearings along a track; [`faults`]: what goes wrong with them; [`drive`]: a whole drive
 //!   of a vehicle, as the bytes that its receiver and its direction finder put on the line;
+//! - [`accuracy`]: the largest error of each function of `foxhunt::math`;
 //! - [`mod@reference`]: exact answers, to measure the library against;
 //! - [`scripts`]: drives on which something happens;
 //! - [`measured`]: bearings from the field, turned into such bytes;
@@ -17,6 +18,7 @@
 //! - [`geodesy`]: places on the ellipsoid;
 //! - [`picture`]: all of it in one picture; [`figures`]: what was measured, with its limit.
 
+pub mod accuracy;
 pub mod archive;
 pub mod density;
 pub mod drive;

@@ -46,7 +46,7 @@ pub(crate) fn atan_coarse(p: f32) -> f32 {
     p * (low + square * high)
 }
 
-/// Sine and cosine. See [`super::ACCURACY`] for how the error grows with the angle.
+/// Sine and cosine. See [`math`](super) for how the error grows with the angle.
 #[inline(always)]
 pub fn sin_cos(x: f32) -> (f32, f32) {
     let quarters = x * FRAC_2_PI;

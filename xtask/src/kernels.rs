@@ -7,8 +7,11 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use foxhunt::math::{self, ACCURACY, Accuracy, Measure};
-use foxhunt_host::figures::Figure;
+use foxhunt::math;
+use foxhunt_host::{
+    accuracy::{ACCURACY, Accuracy, Measure},
+    figures::Figure,
+};
 use micromath::F32Ext;
 
 /// The functions, with the one of [`ACCURACY`] whose range and measure hold for it.

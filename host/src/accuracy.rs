@@ -1,4 +1,4 @@
-//! What each function promises.
+//! What each function of [`foxhunt::math`] promises, as its documentation says.
 
 /// How an error is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,7 +12,7 @@ pub enum Measure {
 /// The largest error of a function over a range of its argument.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accuracy {
-    /// Name in [`crate::math`].
+    /// Name in [`foxhunt::math`].
     pub function: &'static str,
     /// Range of the argument; of the angle for `atan2`, at any radius.
     pub range: (f32, f32),
@@ -58,9 +58,8 @@ pub const ACCURACY: [Accuracy; 12] = {
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
     use super::*;
-    use crate::math;
+    use foxhunt::math;
 
     /// Function and exact function of one argument.
     #[allow(clippy::type_complexity)] // Named, it would say less.
@@ -137,7 +136,7 @@ mod tests {
                         .fold(0.0, f64::max)
                 }
             };
-            std::println!("{function:6} on {range:?}: worst {worst:.2e}, promised {limit:.1e}");
+            println!("{function:6} on {range:?}: worst {worst:.2e}, promised {limit:.1e}");
             assert!(
                 worst <= f64::from(limit),
                 "{function} on {range:?} errs by {worst:e}"
@@ -147,6 +146,32 @@ mod tests {
                 worst >= 0.5 * f64::from(limit),
                 "{function} on {range:?} only errs by {worst:e}"
             );
+        }
+    }
+
+    #[test]
+    fn the_documentation_says_the_same() {
+        let documentation = include_str!("../../src/math/mod.rs");
+        for entry in ACCURACY {
+            let number = |x: f32| match x.abs() {
+                std::f32::consts::PI => format!("{x:.0}").replace('3', "pi"),
+                1e-30 | 1e30 => format!("{x:e}"),
+                1e6 => "1e6".to_owned(),
+                _ => x.to_string(),
+            };
+            let row = format!(
+                "| `{}` | {} | {} | {} | {} |",
+                entry.function,
+                number(entry.range.0),
+                number(entry.range.1),
+                if entry.error > 0.0 {
+                    format!("{:e}", entry.error)
+                } else {
+                    "0".to_owned()
+                },
+                format!("{:?}", entry.measure).to_lowercase(),
+            );
+            assert!(documentation.contains(&row), "{row}");
         }
     }
 }
