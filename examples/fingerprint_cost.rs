@@ -20,7 +20,7 @@ mod target {
         fingerprint::{
             Config, GaussianMatcher, Matcher, PacketModel, Posterior, RadioMap, Reading,
             TableMatcher,
-            tracker::{self, Packet, Site, Tracker, Workspace},
+            tracker::{self, Site, Tracker, Workspace},
         },
         model::Likelihood,
         random::{SeedableRng, Xoshiro128PlusPlus, uniform},
@@ -118,13 +118,13 @@ mod target {
             let noise = [(); BEACONS].map(|()| 8.0 * uniform(&mut rng) - 4.0);
             for (beacon, noise) in noise.into_iter().enumerate().take(map.beacons()) {
                 let there = map.moments(beacon, point);
-                let packet = black_box(Packet {
-                    time_ms: 500 * update,
+                let packet = black_box(Reading {
                     beacon: beacon as u8,
                     rssi_dbm: noise + there.map_or(0.0, |moments| moments.mean_dbm),
                 });
                 for _ in 0..2 {
-                    let pushed = tracker.push(packet, &site, &mut workspace, &mut rng);
+                    let pushed =
+                        tracker.push(500 * update, packet, &site, &mut workspace, &mut rng);
                     assert_eq!(pushed, Ok(None));
                 }
             }

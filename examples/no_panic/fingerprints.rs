@@ -32,7 +32,7 @@ fn site(bytes: &[u8]) -> Option<tracker::Site<'_>> {
 }
 
 pub fn track(rng: &mut Xoshiro128PlusPlus) {
-    use tracker::{Packet, Trackers, Workspace};
+    use tracker::{Trackers, Workspace};
     let bytes = any([0; 200]);
     let Some(site) = site(some(&bytes)) else {
         return;
@@ -41,12 +41,11 @@ pub fn track(rng: &mut Xoshiro128PlusPlus) {
     let mut trackers = any(Trackers::<3, 50, 8>::EMPTY);
     for _ in 0..any(100) {
         let (tracker, _) = trackers.of(any(0), any(0));
-        let packet = any(Packet {
-            time_ms: 0,
+        let packet = any(Reading {
             beacon: 0,
             rssi_dbm: 0.0,
         });
-        _ = black_box(tracker.push(packet, &site, &mut workspace, rng));
+        _ = black_box(tracker.push(any(0), packet, &site, &mut workspace, rng));
         if let Some(fix) = tracker.flush(&site, &mut workspace, rng) {
             black_box((
                 fix.ellipse(any(0.0)),

@@ -9,7 +9,7 @@ use foxhunt::{
     aoa::{Clean, Locate, MultiTarget, Observation, Robust, clean, multi, robust},
     fingerprint::{
         Encoding, GaussianMatcher, Matcher, Neighbours, Posterior, RadioMap, Reading, TableMatcher,
-        tracker::{self, Packet, Site, Tracker, Workspace},
+        tracker::{self, Site, Tracker, Workspace},
     },
     gateway::{
         Config, Event, FullReport, Gateway, Vehicle, beacon,
@@ -241,12 +241,8 @@ pub fn radio_map(data: &[u8]) {
         for time_ms in [0, 500, 1_000] {
             for beacon in [0, 1, 0] {
                 let rssi_dbm = -60.0;
-                let packet = Packet {
-                    time_ms,
-                    beacon,
-                    rssi_dbm,
-                };
-                let _ = tracker.push(packet, &site, &mut workspace, &mut rng);
+                let packet = Reading { beacon, rssi_dbm };
+                let _ = tracker.push(time_ms, packet, &site, &mut workspace, &mut rng);
             }
             if let Some(fix) = tracker.flush(&site, &mut workspace, &mut rng) {
                 assert!(fix.position.iter().all(|x| x.is_finite()), "{fix:?}");

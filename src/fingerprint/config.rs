@@ -4,26 +4,13 @@ use crate::ConfigError;
 use crate::config::{require, require_within};
 use crate::math::ln;
 
-/// What it means that a scan has no reading of a beacon.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum Missing {
-    /// Nothing: its packet was lost, or the scan was too short.
-    #[default]
-    Ignored,
-    /// As much as the map's [`super::Beacon::detection`] says: a beacon with a detection probability of 0 still
-    /// says nothing.
-    Modelled,
-}
-
 /// How readings are compared with a map.
 ///
 /// ```
-/// use foxhunt::fingerprint::{Config, Missing};
+/// use foxhunt::fingerprint::Config;
 ///
 /// const CONFIG: Config = foxhunt::config!(Config {
-///     missing: Missing::Modelled,
+///     missing_beacons_count: true,
 ///     ..Config::DEFAULT
 /// });
 /// let wrong = Config { tempering: 0.0, ..CONFIG };
@@ -43,8 +30,10 @@ pub struct Config {
     /// The lowest and the highest strength in dBm that a receiver can report, at least 10 dB apart within -128 and 20;
     /// readings outside are left out.
     pub range_dbm: [f32; 2],
-    /// What it means that a scan has no reading of a beacon.
-    pub missing: Missing,
+    /// Whether it tells something of the place that a scan has no reading of a beacon: as much as the map's
+    /// [`super::Beacon::detection`] says, so a beacon with a detection probability of 0 still says nothing. Otherwise its
+    /// packet was lost, or the scan was too short.
+    pub missing_beacons_count: bool,
 }
 
 impl Default for Config {
@@ -60,7 +49,7 @@ impl Config {
         outlier_rate: 1e-3,
         tempering: 0.5,
         range_dbm: [-120.0, 0.0],
-        missing: Missing::Ignored,
+        missing_beacons_count: false,
     };
 
     /// Checks every field.

@@ -2,7 +2,7 @@
 
 use core::f32::consts::TAU;
 
-use super::matcher::{check_beacons, for_each_accepted};
+use super::matcher::{accepted, count_accepted};
 use super::{Config, Lattice, Match, Matcher, Posterior, Reading, ReadingError};
 use crate::ConfigError;
 use crate::config::require;
@@ -97,24 +97,16 @@ impl Matcher for KernelDensity<'_> {
         scan: &[Reading],
         posterior: &mut Posterior<P>,
     ) -> Result<Match, ReadingError> {
-        check_beacons(self.beacons.into(), scan)?;
-        let used = for_each_accepted(scan, &self.config, |_| ())?;
+        let used = count_accepted(self.beacons.into(), scan, &self.config)?;
         let room = posterior
             .log_likelihoods_mut(self.lattice.points())
             .ok_or(ReadingError::Points)?;
         for (point, sum) in room.iter_mut().enumerate() {
             *sum = 0.0;
-            for_each_accepted(scan, &self.config, |reading| {
+            for reading in accepted(scan, &self.config) {
                 *sum += self.log_density(reading, point);
-            })?;
+            }
         }
-        let (found, log_likelihood) = posterior
-            .of_log_likelihoods(&self.lattice, self.config.tempering)
-            .ok_or(ReadingError::Survey)?;
-        Ok(Match {
-            log_likelihood,
-            used,
-            ..found
-        })
+        posterior.of_log_likelihoods(&self.lattice, self.config.tempering, used)
     }
 }

@@ -3,11 +3,9 @@
 use core::f32::consts::TAU;
 
 use super::map::LOWEST_MEAN_DBM;
-use super::matcher::{check, for_each_accepted, missing};
-use super::posterior::Exponentials;
-use super::{
-    Config, Encoding, Match, Matcher, Missing, Posterior, RadioMap, Reading, ReadingError,
-};
+use super::matcher::{accepted, locate_by_costs};
+use super::posterior::Scale;
+use super::{Config, Encoding, Match, Matcher, Posterior, RadioMap, Reading, ReadingError};
 use crate::ConfigError;
 use crate::math::{exp, ln, sqrt};
 
@@ -25,11 +23,7 @@ pub struct GaussianMatcher<'a> {
     config: Config,
     /// By the code of the sigma, see [`entry`].
     costs: [u32; 64],
-    /// Natural logarithm of the largest density.
-    top: f32,
-    /// How much every step of the cost takes off it.
-    step: f32,
-    exponentials: Exponentials,
+    scale: Scale,
 }
 
 /// The largest cost of a reading, that of an outlier.
@@ -61,9 +55,7 @@ impl<'a> GaussianMatcher<'a> {
             map,
             config: *config,
             costs,
-            top,
-            step,
-            exponentials: Exponentials::new(step * config.tempering),
+            scale: Scale::new(top, step, config.tempering),
         })
     }
 
@@ -71,7 +63,7 @@ impl<'a> GaussianMatcher<'a> {
     fn row(&self, reading: &Reading) -> Row<'a> {
         let strength = 2.0 * (reading.rssi_dbm - LOWEST_MEAN_DBM) + 0.5;
         let row = self.map.moments_row(reading.beacon.into());
-        (strength as i32, row.unwrap_or_default().as_chunks().0)
+        (strength as i32, row.unwrap_or_default())
     }
 
     fn add_one(&self, (strength, row): Row<'_>, costs: &mut [u16]) {
@@ -96,7 +88,7 @@ impl<'a> GaussianMatcher<'a> {
         else {
             return;
         };
-        for (sum, [sigma, mean]) in costs.iter_mut().zip(row.as_chunks().0) {
+        for (sum, [sigma, mean]) in costs.iter_mut().zip(row) {
             let heard = if *sigma == 0 {
                 0.0
             } else {
@@ -106,7 +98,7 @@ impl<'a> GaussianMatcher<'a> {
                 // The normal distribution function, to 0.01.
                 1.0 / (1.0 + exp(-1.702 * above / sqrt(variance)))
             };
-            let cost = -ln(1.0 - beacon.detection * heard) / self.step + 0.5;
+            let cost = -ln(1.0 - beacon.detection * heard) / self.scale.step + 0.5;
             // The conversion saturates, also where the absence is impossible.
             *sum += (cost as u16).min(FLOOR as u16);
         }
@@ -144,45 +136,30 @@ impl Matcher for GaussianMatcher<'_> {
         scan: &[Reading],
         posterior: &mut Posterior<P>,
     ) -> Result<Match, ReadingError> {
-        check::<P>(&self.map, scan)?;
-        let costs = posterior
-            .costs_mut(self.map.lattice().points())
-            .ok_or(ReadingError::Points)?;
-        // Four rows at once to begin with, the others one by one.
-        let mut first = [(0, [].as_slice()); 4];
-        let mut filled = 0;
-        let used = for_each_accepted(scan, &self.config, |reading| {
-            let row = self.row(reading);
-            match first.get_mut(filled) {
-                Some(place) => {
-                    *place = row;
-                    filled += 1;
-                    if filled == 4 {
-                        self.set_four(&first, costs);
-                    }
-                }
-                None => self.add_one(row, costs),
+        let set = |costs: &mut [u16]| {
+            let mut rows = accepted(scan, &self.config).map(|reading| self.row(reading));
+            // Four rows at once to begin with, the others one by one.
+            let mut first = [(0, [].as_slice()); 4];
+            let mut filled = 0;
+            for (place, row) in first.iter_mut().zip(rows.by_ref()) {
+                *place = row;
+                filled += 1;
             }
-        })?;
-        if filled < 4 {
-            costs.fill(0);
-            for row in first.into_iter().take(filled) {
+            if filled == 4 {
+                self.set_four(&first, costs);
+            } else {
+                costs.fill(0);
+                for row in first.into_iter().take(filled) {
+                    self.add_one(row, costs);
+                }
+            }
+            for row in rows {
                 self.add_one(row, costs);
             }
-        }
-        if self.config.missing == Missing::Modelled {
-            for beacon in missing(&self.map, scan, &self.config) {
-                self.add_missing(beacon, costs);
-            }
-        }
-        let (found, cost) = posterior
-            .of_costs(&self.map, &self.exponentials)
-            .ok_or(ReadingError::Survey)?;
-        let log_likelihood = self.top * used as f32 - self.step * f32::from(cost);
-        Ok(Match {
-            log_likelihood,
-            used,
-            ..found
+        };
+        let how = (&self.map, &self.config, &self.scale);
+        locate_by_costs(how, scan, posterior, set, |beacon, costs| {
+            self.add_missing(beacon, costs);
         })
     }
 }

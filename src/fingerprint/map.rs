@@ -326,7 +326,7 @@ impl<'a> RadioMap<'a> {
     /// How strong a beacon is at a point. `None` where it was not heard, for unknown numbers, and in a map of
     /// [`Encoding::Levels`].
     pub fn moments(&self, beacon: usize, point: usize) -> Option<Moments> {
-        let [sigma, mean] = *self.moments_row(beacon)?.as_chunks::<2>().0.get(point)?;
+        let [sigma, mean] = *self.moments_row(beacon)?.get(point)?;
         (sigma > 0).then(|| Moments {
             mean_dbm: 0.5 * f32::from(mean) + LOWEST_MEAN_DBM,
             sigma_db: 0.25 * f32::from(sigma),
@@ -345,13 +345,14 @@ impl<'a> RadioMap<'a> {
     }
 
     /// Sigma and mean of a beacon at every point.
-    pub(super) fn moments_row(&self, beacon: usize) -> Option<&'a [u8]> {
+    pub(super) fn moments_row(&self, beacon: usize) -> Option<&'a [[u8; 2]]> {
         if self.encoding != Encoding::Moments {
             return None;
         }
-        let length = 2 * self.lattice.points();
-        let start = beacon.checked_mul(length)?;
-        self.data.get(start..start.checked_add(length)?)
+        let points = self.lattice.points();
+        let start = beacon.checked_mul(points)?;
+        let (pairs, _) = self.data.as_chunks();
+        pairs.get(start..start.checked_add(points)?)
     }
 
     /// Codes of a level of a beacon at every point. The level after the last is the beacon's absence.

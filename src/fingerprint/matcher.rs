@@ -1,5 +1,6 @@
 //! Matching a scan with a map.
 
+use super::posterior::Scale;
 use super::{Config, Match, Posterior, RadioMap, ReadingError};
 
 /// One beacon as a scan heard it: a packet, or the mean of several.
@@ -33,11 +34,37 @@ pub const MAX_READINGS: usize = 64;
 /// The most missing beacons that are modelled.
 const MAX_MISSING: usize = 128;
 
-/// Refuses a scan that cannot be matched, except one without readings.
+/// The readings of a scan that can be used.
+pub(super) fn accepted<'a>(
+    scan: &'a [Reading],
+    config: &'a Config,
+) -> impl Iterator<Item = &'a Reading> {
+    let accepted = scan.iter().filter(|r| config.accepts(r.rssi_dbm));
+    accepted.take(MAX_READINGS)
+}
+
+/// Counts the readings that can be used; refuses a scan that has none, or of unknown beacons.
+pub(super) fn count_accepted(
+    beacons: usize,
+    scan: &[Reading],
+    config: &Config,
+) -> Result<usize, ReadingError> {
+    let unknown = |reading: &Reading| usize::from(reading.beacon) >= beacons;
+    if scan.iter().any(unknown) {
+        return Err(ReadingError::Beacon);
+    }
+    match accepted(scan, config).count() {
+        0 => Err(ReadingError::Strength),
+        used => Ok(used),
+    }
+}
+
+/// The same; also refuses a map for which the posterior has no room, or of which nothing was surveyed.
 pub(super) fn check<const P: usize>(
     map: &RadioMap<'_>,
     scan: &[Reading],
-) -> Result<(), ReadingError> {
+    config: &Config,
+) -> Result<usize, ReadingError> {
     if map.lattice().points() > P {
         return Err(ReadingError::Points);
     }
@@ -46,49 +73,30 @@ pub(super) fn check<const P: usize>(
     if !map.is_complete() && !points.any(|point| map.is_surveyed(point)) {
         return Err(ReadingError::Survey);
     }
-    check_beacons(map.beacons(), scan)
+    count_accepted(map.beacons(), scan, config)
 }
 
-pub(super) fn check_beacons(beacons: usize, scan: &[Reading]) -> Result<(), ReadingError> {
-    let known = |reading: &Reading| usize::from(reading.beacon) < beacons;
-    scan.iter()
-        .all(known)
-        .then_some(())
-        .ok_or(ReadingError::Beacon)
-}
-
-/// Calls `add` with each reading that can be used, and counts them.
-pub(super) fn for_each_accepted(
+/// Matches by the costs of the points: those of the readings, which `set` writes, and of each beacon that is missing, which
+/// `add` adds if the configuration says so.
+pub(super) fn locate_by_costs<const P: usize>(
+    (map, config, scale): (&RadioMap<'_>, &Config, &Scale),
     scan: &[Reading],
-    config: &Config,
-    mut add: impl FnMut(&Reading),
-) -> Result<usize, ReadingError> {
-    let mut used = 0;
-    for reading in scan {
-        if config.accepts(reading.rssi_dbm) && used < MAX_READINGS {
-            add(reading);
-            used += 1;
-        }
+    posterior: &mut Posterior<P>,
+    set: impl FnOnce(&mut [u16]),
+    add: impl Fn(usize, &mut [u16]),
+) -> Result<Match, ReadingError> {
+    let used = check::<P>(map, scan, config)?;
+    let costs = posterior.costs_mut(map.lattice().points());
+    let costs = costs.ok_or(ReadingError::Points)?;
+    set(costs);
+    if config.missing_beacons_count {
+        let heard = |beacon: usize, reading: &Reading| {
+            usize::from(reading.beacon) == beacon && config.accepts(reading.rssi_dbm)
+        };
+        (0..map.beacons())
+            .filter(|beacon| !scan.iter().any(|reading| heard(*beacon, reading)))
+            .take(MAX_MISSING)
+            .for_each(|beacon| add(beacon, costs));
     }
-    if used > 0 {
-        Ok(used)
-    } else {
-        Err(ReadingError::Strength)
-    }
-}
-
-/// The beacons of which a scan has no reading.
-pub(super) fn missing(
-    map: &RadioMap<'_>,
-    scan: &[Reading],
-    config: &Config,
-) -> impl Iterator<Item = usize> {
-    (0..map.beacons())
-        .filter(|beacon| {
-            let heard = |reading: &Reading| {
-                usize::from(reading.beacon) == *beacon && config.accepts(reading.rssi_dbm)
-            };
-            !scan.iter().any(heard)
-        })
-        .take(MAX_MISSING)
+    posterior.of_costs(map, scale, used)
 }

@@ -48,7 +48,7 @@ mod table;
 mod tests;
 pub mod tracker;
 
-pub use config::{Config, Missing};
+pub use config::Config;
 pub use density::KernelDensity;
 pub use error::{MapError, ReadingError};
 pub use gaussian::GaussianMatcher;

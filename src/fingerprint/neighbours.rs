@@ -1,9 +1,7 @@
 //! Matching by nearest neighbours.
 
-use super::matcher::{check, for_each_accepted};
-use super::{
-    Config, Encoding, MAX_READINGS, Match, Matcher, Posterior, RadioMap, Reading, ReadingError,
-};
+use super::matcher::{accepted, check};
+use super::{Config, Encoding, Match, Matcher, Posterior, RadioMap, Reading, ReadingError};
 use crate::ConfigError;
 use crate::config::require;
 
@@ -46,10 +44,7 @@ impl<'a> Neighbours<'a> {
     /// Sum of the squared distances between a scan and the means of a point, in dB^2.
     fn squares(&self, scan: &[Reading], point: usize) -> f32 {
         let mut sum = 0.0;
-        let accepted = scan
-            .iter()
-            .filter(|reading| self.config.accepts(reading.rssi_dbm));
-        for reading in accepted.take(MAX_READINGS) {
+        for reading in accepted(scan, &self.config) {
             let moments = self.map.moments(reading.beacon.into(), point);
             let mean = moments.map_or(SILENCE_DBM, |moments| moments.mean_dbm);
             sum += (reading.rssi_dbm - mean) * (reading.rssi_dbm - mean);
@@ -64,8 +59,7 @@ impl Matcher for Neighbours<'_> {
         scan: &[Reading],
         posterior: &mut Posterior<P>,
     ) -> Result<Match, ReadingError> {
-        check::<P>(&self.map, scan)?;
-        let used = for_each_accepted(scan, &self.config, |_| ())?;
+        let used = check::<P>(&self.map, scan, &self.config)?;
         let lattice = self.map.lattice();
         // In ascending order of their distances.
         let mut nearest = [(f32::INFINITY, 0); Self::MOST as usize];
@@ -88,11 +82,6 @@ impl Matcher for Neighbours<'_> {
             }
         }
         let (squares, point) = nearest[0];
-        let found = posterior.of_weights(lattice, point);
-        Ok(Match {
-            log_likelihood: -squares,
-            used,
-            ..found
-        })
+        Ok(posterior.of_weights(lattice, (point, -squares, used)))
     }
 }

@@ -78,7 +78,7 @@ impl<'a> RadioMap<'a> {
         model: &'a PacketModel,
     ) -> Result<PacketLikelihood<'a>, ReadingError> {
         let row = self.moments_row(packet.beacon.into());
-        let row = row.ok_or(ReadingError::Beacon)?.as_chunks().0;
+        let row = row.ok_or(ReadingError::Beacon)?;
         if !(model.config.accepts(packet.rssi_dbm) && offset_db.is_finite()) {
             return Err(ReadingError::Strength);
         }

@@ -1,6 +1,6 @@
 //! The probability of every point, and its summary in a few numbers.
 
-use super::{Lattice, RadioMap};
+use super::{Lattice, RadioMap, ReadingError};
 use crate::estimate::Symmetric2;
 use crate::math::exp_of_weight;
 
@@ -34,16 +34,20 @@ pub struct Match {
 /// The cost of a point that was not surveyed.
 pub(super) const NOWHERE: u16 = u16::MAX;
 
-/// e to the power of minus a whole number of steps, as the product of two entries.
+/// What costs mean: log-likelihoods are `used * top - step * cost` before they are tempered.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Exponentials {
+pub(super) struct Scale {
+    /// Natural logarithm of the largest density of a reading.
+    top: f32,
+    /// How much every step of the cost takes off it.
+    pub step: f32,
+    /// Of e to the power of minus a whole number of steps, tempered: it is the product of an entry of either.
     low: [f32; 64],
     high: [f32; 64],
 }
 
-impl Exponentials {
-    /// Of steps of so many nats.
-    pub fn new(step: f32) -> Self {
+impl Scale {
+    pub fn new(top: f32, step: f32, tempering: f32) -> Self {
         let powers = |step: f32| {
             let mut table = [0.0; 64];
             for (i, entry) in table.iter_mut().enumerate() {
@@ -51,12 +55,18 @@ impl Exponentials {
             }
             table
         };
-        let (low, mut high) = (powers(step), powers(64.0 * step));
+        let tempered = step * tempering;
+        let (low, mut high) = (powers(tempered), powers(64.0 * tempered));
         high[63] = 0.0;
-        Self { low, high }
+        Self {
+            top,
+            step,
+            low,
+            high,
+        }
     }
 
-    /// e^(-step cost); zero from 4032 steps on.
+    /// e to the power of minus `cost` steps, tempered; zero from 4032 steps on.
     #[inline(always)]
     fn at(&self, cost: i32) -> f32 {
         self.low[(cost & 63) as usize] * self.high[(cost >> 6).clamp(0, 63) as usize]
@@ -129,25 +139,29 @@ impl<const P: usize> Posterior<P> {
         (cost != NOWHERE).then_some(((least & 0xffff) as usize, cost))
     }
 
-    /// Computes the probabilities from the costs, whose steps are those of `exponentials`, and returns the least cost.
+    /// Computes the probabilities from the costs of so many readings.
     pub(super) fn of_costs(
         &mut self,
         map: &RadioMap<'_>,
-        exponentials: &Exponentials,
-    ) -> Option<(Match, u16)> {
-        let (point, least) = self.least_cost(map)?;
-        let weigh = |_, cost: u16| exponentials.at(i32::from(cost) - i32::from(least));
-        Some((self.locate(map.lattice(), point, weigh), least))
+        scale: &Scale,
+        used: usize,
+    ) -> Result<Match, ReadingError> {
+        let (point, least) = self.least_cost(map).ok_or(ReadingError::Survey)?;
+        let log_likelihood = scale.top * used as f32 - scale.step * f32::from(least);
+        let weigh = |_, cost: u16| scale.at(i32::from(cost) - i32::from(least));
+        Ok(self.locate(map.lattice(), (point, log_likelihood, used), weigh))
     }
 
-    /// Computes the probabilities from log-likelihoods, which stand in the weights, and returns the largest of those.
-    /// Minus infinity and NaN stand for a likelihood of zero.
+    /// Computes the probabilities from log-likelihoods of so many readings, which stand in the weights. Minus infinity and
+    /// NaN stand for a likelihood of zero.
     pub(super) fn of_log_likelihoods(
         &mut self,
         lattice: &Lattice,
         tempering: f32,
-    ) -> Option<(Match, f32)> {
-        let weights = self.weights.get(..lattice.points())?;
+        used: usize,
+    ) -> Result<Match, ReadingError> {
+        let weights = self.weights.get(..lattice.points());
+        let weights = weights.ok_or(ReadingError::Points)?;
         let mut best = (0, f32::NEG_INFINITY);
         for (point, log_likelihood) in weights.iter().enumerate() {
             if *log_likelihood > best.1 {
@@ -156,12 +170,13 @@ impl<const P: usize> Posterior<P> {
         }
         let (point, largest) = best;
         let weigh = |log_likelihood, _| exp_of_weight(tempering * (log_likelihood - largest));
-        Some((self.locate(lattice, point, weigh), largest))
+        Ok(self.locate(lattice, (point, largest, used), weigh))
     }
 
-    /// Computes the probabilities from weights on any scale, which stand in their place.
-    pub(super) fn of_weights(&mut self, lattice: &Lattice, point: usize) -> Match {
-        self.locate(lattice, point, |weight, _| weight)
+    /// Computes the probabilities from weights on any scale, which stand in their place, given the best point, its
+    /// log-likelihood, and how many readings were used.
+    pub(super) fn of_weights(&mut self, lattice: &Lattice, best: (usize, f32, usize)) -> Match {
+        self.locate(lattice, best, |weight, _| weight)
     }
 
     /// Computes weights by `weigh` from their previous values and the costs, takes their mean about the best point in
@@ -170,7 +185,7 @@ impl<const P: usize> Posterior<P> {
     fn locate(
         &mut self,
         lattice: &Lattice,
-        point: usize,
+        (point, log_likelihood, used): (usize, f32, usize),
         weigh: impl Fn(f32, u16) -> f32,
     ) -> Match {
         self.points = lattice.points();
@@ -206,8 +221,8 @@ impl<const P: usize> Posterior<P> {
             point,
             position: lattice.place([column, row]),
             mean: lattice.place([column + sum_x * scale, row + sum_y * scale]),
-            log_likelihood: 0.0,
-            used: 0,
+            log_likelihood,
+            used,
         }
     }
 }

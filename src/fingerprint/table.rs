@@ -1,10 +1,9 @@
 //! Matching by a table of log-densities.
 
-use super::matcher::{check, for_each_accepted, missing};
-use super::posterior::Exponentials;
-use super::{
-    Config, Encoding, Match, Matcher, Missing, Posterior, RadioMap, Reading, ReadingError,
-};
+use super::map::Levels;
+use super::matcher::{accepted, locate_by_costs};
+use super::posterior::Scale;
+use super::{Config, Encoding, Match, Matcher, Posterior, RadioMap, Reading, ReadingError};
 use crate::ConfigError;
 
 /// Compares scans with a table of kernel densities by level, which were computed from the samples beforehand
@@ -17,7 +16,7 @@ use crate::ConfigError;
 pub struct TableMatcher<'a> {
     map: RadioMap<'a>,
     config: Config,
-    exponentials: Exponentials,
+    scale: Scale,
 }
 
 impl<'a> TableMatcher<'a> {
@@ -28,10 +27,11 @@ impl<'a> TableMatcher<'a> {
     pub fn new(map: RadioMap<'a>, config: &Config) -> Result<Self, ConfigError> {
         config.check()?;
         map.check_encoding(Encoding::Levels)?;
+        let Levels { top, step, .. } = *map.levels();
         Ok(Self {
             map,
             config: *config,
-            exponentials: Exponentials::new(map.levels().step * config.tempering),
+            scale: Scale::new(top, step, config.tempering),
         })
     }
 }
@@ -66,35 +66,22 @@ impl Matcher for TableMatcher<'_> {
         scan: &[Reading],
         posterior: &mut Posterior<P>,
     ) -> Result<Match, ReadingError> {
-        check::<P>(&self.map, scan)?;
-        let costs = posterior
-            .costs_mut(self.map.lattice().points())
-            .ok_or(ReadingError::Points)?;
-        costs.fill(0);
-        let used = for_each_accepted(scan, &self.config, |reading| {
-            let level = self.map.level(reading.rssi_dbm);
-            if let Some(row) = self.map.level_row(reading.beacon.into(), level) {
+        let set = |costs: &mut [u16]| {
+            costs.fill(0);
+            for reading in accepted(scan, &self.config) {
+                let level = self.map.level(reading.rssi_dbm);
+                if let Some(row) = self.map.level_row(reading.beacon.into(), level) {
+                    add(row, costs);
+                }
+            }
+        };
+        // The level after the last is the absence.
+        let absence = usize::from(self.map.levels().count);
+        let how = (&self.map, &self.config, &self.scale);
+        locate_by_costs(how, scan, posterior, set, |beacon, costs| {
+            if let Some(row) = self.map.level_row(beacon, absence) {
                 add(row, costs);
             }
-        })?;
-        let levels = self.map.levels();
-        if self.config.missing == Missing::Modelled {
-            // The level after the last is the absence.
-            let absence = usize::from(levels.count);
-            let rows = missing(&self.map, scan, &self.config)
-                .filter_map(|beacon| self.map.level_row(beacon, absence));
-            for row in rows {
-                add(row, costs);
-            }
-        }
-        let (found, cost) = posterior
-            .of_costs(&self.map, &self.exponentials)
-            .ok_or(ReadingError::Survey)?;
-        let log_likelihood = levels.top * used as f32 - levels.step * f32::from(cost);
-        Ok(Match {
-            log_likelihood,
-            used,
-            ..found
         })
     }
 }

@@ -184,9 +184,9 @@ fn exercise(bytes: &[u8], scan: &[Reading], x: f32, y: f32) {
             .map(|beacon| map.beacon_index(beacon.identifier));
     }
     let mut posterior = Posterior::<300>::EMPTY;
-    for missing in [Missing::Ignored, Missing::Modelled] {
+    for missing_beacons_count in [false, true] {
         let config = Config {
-            missing,
+            missing_beacons_count,
             ..Config::DEFAULT
         };
         let found = [

@@ -1,8 +1,8 @@
 use foxhunt::{
     fingerprint::{
-        Config, GaussianMatcher, KernelDensity, Lattice, Match, Matcher, Missing, Neighbours,
-        PacketModel, Posterior, RadioMap, Reading, TableMatcher,
-        tracker::{self, Packet, Site, State, Tracker, Workspace},
+        Config, GaussianMatcher, KernelDensity, Lattice, Match, Matcher, Neighbours, PacketModel,
+        Posterior, RadioMap, Reading, TableMatcher,
+        tracker::{self, Site, State, Tracker, Workspace},
     },
     model::Likelihood,
     random::{SeedableRng, Xoshiro128PlusPlus, uniform},
@@ -37,9 +37,9 @@ fn scans() -> Digest {
     let (moments, levels) = (open(MOMENTS), open(LEVELS));
     let mut digest = Digest::new();
     let mut posterior = Posterior::<80>::EMPTY;
-    for missing in [Missing::Ignored, Missing::Modelled] {
+    for missing_beacons_count in [false, true] {
         let config = Config {
-            missing,
+            missing_beacons_count,
             ..Config::DEFAULT
         };
         let gaussian = GaussianMatcher::new(moments, &config).expect("moments");
@@ -141,13 +141,13 @@ fn a_walk_is_tracked() -> Digest {
                 let there = map.moments(beacon.into(), point).expect("surveyed");
                 let noise = 6.0 * uniform(&mut rng) - 3.0;
                 let rssi = (there.mean_dbm + offset + noise) as i8;
-                let packet = Packet {
-                    time_ms: 125 * (packet + 8 * seconds * number as u32),
+                let time_ms = 125 * (packet + 8 * seconds * number as u32);
+                let packet = Reading {
                     beacon,
                     rssi_dbm: rssi.into(),
                 };
                 let fix = tracker
-                    .push(packet, &site, &mut workspace, &mut rng)
+                    .push(time_ms, packet, &site, &mut workspace, &mut rng)
                     .expect("it can be used");
                 let Some(fix) = fix else { continue };
                 was_lost |= fix.state == State::Lost;

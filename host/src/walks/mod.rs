@@ -5,8 +5,8 @@ mod office;
 use anyhow::{Context, Result, bail};
 use foxhunt::{
     fingerprint::{
-        Encoding, Lattice, RadioMap, ReadingError,
-        tracker::{self, Config, Site, Tracker, Workspace},
+        Encoding, Lattice, RadioMap, Reading, ReadingError,
+        tracker::{Config, Site, Tracker, Workspace},
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
@@ -80,14 +80,14 @@ pub fn follow_scans(run: &Run, map: &[u8], config: Config, seed: u64) -> Result<
     for (step, scan) in run.scans.iter().enumerate() {
         for (beacon, level) in scan.iter().enumerate() {
             let Some(level) = level else { continue };
-            let packet = tracker::Packet {
-                time_ms: (1000.0 * INTERVAL) as u32 * step as u32,
+            let time_ms = (1000.0 * INTERVAL) as u32 * step as u32;
+            let packet = Reading {
                 beacon: beacon as u8,
                 rssi_dbm: *level as f32,
             };
             // The level is the mean of so many packets.
             for _ in 0..run.packets {
-                tracker.push(packet, &site, &mut workspace, &mut rng)?;
+                tracker.push(time_ms, packet, &site, &mut workspace, &mut rng)?;
             }
         }
         let fix = tracker.flush(&site, &mut workspace, &mut rng);
@@ -115,12 +115,12 @@ pub fn follow(
     let mut places = Vec::new();
     for time in times {
         while let Some(packet) = packets.next_if(|packet| packet.time < *time) {
-            let heard = tracker::Packet {
-                time_ms: milliseconds(packet.time),
+            let time_ms = milliseconds(packet.time);
+            let heard = Reading {
                 beacon: packet.beacon as u8,
                 rssi_dbm: packet.level as f32,
             };
-            match tracker.push(heard, site, &mut workspace, &mut rng) {
+            match tracker.push(time_ms, heard, site, &mut workspace, &mut rng) {
                 Ok(_) | Err(ReadingError::Strength) => {}
                 Err(error) => bail!("packet at {:.3} s: {error}", packet.time),
             }

@@ -1,8 +1,8 @@
 //! Beacons that are not heard, and points that nobody surveyed.
 
 use foxhunt::fingerprint::{
-    Config, Encoding, GaussianMatcher, Match, Matcher, Missing, Posterior, RadioMap, Reading,
-    ReadingError, TableMatcher,
+    Config, Encoding, GaussianMatcher, Match, Matcher, Posterior, RadioMap, Reading, ReadingError,
+    TableMatcher,
 };
 use foxhunt_host::radio_map::{self, Options, SiteSurvey};
 
@@ -61,12 +61,9 @@ fn a_missing_beacon_says_something_only_if_asked() {
     assert!(moments.moments(1, 3).is_some() && moments.moments(1, 13).is_none());
     let reading = |beacon, rssi_dbm| Reading { beacon, rssi_dbm };
     let scan = [reading(0, -60.0)];
-    for (missing, expected) in [
-        (Missing::Ignored, 0.45..0.55),
-        (Missing::Modelled, 0.0..0.02),
-    ] {
+    for (missing_beacons_count, expected) in [(false, 0.45..0.55), (true, 0.0..0.02)] {
         let config = Config {
-            missing,
+            missing_beacons_count,
             ..UNTEMPERED
         };
         let left = left(&maps, &config, &scan);

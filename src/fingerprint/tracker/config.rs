@@ -24,7 +24,8 @@ pub struct Config {
     pub mismatch_sigma_db: f32,
     /// How many readings of each beacon the survey took at each point: at least 1.
     pub survey_samples: u16,
-    /// The power, 0.01 to 1, to which likelihoods are raised: below 1 because readings that follow each other err alike.
+    /// The power, 0.01 to 1, to which likelihoods are raised: below 1 because the errors of readings that follow each
+    /// other are correlated.
     pub tempering: f32,
     /// Readings that differ by more than so many sigmas count as if they differed by that: none of them excludes a place.
     /// At least 0.5; infinite for normal errors.

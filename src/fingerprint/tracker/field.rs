@@ -55,7 +55,7 @@ impl<const P: usize> Field<P> {
             if let (Some(row), 1..) = (map.moments_row(beacon), level.packets) {
                 // There are no more than levels.
                 let _ = comparisons.push(Comparison {
-                    row: row.as_chunks().0,
+                    row,
                     level: 2.0 * (level.mean_dbm - LOWEST_MEAN_DBM),
                     scale: 0.25 / f32::from(level.packets)
                         + 0.25 / f32::from(config.survey_samples),

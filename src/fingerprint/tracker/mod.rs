@@ -12,7 +12,7 @@
 //! * A tag may read otherwise than the one of the survey: its offset is estimated along with the places, and costs
 //!   nothing when there is none.
 //! * A reading that fits nowhere counts no more than one that is a few sigmas off, and likelihoods are tempered, because
-//!   readings that follow each other err alike.
+//!   the errors of readings that follow each other are correlated.
 //! * When the evidence has gone against the particles for a while, a fraction of them is drawn anew from the match.
 //!
 //! One [`Site`] and one [`Workspace`] serve any number of trackers: see [`Trackers`] for many tags.
@@ -36,10 +36,9 @@ use field::Field;
 use offset::OffsetBelief;
 use pending::Pending;
 
-use super::ReadingError;
+use super::{Reading, ReadingError};
 pub use config::Config;
 pub use fix::{Fix, State};
-pub use pending::Packet;
 pub use site::Site;
 pub use tags::Trackers;
 pub use walls::{Piece, Walls};
@@ -63,8 +62,8 @@ impl<const N: usize, const P: usize> Workspace<N, P> {
 /// Tracks one tag with `N` particles, by up to `B` beacons: 16 N + 8 B + 112 bytes, none of which move.
 ///
 /// ```
-/// use foxhunt::fingerprint::tracker::{Config, Packet, Site, Tracker, Workspace};
-/// use foxhunt::fingerprint::RadioMap;
+/// use foxhunt::fingerprint::tracker::{Config, Site, Tracker, Workspace};
+/// use foxhunt::fingerprint::{RadioMap, Reading};
 /// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
 ///
 /// // A tunnel of 80 m with four beacons.
@@ -80,8 +79,8 @@ impl<const N: usize, const P: usize> Workspace<N, P> {
 ///     let point = 5 + time_ms as usize / 1000;
 ///     for beacon in 0..4 {
 ///         let rssi_dbm = map.moments(beacon.into(), point).unwrap().mean_dbm;
-///         let packet = Packet { time_ms, beacon, rssi_dbm };
-///         tracker.push(packet, &site, &mut workspace, &mut rng)?;
+///         let packet = Reading { beacon, rssi_dbm };
+///         tracker.push(time_ms, packet, &site, &mut workspace, &mut rng)?;
 ///     }
 /// }
 /// let fix = tracker.fix().unwrap();
@@ -148,14 +147,15 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         &self.particles
     }
 
-    /// Takes a packet. Returns the fix if the packet led to an update: by the packets before it, because it is the first of
+    /// Takes a packet of so many milliseconds; their clock may overflow, because only differences count. Returns the fix if the packet led to an update: by the packets before it, because it is the first of
     /// another window (see [`Config::window_ms`]) and waits for the next; with a window of 0 each leads to one.
     ///
     /// # Errors
     /// [`ReadingError::Beacon`], [`ReadingError::Strength`], [`ReadingError::Points`] or [`ReadingError::TooOld`].
     pub fn push<const P: usize, R: Rng + ?Sized>(
         &mut self,
-        packet: Packet,
+        time_ms: u32,
+        packet: Reading,
         site: &Site<'_>,
         workspace: &mut Workspace<N, P>,
         rng: &mut R,
@@ -169,13 +169,13 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         if site.map.lattice().points() > P {
             return Err(ReadingError::Points);
         }
-        self.check_time(packet.time_ms)?;
+        self.check_time(time_ms)?;
         let window_ms = site.config.window_ms;
         let mut fix = None;
-        if window_ms > 0 && self.pending.is_due(packet.time_ms, window_ms) {
+        if window_ms > 0 && self.pending.is_due(time_ms, window_ms) {
             fix = self.flush(site, workspace, rng);
         }
-        self.pending.add(&packet);
+        self.pending.add(time_ms, packet);
         if window_ms == 0 {
             fix = self.flush(site, workspace, rng);
         }

@@ -1,19 +1,8 @@
 //! The packets that wait for their update.
 
+use crate::fingerprint::Reading;
 use crate::persist;
 use crate::snapshot::value;
-
-/// A packet of a tag, as one beacon heard it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Packet {
-    /// When, in milliseconds. The clock may overflow: only differences count.
-    pub time_ms: u32,
-    /// The number of the beacon, see [`RadioMap::beacon_index`](crate::fingerprint::RadioMap::beacon_index).
-    pub beacon: u8,
-    /// Strength in dBm.
-    pub rssi_dbm: f32,
-}
 
 /// The packets of one beacon.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -70,16 +59,16 @@ impl<const B: usize> Pending<B> {
     }
 
     /// Adds a packet. Those beyond 65,535 are left out, and so are beacons that there is no room for.
-    pub fn add(&mut self, packet: &Packet) {
+    pub fn add(&mut self, time_ms: u32, packet: Reading) {
         let level = self.levels.get_mut(usize::from(packet.beacon));
         let (Some(level), Some(packets)) = (level, self.packets.checked_add(1)) else {
             return;
         };
         if self.packets == 0 {
-            self.first_ms = packet.time_ms;
+            self.first_ms = time_ms;
         }
         // Radios whose packets overtake each other count as the first.
-        let age = packet.time_ms.wrapping_sub(self.first_ms) as i32;
+        let age = time_ms.wrapping_sub(self.first_ms) as i32;
         self.elapsed_ms = self.elapsed_ms.saturating_add_signed(age.max(0));
         self.packets = packets;
         level.packets += 1;

@@ -84,12 +84,8 @@ impl Walk {
             rng,
             time_ms,
         } = self;
-        let packet = Packet {
-            time_ms: *time_ms,
-            beacon,
-            rssi_dbm,
-        };
-        tracker.push(packet, site, workspace, rng)
+        let packet = Reading { beacon, rssi_dbm };
+        tracker.push(*time_ms, packet, site, workspace, rng)
     }
 
     /// For so many seconds, four packets of each beacon a second, at the places that `path` tells.
@@ -193,12 +189,11 @@ fn a_refused_packet_changes_nothing() {
         time_ms,
         ..
     } = &mut walk;
-    let packet = Packet {
-        time_ms: *time_ms,
+    let packet = Reading {
         beacon: 0,
         rssi_dbm: -60.0,
     };
-    let refused = tracker.push(packet, &site, &mut small, rng);
+    let refused = tracker.push(*time_ms, packet, &site, &mut small, rng);
     assert_eq!(refused, Err(ReadingError::Points));
     assert_eq!(walk.tracker.fix(), fix);
 }

@@ -45,8 +45,8 @@ pub use config::{Config, Framing};
 pub use outcome::{Counters, Event, Rejected};
 pub use packet::Packet;
 
-use crate::fingerprint::ReadingError;
-use crate::fingerprint::tracker::{self, Tracker, Trackers, Workspace};
+use crate::fingerprint::tracker::{Tracker, Trackers, Workspace};
+use crate::fingerprint::{Reading, ReadingError};
 use crate::persist;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 use input::{Input, Message};
@@ -163,13 +163,12 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGatew
         let site = &config.site;
         let beacon = site.map.beacon_index(radio.into());
         let beacon = beacon.and_then(|beacon| u8::try_from(beacon).ok());
-        let packet = tracker::Packet {
-            time_ms,
+        let reading = Reading {
             beacon: beacon.ok_or(Rejected::UnknownRadio)?,
             rssi_dbm: rssi_dbm.into(),
         };
         // Before a tag is evicted for it.
-        if !site.config.accepts(packet.rssi_dbm) {
+        if !site.config.accepts(reading.rssi_dbm) {
             return Err(Rejected::OutOfRange);
         }
         let rng = self
@@ -180,17 +179,22 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGatew
             self.counters.evicted = self.counters.evicted.saturating_add(1);
         }
         let fix = tracker
-            .push(packet, site, &mut self.workspace, rng)
+            .push(time_ms, reading, site, &mut self.workspace, rng)
             .map_err(|error| match error {
                 ReadingError::TooOld => Rejected::TooOld,
                 ReadingError::Strength => Rejected::OutOfRange,
                 _ => Rejected::UnknownRadio,
             })?;
         let report = &mut self.report;
-        (self.radios).hear(time_ms, packet.beacon.into(), config, |radio, is_silent| {
-            let identifier = site.map.beacon(radio).map_or(0, |beacon| beacon.identifier);
-            report.radio(time_ms, identifier, is_silent);
-        });
+        (self.radios).hear(
+            time_ms,
+            reading.beacon.into(),
+            config,
+            |radio, is_silent| {
+                let identifier = site.map.beacon(radio).map_or(0, |beacon| beacon.identifier);
+                report.radio(time_ms, identifier, is_silent);
+            },
+        );
         Ok(match fix {
             Some(fix) => {
                 self.report.tag(tag, &fix);

@@ -2,7 +2,7 @@
 
 extern crate std;
 use super::*;
-use crate::fingerprint::tracker::{Site, State};
+use crate::fingerprint::tracker::{self, Site, State};
 use crate::fingerprint::{RadioMap, tracker::tests::map};
 use crate::gateway::sentence::checksum;
 use crate::snapshot;
