@@ -232,8 +232,8 @@ macro_rules! numbers {
     )+};
 }
 
-numbers!(u8, u16, u32, u64, i32, i64, f32);
-by_value!(u8, u16, u32, u64, i32, i64, bool, Xoshiro128PlusPlus);
+numbers!(u8, u16, u32, u64, i8, i32, i64, f32);
+by_value!(u8, u16, u32, u64, i8, i32, i64, bool, Xoshiro128PlusPlus);
 by_value!(impl[T: Value] Option<T>, "Option");
 
 impl Persist for f32 {

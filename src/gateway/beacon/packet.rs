@@ -3,6 +3,7 @@
 use crate::checksum::crc32;
 use crate::gateway::decimal::fixed;
 use crate::gateway::sentence::columns;
+use crate::snapshot::{Reader, Value, Writer, value};
 
 use super::Rejected;
 
@@ -55,31 +56,16 @@ impl Packet {
         if crc32(content) != u32::from_le_bytes(*sum) {
             return Err(Rejected::Checksum);
         }
-        let mut rest = content;
-        if take(&mut rest) != [Self::FRAME_KIND] {
-            return Err(Rejected::Unparsable);
+        match Value::read(&mut Reader::new(content)) {
+            Ok((Self::FRAME_KIND, packet)) => Ok(packet),
+            _ => Err(Rejected::Unparsable),
         }
-        Ok(Self {
-            time_ms: u32::from_le_bytes(take(&mut rest)),
-            radio: u16::from_le_bytes(take(&mut rest)),
-            tag: u32::from_le_bytes(take(&mut rest)),
-            rssi_dbm: i8::from_le_bytes(take(&mut rest)),
-        })
     }
 
     /// The frame of this packet, before it is stuffed: what a radio sends.
     pub fn to_frame(self) -> [u8; Self::FRAME_BYTES] {
-        let numbers: [&[u8]; 5] = [
-            &[Self::FRAME_KIND],
-            &self.time_ms.to_le_bytes(),
-            &self.radio.to_le_bytes(),
-            &self.tag.to_le_bytes(),
-            &self.rssi_dbm.to_le_bytes(),
-        ];
         let mut frame = [0; Self::FRAME_BYTES];
-        for (to, from) in frame.iter_mut().zip(numbers.into_iter().flatten()) {
-            *to = *from;
-        }
+        (Self::FRAME_KIND, self).write(&mut Writer::new(&mut frame));
         if let Some((content, sum)) = frame.split_last_chunk_mut() {
             *sum = crc32(content).to_le_bytes();
         }
@@ -87,14 +73,12 @@ impl Packet {
     }
 }
 
-/// Takes the next bytes; zero where there are none.
-fn take<const K: usize>(rest: &mut &[u8]) -> [u8; K] {
-    let Some((taken, left)) = rest.split_first_chunk() else {
-        return [0; K];
-    };
-    *rest = left;
-    *taken
-}
+value!(Packet {
+    time_ms,
+    radio,
+    tag,
+    rssi_dbm
+});
 
 #[cfg(test)]
 mod tests {
