@@ -266,7 +266,7 @@ mod target {
         target: &impl Likelihood<2>,
     ) {
         let mut track = black_box(Track::<M>::new());
-        let mut memory = black_box(Memory::new());
+        let mut memory = black_box(Memory::EMPTY);
         region(name, M, || {
             let Track { filter, rng, .. } = &mut track;
             filter.refine(refinement, target, &mut memory, rng)

@@ -113,7 +113,7 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
         rng: &mut R,
     ) -> Report {
         let columns = &mut self.particles.columns_mut();
-        refinement.refine(columns, target, &mut memory.workspace(), rng)
+        refinement.refine(columns, target, memory, rng)
     }
 
     /// How many equally weighted particles the cloud is worth, from 1 to `N`.

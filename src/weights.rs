@@ -113,9 +113,9 @@ impl<const N: usize> Weights<N> {
     ///
     /// # Errors
     /// When no particle has a weight. The log-weights are then as before, and the weights of no use.
-    pub fn normalise(&mut self) -> Result<Normalised, UpdateError> {
+    pub fn normalise(&mut self) -> Result<(), UpdateError> {
         let normalised = normalise(&mut self.log_weights, &mut self.weights);
-        self.keep(normalised)
+        self.keep(normalised).map(drop)
     }
 
     /// Multiplies the weights by likelihoods, whose logarithms were written into the second of [`Weights::columns_mut`].
@@ -162,8 +162,7 @@ persist!(impl[const N: usize] Weights<N> as "Weights"(N) { log_weights, weights,
 
 /// What the sum over the weights says.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Normalised {
+pub(crate) struct Normalised {
     /// What was taken off every log-weight: the largest of them.
     pub shift: f32,
     /// Natural logarithm of the sum of what the shifted log-weights stand for; with `shift`, of the original sum.
@@ -179,13 +178,13 @@ pub struct Normalised {
 /// 2^-60 of the largest become zero.
 ///
 /// Returns `None` when no particle has a weight: the log-weights are then as before, and the weights of no use.
-pub fn normalise(log_weights: &mut [f32], weights: &mut [f32]) -> Option<Normalised> {
+pub(crate) fn normalise(log_weights: &mut [f32], weights: &mut [f32]) -> Option<Normalised> {
     weights.fill(0.0);
     reweigh(log_weights, weights)
 }
 
 /// Like [`normalise`], after adding what stands in `weights` at first to the log-weights: log-likelihoods.
-pub fn reweigh(log_weights: &mut [f32], weights: &mut [f32]) -> Option<Normalised> {
+fn reweigh(log_weights: &mut [f32], weights: &mut [f32]) -> Option<Normalised> {
     // The shorter slice decides.
     let n = log_weights.len().min(weights.len());
     let (log_weights, weights) = (log_weights.get_mut(..n)?, weights.get_mut(..n)?);
@@ -193,38 +192,16 @@ pub fn reweigh(log_weights: &mut [f32], weights: &mut [f32]) -> Option<Normalise
     if largest == f32::NEG_INFINITY {
         return None;
     }
-    let sums = exponentiate(log_weights, weights, largest);
-    let scale = 1.0 / sums.weights;
+    let (sum, squares) = exponentiate(log_weights, weights, largest);
+    let scale = 1.0 / sum;
     for w in weights {
         *w *= scale;
     }
     Some(Normalised {
         shift: largest,
-        log_sum: ln(sums.weights),
-        effective_sample_size: sums.effective_sample_size(),
+        log_sum: ln(sum),
+        effective_sample_size: sum * sum / squares,
     })
-}
-
-/// (sum w)^2 / sum w^2 of weights on any scale; NaN when they are all zero.
-pub fn effective_sample_size(weights: &[f32]) -> f32 {
-    let mut sums = Sums::default();
-    for &w in weights {
-        sums.weights += w;
-        sums.squares += w * w;
-    }
-    sums.effective_sample_size()
-}
-
-#[derive(Default)]
-struct Sums {
-    weights: f32,
-    squares: f32,
-}
-
-impl Sums {
-    fn effective_sample_size(&self) -> f32 {
-        self.weights * self.weights / self.squares
-    }
 }
 
 /// Largest of the sums that is finite, or minus infinity. Where a sum is plus infinity, the second summand
@@ -253,10 +230,11 @@ fn largest_sum(log_weights: &[f32], log_likelihoods: &mut [f32]) -> f32 {
     of_all(log_likelihoods)
 }
 
-/// Adds to every log-weight what stands in its weight, less `largest`, and sets the weight to the exponential.
+/// Adds to every log-weight what stands in its weight, less `largest`, and sets the weight to the exponential. Returns the
+/// sum of the weights and that of their squares.
 ///
 /// Four running sums each, because one would wait for itself; then added in a fixed order.
-fn exponentiate(log_weights: &mut [f32], weights: &mut [f32], largest: f32) -> Sums {
+fn exponentiate(log_weights: &mut [f32], weights: &mut [f32], largest: f32) -> (f32, f32) {
     let mut sum = [0.0f32; 4];
     let mut squares = [0.0f32; 4];
     let (log_blocks, log_rest) = log_weights.as_chunks_mut::<4>();
@@ -275,10 +253,8 @@ fn exponentiate(log_weights: &mut [f32], weights: &mut [f32], largest: f32) -> S
         sum[0] += *w;
         squares[0] += *w * *w;
     }
-    Sums {
-        weights: (sum[0] + sum[1]) + (sum[2] + sum[3]),
-        squares: (squares[0] + squares[1]) + (squares[2] + squares[3]),
-    }
+    let of_all = |[a, b, c, d]: [f32; 4]| (a + b) + (c + d);
+    (of_all(sum), of_all(squares))
 }
 
 #[cfg(test)]
@@ -313,7 +289,6 @@ mod tests {
         logs[7] = 0.0;
         let one = normalise(&mut logs, &mut weights).unwrap();
         assert_eq!(one.effective_sample_size, 1.0);
-        assert_eq!(effective_sample_size(&weights), 1.0);
     }
 
     #[test]

@@ -14,7 +14,7 @@ use foxhunt::{
     random::{self, SeedableRng, Xoshiro128PlusPlus},
     refine::{DifferentialEvolution, Firefly, FishSchool, Memory, Refinement},
     resample::{Scheme, resample},
-    weights::{self, Weights},
+    weights::Weights,
 };
 use foxhunt_problems::{bearings::Track, gamma, growth};
 
@@ -64,9 +64,6 @@ pub fn cloud(rng: &mut Xoshiro128PlusPlus) {
     black_box(estimate::mean(&columns, some(&c)));
     black_box(estimate::covariance(&columns, some(&c)));
     black_box(estimate::quantile(some(a), some(b), any(0.0)));
-    black_box(weights::effective_sample_size(some(a)));
-    black_box(weights::normalise(some_mut(a), some_mut(b)));
-    black_box(weights::reweigh(some_mut(a), some_mut(b)));
     let ancestors = resample(any(Scheme::Systematic), some(a), some_mut(&mut c), rng);
     ancestors.gather(some_mut(a), some_mut(b));
     black_box(ancestors.iter().sum::<usize>());
@@ -109,20 +106,20 @@ pub fn filter(rng: &mut Xoshiro128PlusPlus) {
 }
 
 pub fn refine<const D: usize>(rng: &mut Xoshiro128PlusPlus) {
-    let mut memory = Memory::<D, 50>::new();
+    let mut memory = Memory::<D, 50>::EMPTY;
     let mut states = any([[0.0; 60]; D]);
     let mut columns = states.each_mut().map(|column| some_mut(column));
     let target = |state: &[f32; D]| any(state[0]);
     let school = any(FishSchool::DEFAULT);
     _ = black_box(school.check());
     black_box(Refinement::<D>::evaluations(&school, any(3)));
-    black_box(school.refine(&mut columns, &target, &mut memory.workspace(), rng));
+    black_box(school.refine(&mut columns, &target, &mut memory, rng));
     let firefly = any(Firefly::DEFAULT);
     _ = black_box(firefly.check());
-    black_box(firefly.refine(&mut columns, &target, &mut memory.workspace(), rng));
+    black_box(firefly.refine(&mut columns, &target, &mut memory, rng));
     let evolution = any(DifferentialEvolution::DEFAULT);
     _ = black_box(evolution.check());
-    black_box(evolution.refine(&mut columns, &target, &mut memory.workspace(), rng));
+    black_box(evolution.refine(&mut columns, &target, &mut memory, rng));
 }
 
 pub fn kalman(rng: &mut Xoshiro128PlusPlus) {

@@ -199,7 +199,7 @@ fn gamma_run(variance: f32, seed: u64) -> [f64; 8] {
         .collect();
     let measurements: Vec<f64> = run.iter().map(|s| f64::from(s.2.value)).collect();
     let rng = &mut Xoshiro128PlusPlus::seed_from_u64(seed);
-    let mut memory = Memory::new();
+    let mut memory = Memory::EMPTY;
     [
         errors_of(&run, model.means(&measurements)),
         blind(&run, rng),

@@ -1,5 +1,6 @@
 //! A covariance, held as its Cholesky factor.
 
+use crate::math::vector::plus_scaled;
 use crate::math::{ln, sqrt};
 use crate::snapshot::{Error, Reader, Value, Writer};
 
@@ -133,9 +134,7 @@ impl<const D: usize> Covariance<D> {
     pub fn colour(&self, vector: [f32; D]) -> [f32; D] {
         let mut sum = [0.0; D];
         for (column, v) in self.columns.iter().zip(vector) {
-            for (s, l) in sum.iter_mut().zip(column) {
-                *s += l * v;
-            }
+            sum = plus_scaled(sum, v, *column);
         }
         sum
     }
@@ -147,19 +146,14 @@ impl<const D: usize> Covariance<D> {
             if let (Some(l), Some(v)) = (column.get(k), vector.get(k)) {
                 *w = v / l;
             }
-            for (v, l) in vector.iter_mut().zip(column) {
-                *v -= *w * l;
-            }
+            vector = plus_scaled(vector, -*w, *column);
         }
         white
     }
 
     /// Half the natural logarithm of the determinant; minus infinity when the matrix is singular.
     pub fn half_ln_determinant(&self) -> f32 {
-        let diagonal = self.columns.iter().enumerate();
-        diagonal
-            .map(|(k, column)| column.get(k).map_or(0.0, |l| ln(*l)))
-            .sum()
+        self.diagonal().map(ln).sum()
     }
 
     pub(super) fn is_finite(&self) -> bool {
@@ -167,8 +161,12 @@ impl<const D: usize> Covariance<D> {
     }
 
     pub(super) fn is_singular(&self) -> bool {
-        let mut diagonal = self.columns.iter().enumerate();
-        diagonal.any(|(k, column)| column.get(k) == Some(&0.0))
+        self.diagonal().any(|l| l == 0.0)
+    }
+
+    fn diagonal(&self) -> impl Iterator<Item = f32> {
+        let columns = self.columns.iter().enumerate();
+        columns.filter_map(|(k, column)| column.get(k).copied())
     }
 }
 

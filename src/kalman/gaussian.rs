@@ -4,6 +4,7 @@ use core::f32::consts::TAU;
 
 use super::Covariance;
 use crate::math::ln;
+use crate::math::vector::{difference, plus_scaled};
 use crate::random::{Rng, normal};
 
 /// A normal distribution of `D` dimensions: the state of a Kalman filter.
@@ -22,19 +23,14 @@ const LN_TAU: f32 = ln(TAU);
 impl<const D: usize> Gaussian<D> {
     /// A random sample.
     pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R) -> [f32; D] {
-        let mut sample = self.covariance.colour([(); D].map(|()| normal(rng)));
-        for (x, mean) in sample.iter_mut().zip(self.mean) {
-            *x += mean;
-        }
-        sample
+        let offset = self.covariance.colour([(); D].map(|()| normal(rng)));
+        plus_scaled(offset, 1.0, self.mean)
     }
 
     /// Natural logarithm of the density; not finite where the covariance is singular.
-    pub fn log_density(&self, mut point: [f32; D]) -> f32 {
-        for (x, mean) in point.iter_mut().zip(self.mean) {
-            *x -= mean;
-        }
-        let squares: f32 = self.covariance.whiten(point).iter().map(|w| w * w).sum();
+    pub fn log_density(&self, point: [f32; D]) -> f32 {
+        let white = self.covariance.whiten(difference(point, self.mean));
+        let squares: f32 = white.iter().map(|w| w * w).sum();
         log_density_at(squares, &self.covariance)
     }
 

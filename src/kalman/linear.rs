@@ -3,6 +3,7 @@
 use super::covariance::Rotation;
 use super::gaussian::log_density_at;
 use super::{Covariance, Gaussian, Innovation, KalmanError};
+use crate::math::vector::{difference, plus_scaled};
 
 impl<const D: usize> Gaussian<D> {
     /// Moves the state by a Kalman filter's prediction: x' = `transition` x + `noise`. Rows come first.
@@ -51,10 +52,7 @@ impl<const D: usize> Gaussian<D> {
         measured: [f32; M],
         noise: &Covariance<M>,
     ) -> Result<Innovation<M>, KalmanError> {
-        let mut residual = measured;
-        for (r, expected) in residual.iter_mut().zip(times(observation, &self.mean)) {
-            *r -= expected;
-        }
+        let residual = difference(measured, times(observation, &self.mean));
         let slopes = self
             .covariance
             .columns()
@@ -92,9 +90,7 @@ impl<const D: usize> Gaussian<D> {
         let white = covariance.whiten(residual);
         let mut mean = self.mean;
         for (cross, w) in cross.iter().zip(white) {
-            for (x, gain) in mean.iter_mut().zip(cross) {
-                *x += gain * w;
-            }
+            mean = plus_scaled(mean, w, *cross);
         }
         let squared_distance = white.iter().map(|w| w * w).sum();
         self.become_finite(Self {

@@ -4,6 +4,7 @@ use super::{Covariance, Gaussian, Innovation, KalmanError};
 use crate::ConfigError;
 use crate::config::require_within;
 use crate::math::sqrt;
+use crate::math::vector::plus_scaled;
 
 /// An unscented Kalman filter: pushes a few points of the state's distribution through the model, and fits a
 /// normal distribution to what comes out.
@@ -118,13 +119,7 @@ impl Unscented {
             .zip(&mut bends)
             .zip(&mut slopes)
         {
-            let end = |reach: f32| {
-                let mut point = state.mean;
-                for (x, l) in point.iter_mut().zip(column) {
-                    *x += reach * l;
-                }
-                function(&point)
-            };
+            let end = |reach: f32| function(&plus_scaled(state.mean, reach, *column));
             let ends = end(reach).into_iter().zip(end(-reach)).zip(middle);
             for ((((above, below), middle), b), (s, sum)) in ends
                 .zip(bends.iter_mut())
@@ -147,10 +142,7 @@ impl Unscented {
         }
         let factor = sqrt(self.beta + self.alpha * self.alpha * self.kappa / D as f32);
         rest.add(shift.map(|s| factor * s));
-        let mut mean = middle;
-        for (m, shift) in mean.iter_mut().zip(shift) {
-            *m += shift;
-        }
+        let mean = plus_scaled(middle, 1.0, shift);
         Transformed { mean, slopes, rest }
     }
 }

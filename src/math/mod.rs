@@ -31,6 +31,7 @@
 mod angle;
 mod exponential;
 mod hardware;
+pub(crate) mod vector;
 
 pub(crate) use angle::atan_coarse;
 pub use angle::{atan2, sin_cos, wrap};

@@ -178,8 +178,7 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
 
     /// Makes the weights again those of the particles.
     fn refuse(&mut self) -> UpdateError {
-        let (log_weights, weights) = self.weights.columns_mut();
-        weights::normalise(log_weights, weights);
+        let _ = self.weights.normalise();
         UpdateError::AllWeightsZero
     }
 

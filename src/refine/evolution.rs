@@ -14,12 +14,13 @@
 
 use core::ops::Range;
 
-use super::lengths::{Lengths, difference};
+use super::lengths::Lengths;
 use super::population::{Population, Report, halves, others};
-use super::refinement::{Acceptance, Refinement, Workspace};
+use super::refinement::{Acceptance, Memory, Refinement};
 use crate::ConfigError;
 use crate::config::{require, require_positive, require_within};
 use crate::math::sqrt;
+use crate::math::vector::{difference, plus_scaled};
 use crate::model::Likelihood;
 use crate::random::{Rng, uniform};
 
@@ -46,8 +47,8 @@ use crate::random::{Rng, uniform};
 ///
 /// const CHAIN: DifferentialEvolution =
 ///     foxhunt::config!(DifferentialEvolution { generations: 100, ..DifferentialEvolution::METROPOLIS });
-/// let mut memory = Memory::<1, 100>::new();
-/// CHAIN.refine(&mut [&mut x], &target, &mut memory.workspace(), &mut rng);
+/// let mut memory = Memory::<1, 100>::EMPTY;
+/// CHAIN.refine(&mut [&mut x], &target, &mut memory, &mut rng);
 /// // Now it is neither too wide nor too narrow.
 /// let variance = x.iter().map(|x| x * x).sum::<f32>() / 100.0;
 /// assert!((variance - 1.0).abs() < 0.5);
@@ -121,10 +122,8 @@ impl DifferentialEvolution {
                 return;
             };
             let [base, plus, minus] = parents.map(|parent| population.state(parent));
-            let mut mutant = difference(plus, minus).map(|x| self.difference_weight * x);
-            for (mutant, base) in mutant.iter_mut().zip(base) {
-                *mutant += self.base_weight * base;
-            }
+            let mutant = difference(plus, minus).map(|x| self.difference_weight * x);
+            let mutant = plus_scaled(mutant, self.base_weight, base);
             let child = inherit(population.state(i), mutant, self.genes(rng));
             let trial = population.trial(child);
             population.improve(i, &trial);
@@ -156,11 +155,9 @@ impl DifferentialEvolution {
                 2.38 / sqrt(2.0 * count as f32)
             };
             let here = population.state(i);
-            let mut mutant = scale.away(here, NOISE, scale.noise(rng));
+            let mutant = scale.away(here, NOISE, scale.noise(rng));
             let apart = difference(population.state(a), population.state(b));
-            for (mutant, apart) in mutant.iter_mut().zip(apart) {
-                *mutant += gamma * apart;
-            }
+            let mutant = plus_scaled(mutant, gamma, apart);
             let trial = population.trial(inherit(here, mutant, genes));
             population.metropolis(i, &trial, 0.0, rng);
         }
@@ -185,14 +182,14 @@ impl Default for DifferentialEvolution {
 }
 
 impl<const D: usize> Refinement<D> for DifferentialEvolution {
-    fn refine<R: Rng + ?Sized>(
+    fn refine<const N: usize, R: Rng + ?Sized>(
         &self,
         columns: &mut [&mut [f32]; D],
         target: &impl Likelihood<D>,
-        workspace: &mut Workspace<'_, D>,
+        memory: &mut Memory<D, N>,
         rng: &mut R,
     ) -> Report {
-        let mut population = Population::new(columns, target, workspace.log_densities);
+        let mut population = Population::new(columns, target, &mut memory.log_densities);
         for _ in 0..self.generations {
             population.report.iterations += 1;
             match self.acceptance {

@@ -13,12 +13,13 @@
 
 use core::ops::Range;
 
-use super::lengths::{Lengths, Scale, difference, dot};
+use super::lengths::{Lengths, Scale};
 use super::neighbours::{Grid, Neighbours};
 use super::population::{Population, Report, halves, others};
-use super::refinement::{Acceptance, Refinement, Workspace};
+use super::refinement::{Acceptance, Memory, Refinement};
 use crate::ConfigError;
 use crate::config::{require, require_positive, require_within};
+use crate::math::vector::{difference, plus_scaled, square};
 use crate::math::{exp, ln, sqrt};
 use crate::model::Likelihood;
 use crate::random::{Rng, uniform};
@@ -50,8 +51,8 @@ const NEGLIGIBLE: f32 = 1e-3;
 /// let target = |[x]: &[f32; 1]| -(x - 2.0).abs();
 ///
 /// const SWARM: Firefly = foxhunt::config!(Firefly { flutter: 0.1, iterations: 20, ..Firefly::DEFAULT });
-/// let mut memory = Memory::<1, 50>::new();
-/// SWARM.refine(&mut [&mut x], &target, &mut memory.workspace(), &mut rng);
+/// let mut memory = Memory::<1, 50>::EMPTY;
+/// SWARM.refine(&mut [&mut x], &target, &mut memory, &mut rng);
 /// assert!((x.iter().sum::<f32>() / 50.0 - 2.0).abs() < 0.5);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -154,11 +155,11 @@ impl Firefly {
 
     /// One iteration with [`Attraction::Brighter`]: every firefly flies to the brighter ones where they were, one after
     /// the other, by the attraction of the distance at the beginning.
-    fn fly_to_all<const D: usize, T: Likelihood<D>, R: Rng + ?Sized>(
+    fn fly_to_all<const D: usize, const N: usize, T: Likelihood<D>, R: Rng + ?Sized>(
         &self,
         population: &mut Population<'_, '_, D, T>,
         scale: &Scale<D>,
-        grid: &mut Grid<'_, D>,
+        grid: &mut Grid<D, N>,
         rng: &mut R,
     ) {
         // Infinite when nothing is absorbed.
@@ -202,7 +203,7 @@ impl Firefly {
             let here = population.state(i);
             let offset = scale.measure(difference(goal, here));
             let log_density = population.log_density(i);
-            let pull = self.pull(iteration, brightness, log_density, dot(offset, offset));
+            let pull = self.pull(iteration, brightness, log_density, square(offset));
             let flown = offset.map(|x| pull * x + self.flutter * (uniform(rng) - 0.5));
             let trial = population.trial(scale.away(here, 1.0, flown));
             population.go(i, &trial);
@@ -231,7 +232,7 @@ impl Firefly {
             };
             let brightness = population.log_density(goal);
             let pull = |log_density, offset: [f32; D]| {
-                self.pull(iteration, brightness, log_density, dot(offset, offset))
+                self.pull(iteration, brightness, log_density, square(offset))
             };
             let here = population.state(i);
             let offset = scale.measure(difference(population.state(goal), here));
@@ -239,40 +240,33 @@ impl Firefly {
             let sign = if uniform(rng) < 0.5 { 1.0 } else { -1.0 };
             let there = sign * pull(population.log_density(i), offset);
             let flutter = scale.noise(rng).map(|x| sigma * x);
-            let mut flown = flutter;
-            for (flown, offset) in flown.iter_mut().zip(offset) {
-                *flown += there * offset;
-            }
+            let flown = plus_scaled(flutter, there, offset);
             let trial = population.trial(scale.away(here, 1.0, flown));
             // What the flutter would have to be on the way back.
             let offset = difference(offset, flown);
             let back = -sign * pull(trial.log_density, offset);
-            let mut flutter_back = flown.map(|x| -x);
-            for (flutter, offset) in flutter_back.iter_mut().zip(offset) {
-                *flutter -= back * offset;
-            }
-            let way_back =
-                0.5 * (dot(flutter, flutter) - dot(flutter_back, flutter_back)) / (sigma * sigma);
+            let flutter_back = plus_scaled(flown.map(|x| -x), -back, offset);
+            let way_back = 0.5 * (square(flutter) - square(flutter_back)) / (sigma * sigma);
             population.metropolis(i, &trial, way_back, rng);
         }
     }
 }
 
 impl<const D: usize> Refinement<D> for Firefly {
-    fn refine<R: Rng + ?Sized>(
+    fn refine<const N: usize, R: Rng + ?Sized>(
         &self,
         columns: &mut [&mut [f32]; D],
         target: &impl Likelihood<D>,
-        workspace: &mut Workspace<'_, D>,
+        memory: &mut Memory<D, N>,
         rng: &mut R,
     ) -> Report {
-        let mut population = Population::new(columns, target, workspace.log_densities);
+        let mut population = Population::new(columns, target, &mut memory.log_densities);
         let scale = population.scale(self.lengths, 0..population.len());
         for iteration in 0..self.iterations {
             population.report.iterations += 1;
             match (self.acceptance, self.attraction) {
                 (Acceptance::Greedy, Attraction::Brighter) => {
-                    self.fly_to_all(&mut population, &scale, &mut workspace.grid, rng);
+                    self.fly_to_all(&mut population, &scale, &mut memory.grid, rng);
                 }
                 (Acceptance::Greedy, Attraction::Brightest) => {
                     self.fly_to_brightest(&mut population, &scale, iteration, rng);
@@ -318,12 +312,11 @@ mod tests {
             ..Firefly::STANDARD
         };
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(88);
-        let mut memory = Memory::<1, 2>::new();
+        let mut memory = Memory::<1, 2>::EMPTY;
         for tenth in 1..100 {
             let distance = 0.1 * tenth as f32;
             let mut x = [0.0, distance];
-            let workspace = &mut memory.workspace();
-            swarm.refine(&mut [&mut x], &brighter_to_the_right, workspace, &mut rng);
+            swarm.refine(&mut [&mut x], &brighter_to_the_right, &mut memory, &mut rng);
             let pull = exp(-0.5 * distance * distance);
             let expected = if pull < NEGLIGIBLE {
                 0.0

@@ -11,7 +11,7 @@
 //! # What the print gets wrong
 //!
 //! * The random step is `X + r s` with r from 0 to 1, which drifts along the diagonal, always the same way. A step
-//!   needs a direction; [`Heading::Diagonal`] shows what comes of it otherwise.
+//!   needs a direction; [`FishSchool::diagonal`] shows what comes of it otherwise.
 //! * The crowding test compares likelihoods, which underflow. Here it is `ln Y_c - ln n > ln delta + ln Y_i`.
 //! * A perception of 1 m and a step of 0.3 m do nothing to a cloud of 20 m: see [`Lengths::Relative`].
 
@@ -44,8 +44,8 @@ use crate::config::{require, require_positive};
 /// let target = |[x, y]: &[f32; 2]| -(x - 5.0).powi(2) - (y - 5.0).powi(2);
 ///
 /// const SCHOOL: FishSchool = foxhunt::config!(FishSchool { perception: 0.5, iterations: 30, ..FishSchool::DEFAULT });
-/// let mut memory = Memory::<2, 200>::new();
-/// let report = SCHOOL.refine(&mut [&mut x, &mut y], &target, &mut memory.workspace(), &mut rng);
+/// let mut memory = Memory::<2, 200>::EMPTY;
+/// let report = SCHOOL.refine(&mut [&mut x, &mut y], &target, &mut memory, &mut rng);
 /// assert!(report.evaluations <= Refinement::<2>::evaluations(&SCHOOL, 200));
 /// // The school has found its prey.
 /// assert!((x.iter().sum::<f32>() / 200.0 - 5.0).abs() < 0.5);
@@ -68,49 +68,16 @@ pub struct FishSchool {
     pub iterations: u16,
     /// The school stops when the log-density of its best fish changes by less than this in an iteration; never if zero.
     pub threshold: f32,
-    /// What a fish does when it sees mates.
-    pub behaviour: Behaviour,
-    /// Where a random step goes.
-    pub heading: Heading,
+    /// Whether a fish swims to the centre of the mates that it sees: Du et al.
+    pub swarm: bool,
+    /// Whether it swims to the best of them; if it also swarms, whichever leads to the better place: Li et al. A fish that
+    /// does neither searches for prey on its own.
+    pub follow: bool,
+    /// Whether a random step goes forward in every dimension, as printed by Du et al., instead of in any direction: the
+    /// cloud drifts away. For demonstration only; [`Acceptance::Metropolis`] does not know it.
+    pub diagonal: bool,
     /// As published, or with the target invariant.
     pub acceptance: Acceptance,
-}
-
-/// What a fish does when it sees mates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Behaviour {
-    /// It searches for prey on its own.
-    Prey,
-    /// It swims to the centre of its mates: Du et al.
-    #[default]
-    Swarm,
-    /// It follows the best of its mates.
-    Follow,
-    /// Whichever leads to the better place: Li et al.
-    SwarmAndFollow,
-}
-
-impl Behaviour {
-    const fn swarms(self) -> bool {
-        matches!(self, Self::Swarm | Self::SwarmAndFollow)
-    }
-
-    const fn follows(self) -> bool {
-        matches!(self, Self::Follow | Self::SwarmAndFollow)
-    }
-}
-
-/// Where a random step goes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Heading {
-    /// In any direction.
-    #[default]
-    Random,
-    /// Forward in every dimension, as printed by Du et al.: the cloud drifts away. For demonstration only;
-    /// [`Acceptance::Metropolis`] does not know it.
-    Diagonal,
 }
 
 impl FishSchool {
@@ -123,8 +90,9 @@ impl FishSchool {
         tries: 50,
         iterations: 1,
         threshold: 0.0,
-        behaviour: Behaviour::Swarm,
-        heading: Heading::Random,
+        swarm: true,
+        follow: false,
+        diagonal: false,
         acceptance: Acceptance::Greedy,
     };
 

@@ -2,6 +2,7 @@
 
 use core::f32::consts::TAU;
 
+use crate::math::vector::direction;
 use crate::math::{sin_cos, sqrt};
 use crate::random::{Rng, normal, uniform};
 
@@ -76,37 +77,6 @@ fn sigma(column: &[f32]) -> f32 {
     } else {
         0.0
     }
-}
-
-#[inline(always)]
-pub(super) fn difference<const D: usize>(mut a: [f32; D], b: [f32; D]) -> [f32; D] {
-    for (a, b) in a.iter_mut().zip(b) {
-        *a -= b;
-    }
-    a
-}
-
-#[inline(always)]
-pub(super) fn dot<const D: usize>(a: [f32; D], b: [f32; D]) -> f32 {
-    let mut sum = 0.0;
-    for (a, b) in a.iter().zip(b) {
-        sum += a * b;
-    }
-    sum
-}
-
-/// The square of the length of `offset`.
-#[inline(always)]
-pub(super) fn square<const D: usize>(offset: [f32; D]) -> f32 {
-    dot(offset, offset)
-}
-
-/// The direction of `offset`, of length one; `None` when it has none.
-#[inline(always)]
-pub(super) fn direction<const D: usize>(offset: [f32; D]) -> Option<[f32; D]> {
-    let length = sqrt(square(offset));
-    let inverse = 1.0 / length;
-    (length > 0.0 && inverse > 0.0).then(|| offset.map(|x| x * inverse))
 }
 
 /// A direction of length one, each as likely, and a part of the way, uniform between 0 and 1.

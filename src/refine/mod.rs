@@ -28,7 +28,7 @@
 //!
 //! let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
 //! let mut filter = ParticleFilter::<2, 200>::new();
-//! let mut memory = Memory::new();
+//! let mut memory = Memory::EMPTY;
 //! let prior = |[x, y]: &[f32; 2]| -0.5 * (x * x + y * y);
 //! let likelihood = |[x, y]: &[f32; 2]| -0.5 * ((x * y - 1.0) / 0.1).powi(2);
 //! let posterior = |state: &[f32; 2]| prior(state) + likelihood(state);
@@ -53,7 +53,7 @@ mod tests;
 
 pub use evolution::DifferentialEvolution;
 pub use firefly::{Attraction, Firefly};
-pub use fish::{Behaviour, FishSchool, Heading};
+pub use fish::FishSchool;
 pub use lengths::Lengths;
 pub use population::Report;
-pub use refinement::{Acceptance, Memory, Refinement, Workspace};
+pub use refinement::{Acceptance, Memory, Refinement};

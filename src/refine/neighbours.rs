@@ -8,12 +8,13 @@
 
 use core::ops::Range;
 
-use super::lengths::{Scale, difference, square};
+use super::lengths::Scale;
 use super::population::Population;
+use crate::math::vector::{difference, square};
 use crate::model::Likelihood;
 use crate::particles::read;
 
-pub(super) const CELLS: usize = 256;
+const CELLS: usize = 256;
 
 /// Cells from one row to the next.
 const ROW: u8 = 16;
@@ -43,10 +44,18 @@ impl<const D: usize> Mate<D> {
 }
 
 /// Memory to sort a cloud by cells in.
-#[derive(Debug)]
-pub(super) struct Grid<'a, const D: usize> {
-    pub(super) mates: &'a mut [Mate<D>],
-    pub(super) cells: &'a mut [u32; CELLS + 1],
+#[derive(Debug, Clone)]
+pub(super) struct Grid<const D: usize, const N: usize> {
+    mates: [Mate<D>; N],
+    cells: [u32; CELLS + 1],
+}
+
+impl<const D: usize, const N: usize> Grid<D, N> {
+    /// In bits that are all zero.
+    pub(super) const EMPTY: Self = Self {
+        mates: [Mate::NONE; N],
+        cells: [0; CELLS + 1],
+    };
 }
 
 /// A cloud, sorted by cells.
@@ -63,13 +72,13 @@ pub(super) type Around<'a, const D: usize> = [&'a [Mate<D>]; 6];
 
 impl<'a, const D: usize> Neighbours<'a, D> {
     /// Sorts the population by counting, its order within a cell kept.
-    pub(super) fn new<T: Likelihood<D>>(
+    pub(super) fn new<const N: usize, T: Likelihood<D>>(
         population: &Population<'_, '_, D, T>,
         scale: &Scale<D>,
         reach: f32,
-        grid: &'a mut Grid<'_, D>,
+        grid: &'a mut Grid<D, N>,
     ) -> Self {
-        let cells = &mut *grid.cells;
+        let cells = &mut grid.cells;
         let particles = population.len().min(grid.mates.len());
         let mates = grid.mates.get_mut(..particles).unwrap_or_default();
         let tiles = Tiles::new(scale.measure(population.state(0)), reach);
@@ -307,10 +316,7 @@ mod tests {
         let target = |state: &[f32; D]| -state[0];
         let mut log_densities = vec![0.0; cloud.len()];
         let population = Population::new(&mut columns, &target, &mut log_densities);
-        let mut grid = Grid {
-            mates: &mut vec![Mate::NONE; cloud.len()],
-            cells: &mut [0; CELLS + 1],
-        };
+        let mut grid = Grid::<D, 1000>::EMPTY;
         for lengths in [Lengths::Relative, Lengths::Absolute] {
             let scale = population.scale(lengths, 0..cloud.len());
             let neighbours = Neighbours::new(&population, &scale, reach, &mut grid);

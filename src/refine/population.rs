@@ -2,8 +2,9 @@
 
 use core::ops::Range;
 
-use super::lengths::{Lengths, Scale, difference, dot};
+use super::lengths::{Lengths, Scale};
 use crate::math::ln;
+use crate::math::vector::{difference, dot, square};
 use crate::model::Likelihood;
 use crate::particles::{read, write};
 use crate::random::{Rng, uniform, uniform_open};
@@ -174,7 +175,7 @@ impl<'a, 'c, const D: usize, T: Likelihood<D>> Population<'a, 'c, D, T> {
         let apart = scale.measure(difference(self.state(a), self.state(b)));
         let factor = 1.2 + uniform(rng);
         // A part of the distance from the anchor; NaN, and thus rejected, for a particle that sits on it.
-        let part = factor * dot(apart, line) / dot(line, line);
+        let part = factor * dot(apart, line) / square(line);
         let trial = self.trial(scale.away(here, part, line));
         let way_back = (D as f32 - 1.0) * ln((1.0 + part).abs());
         self.metropolis(i, &trial, way_back, rng);

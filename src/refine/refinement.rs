@@ -1,6 +1,6 @@
 //! The trait of refinements, and the memory that they work in.
 
-use super::neighbours::{CELLS, Grid, Mate};
+use super::neighbours::Grid;
 use super::population::Report;
 use crate::ConfigError;
 use crate::model::Likelihood;
@@ -24,12 +24,12 @@ pub trait Refinement<const D: usize> {
     /// Moves equally weighted particles, one column per dimension of their state, by the density `target`.
     ///
     /// A state whose density is NaN or plus infinity is impossible, like one of minus infinity: no particle moves
-    /// there. Particles beyond the workspace stay where they are.
-    fn refine<R: Rng + ?Sized>(
+    /// there. Particles for which there is no memory stay where they are.
+    fn refine<const N: usize, R: Rng + ?Sized>(
         &self,
         columns: &mut [&mut [f32]; D],
         target: &impl Likelihood<D>,
-        workspace: &mut Workspace<'_, D>,
+        memory: &mut Memory<D, N>,
         rng: &mut R,
     ) -> Report;
 
@@ -47,9 +47,8 @@ pub trait Refinement<const D: usize> {
 /// use between calls. One serves any number of filters and refinements. `N` is at most 65,536, as in a filter.
 #[derive(Debug, Clone)]
 pub struct Memory<const D: usize, const N: usize> {
-    log_densities: [f32; N],
-    mates: [Mate<D>; N],
-    cells: [u32; CELLS + 1],
+    pub(super) log_densities: [f32; N],
+    pub(super) grid: Grid<D, N>,
 }
 
 impl<const D: usize, const N: usize> Memory<D, N> {
@@ -58,37 +57,7 @@ impl<const D: usize, const N: usize> Memory<D, N> {
         assert!(N <= 1 << 16, "up to 65,536 particles");
         Self {
             log_densities: [0.0; N],
-            mates: [Mate::NONE; N],
-            cells: [0; CELLS + 1],
+            grid: Grid::EMPTY,
         }
     };
-
-    /// [`Memory::EMPTY`].
-    pub const fn new() -> Self {
-        Self::EMPTY
-    }
-
-    /// The memory without its size, as refinements take it.
-    pub const fn workspace(&mut self) -> Workspace<'_, D> {
-        Workspace {
-            log_densities: &mut self.log_densities,
-            grid: Grid {
-                mates: &mut self.mates,
-                cells: &mut self.cells,
-            },
-        }
-    }
-}
-
-impl<const D: usize, const N: usize> Default for Memory<D, N> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-/// Borrowed [`Memory`] of any size.
-#[derive(Debug)]
-pub struct Workspace<'a, const D: usize> {
-    pub(super) log_densities: &'a mut [f32],
-    pub(super) grid: Grid<'a, D>,
 }

@@ -67,7 +67,7 @@ fn discrepancy(refinement: &impl Refinement<2>, known: &Known, seed: u64) -> f64
     const CHAINS: usize = 2_500;
     const CALLS: usize = 30;
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
-    let mut memory = Memory::<2, PARTICLES>::new();
+    let mut memory = Memory::<2, PARTICLES>::EMPTY;
     let mut ends = Vec::new();
     for _ in 0..CHAINS {
         let mut columns = [[0.0; PARTICLES]; 2];
@@ -76,12 +76,7 @@ fn discrepancy(refinement: &impl Refinement<2>, known: &Known, seed: u64) -> f64
             [*x, *y] = (known.draw)(&mut rng);
         }
         for _ in 0..CALLS {
-            refinement.refine(
-                &mut [x, y],
-                &known.log_density,
-                &mut memory.workspace(),
-                &mut rng,
-            );
+            refinement.refine(&mut [x, y], &known.log_density, &mut memory, &mut rng);
         }
         ends.extend((0..PARTICLES).map(|i| [columns[0][i], columns[1][i]]));
     }
@@ -140,18 +135,18 @@ fn assert_exact<T: Refinement<2>>(name: &str, make: impl Fn(Acceptance) -> T) {
     }
 }
 
+/// Whether fish swarm, and whether they follow.
+const BEHAVIOURS: [(bool, bool); 4] = [(false, false), (true, false), (false, true), (true, true)];
+
 #[test]
 fn fish_leave_the_target_invariant() {
-    for behaviour in [
-        Behaviour::Prey,
-        Behaviour::Swarm,
-        Behaviour::Follow,
-        Behaviour::SwarmAndFollow,
-    ] {
-        assert_exact(&std::format!("{behaviour:?}"), |acceptance| FishSchool {
+    for (swarm, follow) in BEHAVIOURS {
+        let name = std::format!("swarm: {swarm}, follow: {follow}");
+        assert_exact(&name, |acceptance| FishSchool {
             perception: 0.5,
             step: 1.0,
-            behaviour,
+            swarm,
+            follow,
             acceptance,
             ..FishSchool::DEFAULT
         });
@@ -190,18 +185,14 @@ fn evolution_leaves_the_target_invariant() {
 fn for_each_refinement<const D: usize>(mut check: impl FnMut(&str, &dyn Run<D>)) {
     for acceptance in [Acceptance::Greedy, Acceptance::Metropolis] {
         for lengths in [Lengths::Relative, Lengths::Absolute] {
-            for behaviour in [
-                Behaviour::Prey,
-                Behaviour::Swarm,
-                Behaviour::Follow,
-                Behaviour::SwarmAndFollow,
-            ] {
+            for (swarm, follow) in BEHAVIOURS {
                 let school = FishSchool {
                     lengths,
                     perception: 0.5,
                     iterations: 3,
                     tries: 4,
-                    behaviour,
+                    swarm,
+                    follow,
                     acceptance,
                     ..FishSchool::DEFAULT
                 };
@@ -252,9 +243,9 @@ impl<const D: usize, T: Refinement<D>> Run<D> for T {
             evaluations.set(evaluations.get() + 1);
             target(state)
         };
-        let mut memory = Box::new(Memory::<D, 64>::new());
+        let mut memory = Box::new(Memory::<D, 64>::EMPTY);
         let mut columns = columns.each_mut().map(|column| column.as_mut_slice());
-        let report = self.refine(&mut columns, &counted, &mut memory.workspace(), &mut rng);
+        let report = self.refine(&mut columns, &counted, &mut memory, &mut rng);
         (report, evaluations.get(), rng.draws)
     }
 
@@ -435,14 +426,14 @@ fn the_printed_step_drifts() {
     let flat = |_: &[f32; 2]| 0.0;
     let mean = |columns: [Vec<f32>; 2]| columns.map(|c| c.iter().sum::<f32>() / 64.0);
     let start = mean(normals(64));
-    for (heading, drift) in [(Heading::Random, 0.0), (Heading::Diagonal, 20.0 * 0.15)] {
+    for (diagonal, drift) in [(false, 0.0), (true, 20.0 * 0.15)] {
         let mut columns = normals::<2>(64);
         let school = FishSchool {
             perception: 0.1,
             iterations: 20,
             tries: 1,
-            behaviour: Behaviour::Prey,
-            heading,
+            swarm: false,
+            diagonal,
             ..FishSchool::PUBLISHED
         };
         school.run(&mut columns, &flat);
@@ -450,7 +441,7 @@ fn the_printed_step_drifts() {
         // The mean of 64 particles has a standard error of 0.07 after the random steps, 0.05 after the printed ones.
         assert!(
             (0..2).all(|d| (end[d] - start[d] - drift).abs() < 0.3),
-            "{heading:?} {end:?}"
+            "diagonal: {diagonal}, {end:?}"
         );
     }
 }

@@ -24,7 +24,7 @@ fn refined(refinements: [impl Refinement<2>; 2]) -> Digest {
     for refinement in refinements {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
         let mut filter = ParticleFilter::<2, 120>::new();
-        let mut memory = Memory::new();
+        let mut memory = Memory::EMPTY;
         filter.initialise(&mut rng, |rng| [normal(rng), normal(rng)]);
         let report = filter.refine(&refinement, &crescent, &mut memory, &mut rng);
         assert!(report.moves > 0 && report.evaluations <= refinement.evaluations(120));

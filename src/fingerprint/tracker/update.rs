@@ -224,7 +224,7 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
                 *slot = log_weight;
             }
         }
-        weights.normalise().map(drop)
+        weights.normalise()
     }
 
     #[inline(never)]

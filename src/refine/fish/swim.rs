@@ -2,15 +2,16 @@
 
 use core::ops::Range;
 
-use super::{Behaviour, FishSchool, Heading};
+use super::FishSchool;
 use crate::ConfigError;
 use crate::math::ln;
+use crate::math::vector::{difference, direction};
 use crate::model::Likelihood;
 use crate::random::{Rng, uniform};
-use crate::refine::lengths::{Scale, anywhere, difference, direction};
+use crate::refine::lengths::{Scale, anywhere};
 use crate::refine::neighbours::{Grid, Mate, Neighbours};
 use crate::refine::population::{Population, Report, halves, others};
-use crate::refine::refinement::{Acceptance, Refinement, Workspace};
+use crate::refine::refinement::{Acceptance, Memory, Refinement};
 
 /// With [`Acceptance::Metropolis`], this many mates have a centre and a best.
 const COMPANIONS: usize = 4;
@@ -32,7 +33,7 @@ impl FishSchool {
         }
         let required = log_crowding + fish.log_density + log_of_count(fish.met);
         let mut goal = None;
-        if self.behaviour.swarms() {
+        if self.swarm {
             let inverse = 1.0 / f32::from(fish.met);
             let centre = fish.offsets.map(|x| x * inverse);
             let trial = population.trial(scale.away(here, 1.0, centre));
@@ -40,7 +41,7 @@ impl FishSchool {
                 goal = Some((centre, trial.log_density));
             }
         }
-        if self.behaviour.follows() {
+        if self.follow {
             let best = neighbours.best(fish);
             if best.log_density > fish.log_density
                 && best.log_density > required
@@ -68,22 +69,23 @@ impl FishSchool {
                 return direction;
             }
         }
-        match self.heading {
-            Heading::Random => anywhere(rng).0,
-            Heading::Diagonal => [1.0; D],
+        if self.diagonal {
+            [1.0; D]
+        } else {
+            anywhere(rng).0
         }
     }
 
     /// One iteration as published: every fish swims by what it saw at the beginning.
-    fn swim<const D: usize, T: Likelihood<D>, R: Rng + ?Sized>(
+    fn swim<const D: usize, const N: usize, T: Likelihood<D>, R: Rng + ?Sized>(
         &self,
         population: &mut Population<'_, '_, D, T>,
         scale: &Scale<D>,
-        grid: &mut Grid<'_, D>,
+        grid: &mut Grid<D, N>,
         rng: &mut R,
     ) {
         let mut neighbours = None;
-        if self.behaviour != Behaviour::Prey {
+        if self.swarm || self.follow {
             let neighbours =
                 neighbours.insert(Neighbours::new(population, scale, self.perception, grid));
             neighbours.meet();
@@ -133,11 +135,11 @@ impl FishSchool {
                 }
                 companions
             };
-            if self.behaviour.swarms() {
+            if self.swarm {
                 let centre = centre(choose(rng).map(|j| population.state(j)));
                 population.snooker(i, centre, &scale, rng);
             }
-            if self.behaviour.follows() {
+            if self.follow {
                 let [mut best, rest @ ..] = choose(rng);
                 for j in rest {
                     if population.log_density(j) > population.log_density(best) {
@@ -156,21 +158,21 @@ impl FishSchool {
 }
 
 impl<const D: usize> Refinement<D> for FishSchool {
-    fn refine<R: Rng + ?Sized>(
+    fn refine<const N: usize, R: Rng + ?Sized>(
         &self,
         columns: &mut [&mut [f32]; D],
         target: &impl Likelihood<D>,
-        workspace: &mut Workspace<'_, D>,
+        memory: &mut Memory<D, N>,
         rng: &mut R,
     ) -> Report {
-        let mut population = Population::new(columns, target, workspace.log_densities);
+        let mut population = Population::new(columns, target, &mut memory.log_densities);
         let scale = population.scale(self.lengths, 0..population.len());
         let mut highest = population.highest();
         for _ in 0..self.iterations {
             population.report.iterations += 1;
             match self.acceptance {
                 Acceptance::Greedy => {
-                    self.swim(&mut population, &scale, &mut workspace.grid, rng);
+                    self.swim(&mut population, &scale, &mut memory.grid, rng);
                     let before = highest;
                     highest = population.highest();
                     if self.has_settled(before, highest) {
@@ -189,10 +191,9 @@ impl<const D: usize> Refinement<D> for FishSchool {
     }
 
     fn evaluations(&self, particles: usize) -> usize {
-        let (swarm, follow) = (self.behaviour.swarms(), self.behaviour.follows());
         let each = match self.acceptance {
-            Acceptance::Greedy => usize::from(swarm) + usize::from(self.tries) + 1,
-            Acceptance::Metropolis => 1 + usize::from(swarm) + usize::from(follow),
+            Acceptance::Greedy => usize::from(self.swarm) + usize::from(self.tries) + 1,
+            Acceptance::Metropolis => 1 + usize::from(self.swarm) + usize::from(self.follow),
         };
         particles.saturating_mul(1 + usize::from(self.iterations) * each)
     }

@@ -11,10 +11,7 @@ use foxhunt::{
     math::{sqrt, wrap},
     model::{Likelihood, RandomWalk},
     random::{Xoshiro128PlusPlus, normal, uniform},
-    refine::{
-        Acceptance, Behaviour, DifferentialEvolution, Firefly, FishSchool, Heading, Lengths,
-        Memory, Refinement,
-    },
+    refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Memory, Refinement},
     resample::Scheme,
 };
 
@@ -113,7 +110,7 @@ pub fn fish<const N: usize>(visit: &mut impl Visit) {
     let printed = FishSchool::PUBLISHED;
     // Many short looks around: each iteration is one, and a random step if the place is not better.
     let restless = FishSchool {
-        behaviour: Behaviour::Prey,
+        swarm: false,
         tries: 1,
         iterations: 50,
         ..printed
@@ -122,7 +119,7 @@ pub fn fish<const N: usize>(visit: &mut impl Visit) {
     // The best length of a random walk in two dimensions, of which a fish swims half on average.
     let metropolis = FishSchool {
         step: 3.4,
-        behaviour: Behaviour::SwarmAndFollow,
+        follow: true,
         acceptance: Acceptance::Metropolis,
         ..FishSchool::DEFAULT
     };
@@ -147,7 +144,7 @@ pub fn fish<const N: usize>(visit: &mut impl Visit) {
     let many = Gathered::<N, _>(restless);
     visit.method("prey only, 50 iterations of one try", FISH_50, many);
     let literal = Gathered::<N, _>(FishSchool {
-        heading: Heading::Diagonal,
+        diagonal: true,
         ..restless
     });
     visit.method("the same, random step as printed", FISH_LITERAL, literal);
@@ -309,7 +306,7 @@ impl<const N: usize, F: Refinement<2>> Method for Gathered<N, F> {
         rng: &mut Xoshiro128PlusPlus,
         watch: &mut impl Watch,
     ) -> Option<Estimate> {
-        let mut memory = Memory::new();
+        let mut memory = Memory::EMPTY;
         bootstrap::<N, L>(
             bearings,
             Start::AnyPair,
@@ -366,7 +363,7 @@ impl<const N: usize, F: Refinement<2>> Method for Moved<N, F> {
         const CROSSING: f32 = 0.35;
         /// Refinements that bring the first cloud, of a few survivors, to rest.
         const FIRST: usize = 10;
-        let mut memory = Memory::new();
+        let mut memory = Memory::EMPTY;
         let mut filter = ParticleFilter::<2, N>::new();
         let mut started = false;
         for (index, latest) in bearings.likelihoods.iter().enumerate() {

@@ -210,7 +210,7 @@ impl<const N: usize, F: Refinement<1>> Method for Gathered<N, F> {
         rng: &mut Xoshiro128PlusPlus,
         mut show: impl FnMut(f32, &[f32], &[f32]),
     ) {
-        let mut memory = Memory::new();
+        let mut memory = Memory::EMPTY;
         let mut filter = filter_at::<N>(start, rng);
         for (dynamics, measurement) in steps {
             filter.resample_below(0.5, rng);
@@ -234,7 +234,7 @@ impl<const N: usize, F: Refinement<1>> Method for Moved<N, F> {
         rng: &mut Xoshiro128PlusPlus,
         mut show: impl FnMut(f32, &[f32], &[f32]),
     ) {
-        let mut memory = Memory::new();
+        let mut memory = Memory::EMPTY;
         let mut filter = filter_at::<N>(start, rng);
         for (dynamics, measurement) in steps {
             let before = Before::of(&filter);
@@ -269,7 +269,7 @@ impl<const N: usize, F: Refinement<1>> Method for Evolved<N, F> {
         rng: &mut Xoshiro128PlusPlus,
         mut show: impl FnMut(f32, &[f32], &[f32]),
     ) {
-        let mut memory = Memory::new();
+        let mut memory = Memory::EMPTY;
         let mut filter = filter_at::<N>(start, rng);
         for (dynamics, measurement) in steps {
             let before = Before::of(&filter);
@@ -319,7 +319,7 @@ impl<const N: usize, F: Refinement<1>> Method for ProposedEvolved<N, F> {
         rng: &mut Xoshiro128PlusPlus,
         mut show: impl FnMut(f32, &[f32], &[f32]),
     ) {
-        let mut memory = Memory::new();
+        let mut memory = Memory::EMPTY;
         let mut filter = UnscentedParticleFilter::<1, N>::EMPTY;
         filter.initialise(rng, &Covariance::ZERO, |_| [start]);
         for (dynamics, measurement) in steps {
@@ -396,7 +396,7 @@ impl<const N: usize, F: Refinement<1>> Method for Chain<N, F> {
         rng: &mut Xoshiro128PlusPlus,
         mut show: impl FnMut(f32, &[f32], &[f32]),
     ) {
-        let mut memory = Memory::new();
+        let mut memory = Memory::EMPTY;
         let mut filter = filter_at::<N>(start, rng);
         for (dynamics, measurement) in steps {
             let before = Before::of(&filter);

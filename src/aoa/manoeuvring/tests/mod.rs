@@ -16,7 +16,6 @@ use crate::aoa::{
 };
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
 use crate::resample::{Scheme, resample};
-use crate::weights;
 use chase::Chase;
 use std::{println, vec, vec::Vec};
 
