@@ -11,7 +11,7 @@
 //! | [`KernelDensity`] | the samples themselves | a kernel density, exactly |
 //! | [`Neighbours`] | a map of [`Encoding::Moments`] | means, by their distance |
 //!
-//! [`PacketLikelihood`] weighs particles by one packet at a time, interpolated between the points. A [`tracker`] follows
+//! [`RadioMap::packet_likelihood`] weighs particles by one packet at a time, interpolated between the points. A [`tracker`] follows
 //! tags by their packets.
 //!
 //! ```
@@ -56,6 +56,6 @@ pub use lattice::Lattice;
 pub use map::{Beacon, Encoding, Moments, RadioMap};
 pub use matcher::{MAX_READINGS, Matcher, Reading};
 pub use neighbours::Neighbours;
-pub use packet::{PacketLikelihood, PacketModel};
+pub use packet::PacketModel;
 pub use posterior::{Match, Posterior};
 pub use table::TableMatcher;

@@ -48,13 +48,9 @@ const UNIT: f32 = 1.0 / 512.0;
 /// Steps from one point of the lattice to the next.
 const STEPS: u32 = 256;
 
-/// How well one packet fits the places of particles: a normal density, with the mean and the sigma of the map
-/// interpolated between its points, or the density of outliers where that is larger.
-///
-/// Works on any state whose first two dimensions are metres along x and y. Places beyond the lattice count as the
-/// nearest ones on it: walls are the business of the dynamics.
+/// See [`RadioMap::packet_likelihood`].
 #[derive(Debug, Clone, Copy)]
-pub struct PacketLikelihood<'a> {
+struct PacketLikelihood<'a> {
     model: &'a PacketModel,
     row: &'a [[u8; 2]],
     /// In steps of [`UNIT`] above the lowest mean.
@@ -67,16 +63,21 @@ pub struct PacketLikelihood<'a> {
 }
 
 impl<'a> RadioMap<'a> {
-    /// The likelihood of a packet from a receiver that reads `offset_db` too strong, see [`PacketLikelihood`].
+    /// How well a packet of a receiver that reads `offset_db` too strong fits the places of particles: a normal density,
+    /// with the mean and the sigma of the map interpolated between its points, or the density of outliers where that is
+    /// larger.
+    ///
+    /// Works on any state whose first two dimensions are metres along x and y. Places beyond the lattice count as the
+    /// nearest ones on it: walls are the business of the dynamics.
     ///
     /// # Errors
     /// [`ReadingError::Beacon`], or [`ReadingError::Strength`], also for an offset that is not finite.
-    pub fn packet_likelihood(
+    pub fn packet_likelihood<const D: usize>(
         &self,
         packet: Reading,
         offset_db: f32,
         model: &'a PacketModel,
-    ) -> Result<PacketLikelihood<'a>, ReadingError> {
+    ) -> Result<impl Likelihood<D> + use<'a, D>, ReadingError> {
         let row = self.moments_row(packet.beacon.into());
         let row = row.ok_or(ReadingError::Beacon)?;
         if !(model.config.accepts(packet.rssi_dbm) && offset_db.is_finite()) {

@@ -153,7 +153,7 @@ impl<const D: usize> Covariance<D> {
 
     /// Half the natural logarithm of the determinant; minus infinity when the matrix is singular.
     pub fn half_ln_determinant(&self) -> f32 {
-        self.diagonal().map(ln).sum()
+        self.pivots().map(ln).sum()
     }
 
     pub(super) fn is_finite(&self) -> bool {
@@ -161,10 +161,11 @@ impl<const D: usize> Covariance<D> {
     }
 
     pub(super) fn is_singular(&self) -> bool {
-        self.diagonal().any(|l| l == 0.0)
+        self.pivots().any(|l| l == 0.0)
     }
 
-    fn diagonal(&self) -> impl Iterator<Item = f32> {
+    /// The diagonal of the factor.
+    fn pivots(&self) -> impl Iterator<Item = f32> {
         let columns = self.columns.iter().enumerate();
         columns.filter_map(|(k, column)| column.get(k).copied())
     }

@@ -29,9 +29,9 @@ const NEGLIGIBLE: f32 = 1e-3;
 
 /// A swarm of fireflies: each particle is one.
 ///
-/// [`Attraction::Brighter`] draws each to all brighter ones in turn. Those whose attraction is below 1/1000 are left
+/// As published by Yang, each is drawn to all brighter ones in turn. Those whose attraction is below 1/1000 are left
 /// out, and their part of the flutter with them, so that the time is proportional to the number within reach, not to
-/// that of all. [`Attraction::Brightest`] draws each to the brightest alone, which itself stays.
+/// that of all. As improved by Du et al., each is drawn to the brightest alone, which itself stays.
 ///
 /// With [`Acceptance::Metropolis`] the flutter is normal with the same sigma, and a firefly is drawn to one that
 /// does not depend on where it is itself: any one at random, or the brightest of the other half of the swarm. Half of
@@ -58,17 +58,17 @@ const NEGLIGIBLE: f32 = 1e-3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Firefly {
-    /// What draws a firefly.
-    pub attraction: Attraction,
+    /// Whether the brightest alone draws a firefly: Du et al. If not, all that are brighter do: Yang.
+    pub brightest: bool,
     /// The unit of distances.
     pub lengths: Lengths,
     /// gamma: how the attraction falls with the distance, per square of the unit.
     pub absorption: f32,
     /// alpha: width of the random part of a move, in the unit.
     pub flutter: f32,
-    /// beta_min: the fraction of the distance by which [`Attraction::Brightest`] draws at least.
+    /// beta_min: the fraction of the distance by which the brightest draws at least.
     pub least_attraction: f32,
-    /// tau: iterations in which [`Attraction::Brightest`] decays by e.
+    /// tau: iterations in which the attraction of the brightest decays by e.
     pub decay_iterations: f32,
     /// How many times every firefly moves.
     pub iterations: u16,
@@ -76,21 +76,11 @@ pub struct Firefly {
     pub acceptance: Acceptance,
 }
 
-/// What draws a firefly.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Attraction {
-    /// All that are brighter: Yang.
-    Brighter,
-    /// The brightest: Du et al.
-    Brightest,
-}
-
 impl Firefly {
     /// The improved form of Du et al., with lengths in standard deviations of the cloud. Gamma, alpha and the least
     /// attraction are not printed.
     pub const DEFAULT: Self = Self {
-        attraction: Attraction::Brightest,
+        brightest: true,
         lengths: Lengths::Relative,
         absorption: 1.0,
         flutter: 0.2,
@@ -102,7 +92,7 @@ impl Firefly {
 
     /// The standard form of Yang.
     pub const STANDARD: Self = Self {
-        attraction: Attraction::Brighter,
+        brightest: false,
         ..Self::DEFAULT
     };
 
@@ -141,19 +131,17 @@ impl Firefly {
     #[inline(always)]
     fn pull(&self, iteration: u16, goal: f32, log_density: f32, distance_squared: f32) -> f32 {
         let visibility = self.visibility(distance_squared);
-        match self.attraction {
-            Attraction::Brighter => visibility,
-            Attraction::Brightest => {
-                let dimmer = 1.0 - exp(log_density - goal);
-                // The brightest of one half may be dimmer than a firefly of the other.
-                let dimmer = if dimmer > 0.0 { dimmer } else { 0.0 };
-                exp(f32::from(iteration) / -self.decay_iterations) * dimmer * visibility
-                    + self.least_attraction
-            }
+        if !self.brightest {
+            return visibility;
         }
+        let dimmer = 1.0 - exp(log_density - goal);
+        // The brightest of one half may be dimmer than a firefly of the other.
+        let dimmer = if dimmer > 0.0 { dimmer } else { 0.0 };
+        exp(f32::from(iteration) / -self.decay_iterations) * dimmer * visibility
+            + self.least_attraction
     }
 
-    /// One iteration with [`Attraction::Brighter`]: every firefly flies to the brighter ones where they were, one after
+    /// One iteration as published by Yang: every firefly flies to the brighter ones where they were, one after
     /// the other, by the attraction of the distance at the beginning.
     fn fly_to_all<const D: usize, const N: usize, T: Likelihood<D>, R: Rng + ?Sized>(
         &self,
@@ -186,7 +174,7 @@ impl Firefly {
         }
     }
 
-    /// One iteration with [`Attraction::Brightest`].
+    /// One iteration as improved by Du et al.
     fn fly_to_brightest<const D: usize, T: Likelihood<D>, R: Rng + ?Sized>(
         &self,
         population: &mut Population<'_, '_, D, T>,
@@ -223,9 +211,10 @@ impl Firefly {
         // That of a uniform flutter of this width: over the square root of twelve.
         let sigma = 0.288_675_13 * self.flutter;
         for i in members {
-            let goal = match self.attraction {
-                Attraction::Brightest => brightest,
-                Attraction::Brighter => others(population.len(), i, rng).map(|[other]| other),
+            let goal = if self.brightest {
+                brightest
+            } else {
+                others(population.len(), i, rng).map(|[other]| other)
             };
             let Some(goal) = goal else {
                 continue;
@@ -264,11 +253,11 @@ impl<const D: usize> Refinement<D> for Firefly {
         let scale = population.scale(self.lengths, 0..population.len());
         for iteration in 0..self.iterations {
             population.report.iterations += 1;
-            match (self.acceptance, self.attraction) {
-                (Acceptance::Greedy, Attraction::Brighter) => {
+            match (self.acceptance, self.brightest) {
+                (Acceptance::Greedy, false) => {
                     self.fly_to_all(&mut population, &scale, &mut memory.grid, rng);
                 }
-                (Acceptance::Greedy, Attraction::Brightest) => {
+                (Acceptance::Greedy, true) => {
                     self.fly_to_brightest(&mut population, &scale, iteration, rng);
                 }
                 (Acceptance::Metropolis, _) => {

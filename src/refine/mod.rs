@@ -52,7 +52,7 @@ mod refinement;
 mod tests;
 
 pub use evolution::DifferentialEvolution;
-pub use firefly::{Attraction, Firefly};
+pub use firefly::Firefly;
 pub use fish::FishSchool;
 pub use lengths::Lengths;
 pub use population::Report;

@@ -162,13 +162,14 @@ fn fish_leave_the_target_invariant() {
 #[test]
 fn fireflies_leave_the_target_invariant() {
     for swarm in [Firefly::STANDARD, Firefly::DEFAULT] {
-        assert_exact(&std::format!("{:?}", swarm.attraction), |acceptance| {
-            Firefly {
+        assert_exact(
+            &std::format!("brightest: {}", swarm.brightest),
+            |acceptance| Firefly {
                 flutter: 1.0,
                 acceptance,
                 ..swarm
-            }
-        });
+            },
+        );
     }
 }
 
