@@ -1,7 +1,7 @@
 use foxhunt::{
     fingerprint::{
-        Config, GaussianMatcher, KernelDensity, Lattice, Match, Matcher, Neighbours, PacketModel,
-        Posterior, RadioMap, Reading, TableMatcher,
+        Config, GaussianMatcher, KernelDensity, Lattice, Match, Matcher, PacketModel, Posterior,
+        RadioMap, Reading, TableMatcher,
         tracker::{self, Site, State, Tracker, Workspace},
     },
     model::Likelihood,
@@ -44,7 +44,6 @@ fn scans() -> Digest {
         };
         let gaussian = GaussianMatcher::new(moments, &config).expect("moments");
         let table = TableMatcher::new(levels, &config).expect("levels");
-        let neighbours = Neighbours::new(moments, 4, &config).expect("moments");
         for point in (0..80).step_by(7) {
             let scan = [0, 1, 2, 3].map(|beacon: u8| {
                 let there = moments.moments(beacon.into(), point).expect("surveyed");
@@ -61,8 +60,6 @@ fn scans() -> Digest {
                 }
                 add(&mut digest, found, posterior.weights());
                 let found = table.locate(scan, &mut posterior).expect("matches");
-                add(&mut digest, found, posterior.weights());
-                let found = neighbours.locate(scan, &mut posterior).expect("matches");
                 add(&mut digest, found, posterior.weights());
                 digest.add(
                     posterior
