@@ -4,8 +4,8 @@ use core::hint::black_box;
 
 use foxhunt::{
     fingerprint::{
-        Config, GaussianMatcher, KernelDensity, Lattice, Matcher, Neighbours, PacketModel,
-        Posterior, RadioMap, Reading, TableMatcher, tracker,
+        Config, GaussianMatcher, Lattice, Matcher, PacketModel, Posterior, RadioMap, Reading,
+        TableMatcher, tracker,
     },
     gateway,
     model::Likelihood,
@@ -95,12 +95,7 @@ pub fn fingerprints() {
     let scan = some(&scan);
     let mut posterior = any(Posterior::<50>::EMPTY);
 
-    let values = any([0; 200]);
-    if let Ok(lattice) = Lattice::new(any([0.0; 2]), any(1.0), any(3), any(4))
-        && let Ok(matcher) = KernelDensity::new(lattice, any(2), some(&values), any(4.0), &config)
-    {
-        _ = black_box(matcher.locate(scan, &mut posterior));
-    }
+    _ = black_box(Lattice::new(any([0.0; 2]), any(1.0), any(3), any(4)));
 
     let bytes = any([0; 200]);
     let Ok(map) = RadioMap::new(some(&bytes)).and_then(|map| map.limited(any(9), any(9))) else {
@@ -114,9 +109,6 @@ pub fn fingerprints() {
         _ = black_box(matcher.locate(scan, &mut posterior));
     }
     if let Ok(matcher) = TableMatcher::new(map, &config) {
-        _ = black_box(matcher.locate(scan, &mut posterior));
-    }
-    if let Ok(matcher) = Neighbours::new(map, any(3), &config) {
         _ = black_box(matcher.locate(scan, &mut posterior));
     }
     black_box((posterior.weights(), posterior.covariance(map.lattice())));

@@ -8,7 +8,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use foxhunt::{
     aoa::{Clean, Locate, MultiTarget, Observation, Robust, clean, multi, robust},
     fingerprint::{
-        Encoding, GaussianMatcher, Matcher, Neighbours, Posterior, RadioMap, Reading, TableMatcher,
+        Encoding, GaussianMatcher, Matcher, Posterior, RadioMap, Reading, TableMatcher,
         tracker::{self, Site, Tracker, Workspace},
     },
     gateway::{
@@ -227,9 +227,6 @@ pub fn radio_map(data: &[u8]) {
         let _ = matcher.locate(&scan, &mut posterior);
     }
     if let Ok(matcher) = TableMatcher::new(map, &config) {
-        let _ = matcher.locate(&scan, &mut posterior);
-    }
-    if let Ok(matcher) = Neighbours::new(map, 3, &config) {
         let _ = matcher.locate(&scan, &mut posterior);
     }
     let site = Site::new(map, tracker::Config::DEFAULT);

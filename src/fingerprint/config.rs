@@ -85,12 +85,8 @@ impl Config {
         1.0 - self.outlier_rate
     }
 
-    /// Density of outliers per dB, times their rate.
-    pub(super) fn floor(&self) -> f32 {
-        self.outlier_rate / (self.range_dbm[1] - self.range_dbm[0])
-    }
-
+    /// Natural logarithm of the density of outliers per dB, times their rate.
     pub(super) fn log_floor(&self) -> f32 {
-        ln(self.floor())
+        ln(self.outlier_rate / (self.range_dbm[1] - self.range_dbm[0]))
     }
 }

@@ -43,24 +43,9 @@ pub(super) fn accepted<'a>(
     accepted.take(MAX_READINGS)
 }
 
-/// Counts the readings that can be used; refuses a scan that has none, or of unknown beacons.
-pub(super) fn count_accepted(
-    beacons: usize,
-    scan: &[Reading],
-    config: &Config,
-) -> Result<usize, ReadingError> {
-    let unknown = |reading: &Reading| usize::from(reading.beacon) >= beacons;
-    if scan.iter().any(unknown) {
-        return Err(ReadingError::Beacon);
-    }
-    match accepted(scan, config).count() {
-        0 => Err(ReadingError::Strength),
-        used => Ok(used),
-    }
-}
-
-/// The same; also refuses a map for which the posterior has no room, or of which nothing was surveyed.
-pub(super) fn check<const P: usize>(
+/// Counts the readings that can be used. Refuses a scan that has none, or of unknown beacons, and a map for which the
+/// posterior has no room, or of which nothing was surveyed.
+fn check<const P: usize>(
     map: &RadioMap<'_>,
     scan: &[Reading],
     config: &Config,
@@ -73,7 +58,14 @@ pub(super) fn check<const P: usize>(
     if !map.is_complete() && !points.any(|point| map.is_surveyed(point)) {
         return Err(ReadingError::Survey);
     }
-    count_accepted(map.beacons(), scan, config)
+    let unknown = |reading: &Reading| usize::from(reading.beacon) >= map.beacons();
+    if scan.iter().any(unknown) {
+        return Err(ReadingError::Beacon);
+    }
+    match accepted(scan, config).count() {
+        0 => Err(ReadingError::Strength),
+        used => Ok(used),
+    }
 }
 
 /// Matches by the costs of the points: those of the readings, which `set` writes, and of each beacon that is missing, which

@@ -8,8 +8,6 @@
 //! |---|---|---|
 //! | [`GaussianMatcher`] | a map of [`Encoding::Moments`] | mean and sigma |
 //! | [`TableMatcher`] | a map of [`Encoding::Levels`] | a kernel density, folded into a table |
-//! | [`KernelDensity`] | the samples themselves | a kernel density, exactly |
-//! | [`Neighbours`] | a map of [`Encoding::Moments`] | means, by their distance |
 //!
 //! [`RadioMap::packet_likelihood`] weighs particles by one packet at a time, interpolated between the points. A [`tracker`] follows
 //! tags by their packets.
@@ -34,13 +32,11 @@
 //! ```
 
 mod config;
-mod density;
 mod error;
 mod gaussian;
 mod lattice;
 mod map;
 mod matcher;
-mod neighbours;
 mod packet;
 mod posterior;
 mod table;
@@ -49,13 +45,11 @@ mod tests;
 pub mod tracker;
 
 pub use config::Config;
-pub use density::KernelDensity;
 pub use error::{MapError, ReadingError};
 pub use gaussian::GaussianMatcher;
 pub use lattice::Lattice;
 pub use map::{Beacon, Encoding, Moments, RadioMap};
 pub use matcher::{MAX_READINGS, Matcher, Reading};
-pub use neighbours::Neighbours;
 pub use packet::PacketModel;
 pub use posterior::{Match, Posterior};
 pub use table::TableMatcher;

@@ -25,7 +25,7 @@ pub struct Match {
     /// The mean over the posterior, in metres.
     pub mean: [f32; 2],
     /// Natural logarithm of the likelihood of the scan at the most probable point, before tempering: how well the
-    /// scan fits there. For [`super::Neighbours`], minus the squared distance in dB^2.
+    /// scan fits there.
     pub log_likelihood: f32,
     /// Readings that were used; the others were out of range.
     pub used: usize,
@@ -113,11 +113,6 @@ impl<const P: usize> Posterior<P> {
         self.costs.get_mut(..points)
     }
 
-    /// Room for the log-likelihoods, or weights on any scale, of so many points.
-    pub(super) fn log_likelihoods_mut(&mut self, points: usize) -> Option<&mut [f32]> {
-        self.weights.get_mut(..points)
-    }
-
     /// Leaves out the points that were not surveyed, and finds the one of least cost.
     fn least_cost(&mut self, map: &RadioMap<'_>) -> Option<(usize, u16)> {
         let costs = self.costs.get_mut(..map.lattice().points())?;
@@ -139,7 +134,8 @@ impl<const P: usize> Posterior<P> {
         (cost != NOWHERE).then_some(((least & 0xffff) as usize, cost))
     }
 
-    /// Computes the probabilities from the costs of so many readings.
+    /// Computes the probabilities from the costs of so many readings: takes their mean about the best point in steps of
+    /// the lattice, and divides them by their sum.
     pub(super) fn of_costs(
         &mut self,
         map: &RadioMap<'_>,
@@ -147,47 +143,7 @@ impl<const P: usize> Posterior<P> {
         used: usize,
     ) -> Result<Match, ReadingError> {
         let (point, least) = self.least_cost(map).ok_or(ReadingError::Survey)?;
-        let log_likelihood = scale.top * used as f32 - scale.step * f32::from(least);
-        let weigh = |_, cost: u16| scale.at(i32::from(cost) - i32::from(least));
-        Ok(self.locate(map.lattice(), (point, log_likelihood, used), weigh))
-    }
-
-    /// Computes the probabilities from log-likelihoods of so many readings, which stand in the weights. Minus infinity and
-    /// NaN stand for a likelihood of zero.
-    pub(super) fn of_log_likelihoods(
-        &mut self,
-        lattice: &Lattice,
-        tempering: f32,
-        used: usize,
-    ) -> Result<Match, ReadingError> {
-        let weights = self.weights.get(..lattice.points());
-        let weights = weights.ok_or(ReadingError::Points)?;
-        let mut best = (0, f32::NEG_INFINITY);
-        for (point, log_likelihood) in weights.iter().enumerate() {
-            if *log_likelihood > best.1 {
-                best = (point, *log_likelihood);
-            }
-        }
-        let (point, largest) = best;
-        let weigh = |log_likelihood, _| exp_of_weight(tempering * (log_likelihood - largest));
-        Ok(self.locate(lattice, (point, largest, used), weigh))
-    }
-
-    /// Computes the probabilities from weights on any scale, which stand in their place, given the best point, its
-    /// log-likelihood, and how many readings were used.
-    pub(super) fn of_weights(&mut self, lattice: &Lattice, best: (usize, f32, usize)) -> Match {
-        self.locate(lattice, best, |weight, _| weight)
-    }
-
-    /// Computes weights by `weigh` from their previous values and the costs, takes their mean about the best point in
-    /// steps of the lattice, and divides them by their sum.
-    #[inline(always)]
-    fn locate(
-        &mut self,
-        lattice: &Lattice,
-        (point, log_likelihood, used): (usize, f32, usize),
-        weigh: impl Fn(f32, u16) -> f32,
-    ) -> Match {
+        let lattice = map.lattice();
         self.points = lattice.points();
         let [column, row] = lattice.cell(point).map(|number| number as f32);
         let mut weights = self.weights.get_mut(..self.points).unwrap_or_default();
@@ -204,7 +160,7 @@ impl<const P: usize> Posterior<P> {
             (weights, costs) = (weights_left, costs_left);
             let (mut of_row, mut x) = (0.0, -column);
             for (weight, cost) in these_weights.iter_mut().zip(these_costs) {
-                *weight = weigh(*weight, *cost);
+                *weight = scale.at(i32::from(*cost) - i32::from(least));
                 of_row += *weight;
                 sum_x += *weight * x;
                 x += 1.0;
@@ -213,16 +169,16 @@ impl<const P: usize> Posterior<P> {
             sum_y += of_row * y;
             y += 1.0;
         }
-        let scale = 1.0 / sum;
+        let inverse = 1.0 / sum;
         for weight in self.weights.get_mut(..self.points).unwrap_or_default() {
-            *weight *= scale;
+            *weight *= inverse;
         }
-        Match {
+        Ok(Match {
             point,
             position: lattice.place([column, row]),
-            mean: lattice.place([column + sum_x * scale, row + sum_y * scale]),
-            log_likelihood,
+            mean: lattice.place([column + sum_x * inverse, row + sum_y * inverse]),
+            log_likelihood: scale.top * used as f32 - scale.step * f32::from(least),
             used,
-        }
+        })
     }
 }

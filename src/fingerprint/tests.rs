@@ -196,9 +196,6 @@ fn exercise(bytes: &[u8], scan: &[Reading], x: f32, y: f32) {
             TableMatcher::new(map, &config)
                 .ok()
                 .map(|matcher| matcher.locate(scan, &mut posterior)),
-            Neighbours::new(map, 3, &config)
-                .ok()
-                .map(|matcher| matcher.locate(scan, &mut posterior)),
         ];
         for found in found.into_iter().flatten().flatten() {
             assert!(found.point < points && map.is_surveyed(found.point));
@@ -238,15 +235,9 @@ fn bits_beyond_the_last_point_are_no_survey() {
     }];
     let mut posterior = Posterior::<3>::EMPTY;
     let config = Config::DEFAULT;
-    let found = [
-        GaussianMatcher::new(map, &config)
-            .unwrap()
-            .locate(&scan, &mut posterior),
-        Neighbours::new(map, 3, &config)
-            .unwrap()
-            .locate(&scan, &mut posterior),
-    ];
-    assert_eq!(found, [Err(ReadingError::Survey); 2]);
+    let matcher = GaussianMatcher::new(map, &config).unwrap();
+    let found = matcher.locate(&scan, &mut posterior);
+    assert_eq!(found, Err(ReadingError::Survey));
 }
 
 fn scans() -> impl Strategy<Value = Vec<Reading>> {

@@ -1,7 +1,7 @@
 use foxhunt::{
     fingerprint::{
-        Config, GaussianMatcher, KernelDensity, Lattice, Match, Matcher, PacketModel, Posterior,
-        RadioMap, Reading, TableMatcher,
+        Config, GaussianMatcher, Match, Matcher, PacketModel, Posterior, RadioMap, Reading,
+        TableMatcher,
         tracker::{self, Site, State, Tracker, Workspace},
     },
     model::Likelihood,
@@ -12,7 +12,6 @@ use crate::{Case, digest::Digest};
 
 pub const CASES: &[Case] = &[
     ("fingerprint::scans", scans),
-    ("fingerprint::kernel_density", kernel_density),
     ("fingerprint::packets", packets),
     ("fingerprint::a_walk_is_tracked", a_walk_is_tracked),
 ];
@@ -69,24 +68,6 @@ fn scans() -> Digest {
                 );
             }
         }
-    }
-    digest
-}
-
-fn kernel_density() -> Digest {
-    let lattice = Lattice::new([0.0, 0.0], 1.0, 5, 2).expect("ten points");
-    let values: [i8; 80] = core::array::from_fn(|i| -90 + (i * 37 % 50) as i8);
-    let matcher = KernelDensity::new(lattice, 2, &values, 4.0, &Config::DEFAULT);
-    let matcher = matcher.expect("four each, and a bandwidth");
-    let mut digest = Digest::new();
-    let mut posterior = Posterior::<10>::EMPTY;
-    for rssi in -95..-35 {
-        let scan = [0, 1].map(|beacon: u8| Reading {
-            beacon,
-            rssi_dbm: rssi as f32 + 7.3 * f32::from(beacon),
-        });
-        let found = matcher.locate(&scan, &mut posterior).expect("matches");
-        add(&mut digest, found, posterior.weights());
     }
     digest
 }

@@ -1,40 +1,11 @@
 //! Scans matched with a map.
 
 use foxhunt::fingerprint::{
-    Config, Encoding, GaussianMatcher, KernelDensity, Lattice, Match, Matcher, Neighbours,
-    Posterior, RadioMap, Reading, ReadingError, TableMatcher,
+    Config, Encoding, GaussianMatcher, Lattice, Match, Matcher, Posterior, RadioMap, Reading,
+    ReadingError, TableMatcher,
 };
 
 use crate::site::*;
-
-#[test]
-fn kernel_densities_are_those_of_f64() {
-    let samples = samples();
-    let lattice = Lattice::new([0.0, 1.75], 1.0, 80, 1).unwrap();
-    let matcher = KernelDensity::new(lattice, 4, &samples, 3.0, &UNTEMPERED).unwrap();
-    let mut posterior = Posterior::<POINTS>::EMPTY;
-    for place in places() {
-        let scan = scan(place);
-        let found = matcher.locate(&scan, &mut posterior).unwrap();
-        let log_likelihoods: Vec<f64> = (0..POINTS)
-            .map(|point| {
-                let of =
-                    |r: &Reading| log_density(r.beacon.into(), point, f64::from(r.rssi_dbm), 3.0);
-                scan.iter().map(of).sum()
-            })
-            .collect();
-        let (weights, mean, variance) = exact(&log_likelihoods);
-        for (got, exact) in posterior.weights().iter().zip(&weights) {
-            assert!((f64::from(*got) - exact).abs() < 1e-4, "{got} {exact}");
-        }
-        assert!((f64::from(found.mean[0]) - mean).abs() < 1e-3);
-        assert!(
-            (f64::from(posterior.covariance(&lattice).xx) - variance).abs()
-                < 1e-3 * (1.0 + variance)
-        );
-        assert!((f64::from(found.log_likelihood) - log_likelihoods[found.point]).abs() < 1e-3);
-    }
-}
 
 /// Posteriors of the table and of the Gaussian against f64 with what the map holds: only the steps of the costs differ.
 #[test]
@@ -102,11 +73,9 @@ fn all_methods_find_the_place() {
         RadioMap::new(&moments).unwrap(),
         RadioMap::new(&levels).unwrap(),
     );
-    let samples = samples();
-    let lattice = *moments.lattice();
     let config = Config::DEFAULT;
     let mut posterior = Posterior::<POINTS>::EMPTY;
-    let mut squares = [0.0; 4];
+    let mut squares = [0.0; 3];
     for place in places() {
         let scan = scan(place);
         let found = [
@@ -116,15 +85,19 @@ fn all_methods_find_the_place() {
             TableMatcher::new(levels, &config)
                 .unwrap()
                 .locate(&scan, &mut posterior),
-            KernelDensity::new(lattice, 4, &samples, 4.0, &config)
-                .unwrap()
-                .locate(&scan, &mut posterior),
-            Neighbours::new(moments, 3, &config)
-                .unwrap()
-                .locate(&scan, &mut posterior),
         ];
-        for (sum, found) in squares.iter_mut().zip(found) {
-            *sum += (f64::from(found.unwrap().mean[0]) - place[0]).powi(2) / 60.0;
+        // The densities themselves, tempered as the others.
+        let log_likelihoods: Vec<f64> = (0..POINTS)
+            .map(|point| {
+                let of =
+                    |r: &Reading| log_density(r.beacon.into(), point, f64::from(r.rssi_dbm), 4.0);
+                f64::from(config.tempering) * scan.iter().map(of).sum::<f64>()
+            })
+            .collect();
+        let (_, exact, _) = exact(&log_likelihoods);
+        let [gaussian, table] = found.map(|found| f64::from(found.unwrap().mean[0]));
+        for (sum, x) in squares.iter_mut().zip([gaussian, table, exact]) {
+            *sum += (x - place[0]).powi(2) / 60.0;
         }
     }
     let rmse = squares.map(f64::sqrt);
@@ -132,35 +105,6 @@ fn all_methods_find_the_place() {
     assert!(rmse.iter().all(|e| *e < 6.0), "{rmse:?}");
     // The table has levels of 2 dB, and 15 steps.
     assert!((rmse[1] / rmse[2] - 1.0).abs() < 0.1, "{rmse:?}");
-}
-
-#[test]
-fn neighbours_are_the_nearest_means() {
-    let bytes = tunnel(Encoding::Moments);
-    let map = RadioMap::new(&bytes).unwrap();
-    let mut posterior = Posterior::<POINTS>::EMPTY;
-    for place in places() {
-        let scan = scan(place);
-        let mut order: Vec<usize> = (0..POINTS).collect();
-        let squares = |point: usize| -> f32 {
-            let of = |r: &Reading| {
-                (r.rssi_dbm - map.moments(r.beacon.into(), point).unwrap().mean_dbm).powi(2)
-            };
-            scan.iter().map(of).sum()
-        };
-        order.sort_by(|a, b| squares(*a).total_cmp(&squares(*b)));
-        let found = Neighbours::new(map, 5, &UNTEMPERED)
-            .unwrap()
-            .locate(&scan, &mut posterior)
-            .unwrap();
-        assert_eq!(found.point, order[0]);
-        assert_eq!(found.log_likelihood, -squares(order[0]));
-        let mean = order[..5].iter().sum::<usize>() as f32 / 5.0;
-        assert!((found.mean[0] - mean).abs() < 1e-4);
-        assert_eq!(posterior.weights().iter().filter(|w| **w == 0.2).count(), 5);
-    }
-    assert!(Neighbours::new(map, 0, &UNTEMPERED).is_err());
-    assert!(Neighbours::new(map, 17, &UNTEMPERED).is_err());
 }
 
 #[test]
