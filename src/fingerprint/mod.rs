@@ -9,8 +9,8 @@
 //! | [`GaussianMatcher`] | a map of [`Encoding::Moments`] | mean and sigma |
 //! | [`TableMatcher`] | a map of [`Encoding::Levels`] | a kernel density, folded into a table |
 //!
-//! [`RadioMap::packet_likelihood`] weighs particles by one packet at a time, interpolated between the points. A [`tracker`] follows
-//! tags by their packets.
+//! [`RadioMap::packet_likelihood`] weighs particles by one packet at a time, interpolated between the points. A [`tracker`]
+//! follows tags by their packets.
 //!
 //! ```
 //! use foxhunt::fingerprint::{Config, GaussianMatcher, Matcher, Posterior, RadioMap, Reading};

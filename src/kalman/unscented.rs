@@ -4,7 +4,7 @@ use super::{Covariance, Gaussian, Innovation, KalmanError};
 use crate::ConfigError;
 use crate::config::require_within;
 use crate::math::sqrt;
-use crate::math::vector::plus_scaled;
+use crate::math::vector::{difference, plus_scaled};
 
 /// An unscented Kalman filter: pushes a few points of the state's distribution through the model, and fits a
 /// normal distribution to what comes out.
@@ -112,33 +112,21 @@ impl Unscented {
         let mut bends = [[0.0; M]; D];
         let mut slopes = [[0.0; M]; D];
         let mut bend = [0.0; M];
-        for ((column, bends), slopes) in state
-            .covariance
-            .columns()
-            .iter()
-            .zip(&mut bends)
-            .zip(&mut slopes)
-        {
+        let columns = state.covariance.columns().iter();
+        for ((column, own), slopes) in columns.zip(&mut bends).zip(&mut slopes) {
             let end = |reach: f32| function(&plus_scaled(state.mean, reach, *column));
-            let ends = end(reach).into_iter().zip(end(-reach)).zip(middle);
-            for ((((above, below), middle), b), (s, sum)) in ends
-                .zip(bends.iter_mut())
-                .zip(slopes.iter_mut().zip(&mut bend))
-            {
-                // Differences first: they are exact where sums would be rounded.
-                *b = 0.5 * ((above - middle) + (below - middle));
-                *s = 0.5 * (above - below) / reach;
-                *sum += *b / D as f32;
-            }
+            let (above, below) = (end(reach), end(-reach));
+            // Differences first: they are exact where sums would be rounded.
+            let up = difference(above, middle);
+            *own = plus_scaled(up, 1.0, difference(below, middle)).map(|b| 0.5 * b);
+            *slopes = difference(above, below).map(|s| 0.5 * s / reach);
+            bend = plus_scaled(bend, 1.0, own.map(|b| b / D as f32));
         }
         // Of the outer points together, the average lies `bend` from the middle; the mean, further.
         let shift = bend.map(|b| b * (D as f32 / square));
         let mut rest = *noise;
-        for mut b in bends {
-            for (b, average) in b.iter_mut().zip(bend) {
-                *b = (*b - average) / reach;
-            }
-            rest.add(b);
+        for own in bends {
+            rest.add(difference(own, bend).map(|b| b / reach));
         }
         let factor = sqrt(self.beta + self.alpha * self.alpha * self.kappa / D as f32);
         rest.add(shift.map(|s| factor * s));

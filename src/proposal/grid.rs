@@ -2,6 +2,7 @@
 
 use super::moments::Moments;
 use crate::math::ln;
+use crate::math::vector::{difference, plus_scaled};
 
 /// A box of equal cells in one or two dimensions, the last of which runs fastest. The log-densities at the centres
 /// of its cells stand in memory that is lent.
@@ -31,12 +32,8 @@ pub(super) const fn side<const D: usize, const G: usize>() -> usize {
 /// The box that holds what a transition with this mean and these sigmas may reach: ten sigmas either way, because
 /// one-sided noise has long tails.
 pub(super) fn reach<const D: usize>(mean: [f32; D], sigmas: [f32; D]) -> ([f32; D], [f32; D]) {
-    let (mut low, mut high) = (mean, mean);
-    for ((low, high), sigma) in low.iter_mut().zip(&mut high).zip(sigmas) {
-        *low -= 10.0 * sigma;
-        *high += 10.0 * sigma;
-    }
-    (low, high)
+    let at = |sigmas_away: f32| plus_scaled(mean, sigmas_away, sigmas);
+    (at(-10.0), at(10.0))
 }
 
 impl<const D: usize> Grid<D> {
@@ -56,10 +53,8 @@ impl<const D: usize> Grid<D> {
         memory: &mut [f32; G],
     ) -> Self {
         let side = const { side::<D, G>() } as f32;
-        let mut grid = Self { low, cell: high };
-        for (cell, low) in grid.cell.iter_mut().zip(low) {
-            *cell = (*cell - low) / side;
-        }
+        let cell = difference(high, low).map(|length| length / side);
+        let mut grid = Self { low, cell };
         grid.evaluate(&log_density, memory);
         for _ in 1..ROUNDS {
             let Some((first, last)) = occupied::<D, G>(memory) else {

@@ -1,5 +1,6 @@
 //! Mass, mean and covariance of a density, in one pass and without underflow.
 
+use crate::math::vector::{difference, plus_scaled};
 use crate::math::{exp_of_weight, ln};
 
 /// What has been seen of a density.
@@ -57,11 +58,8 @@ impl<const D: usize> Moments<D> {
         }
         let total = self.mass + mass;
         let fraction = mass / total;
-        let mut apart = other.mean;
-        for (apart, mean) in apart.iter_mut().zip(&mut self.mean) {
-            *apart -= *mean;
-            *mean += fraction * *apart;
-        }
+        let apart = difference(other.mean, self.mean);
+        self.mean = plus_scaled(self.mean, fraction, apart);
         let between = fraction * self.mass;
         for ((row, other), a) in self.scatter.iter_mut().zip(&other.scatter).zip(apart) {
             for ((entry, other), b) in row.iter_mut().zip(other).zip(apart) {

@@ -154,18 +154,13 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGatew
 
     #[inline(never)]
     fn packet(&mut self, packet: &Packet, config: &Config<'_>) -> Result<Event, Rejected> {
-        let &Packet {
-            time_ms,
-            radio,
-            tag,
-            rssi_dbm,
-        } = packet;
+        let &Packet { time_ms, tag, .. } = packet;
         let site = &config.site;
-        let beacon = site.map.beacon_index(radio.into());
+        let beacon = site.map.beacon_index(packet.radio.into());
         let beacon = beacon.and_then(|beacon| u8::try_from(beacon).ok());
         let reading = Reading {
             beacon: beacon.ok_or(Rejected::UnknownRadio)?,
-            rssi_dbm: rssi_dbm.into(),
+            rssi_dbm: packet.rssi_dbm.into(),
         };
         // Before a tag is evicted for it.
         if !site.config.accepts(reading.rssi_dbm) {

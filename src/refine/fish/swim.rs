@@ -5,7 +5,7 @@ use core::ops::Range;
 use super::FishSchool;
 use crate::ConfigError;
 use crate::math::ln;
-use crate::math::vector::{difference, direction};
+use crate::math::vector::{difference, direction, plus_scaled};
 use crate::model::Likelihood;
 use crate::random::{Rng, uniform};
 use crate::refine::lengths::{Scale, anywhere};
@@ -223,11 +223,6 @@ fn log_of_count(mates: u16) -> f32 {
 }
 
 fn centre<const D: usize>(states: [[f32; D]; COMPANIONS]) -> [f32; D] {
-    let mut centre = [0.0; D];
-    for state in states {
-        for (centre, x) in centre.iter_mut().zip(state) {
-            *centre += x * (1.0 / COMPANIONS as f32);
-        }
-    }
-    centre
+    let add = |centre, state| plus_scaled(centre, 1.0 / COMPANIONS as f32, state);
+    states.into_iter().fold([0.0; D], add)
 }
