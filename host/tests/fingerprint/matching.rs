@@ -1,8 +1,8 @@
 //! Scans matched with a map.
 
 use foxhunt::fingerprint::{
-    Config, Encoding, GaussianMatcher, Lattice, Match, Matcher, Posterior, RadioMap, Reading,
-    ReadingError, TableMatcher,
+    Config, Encoding, GaussianMatcher, Match, Matcher, Posterior, RadioMap, Reading, ReadingError,
+    TableMatcher,
 };
 
 use crate::site::*;
