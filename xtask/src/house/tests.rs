@@ -162,7 +162,10 @@ fn a_long_file_is_found() {
 #[test]
 fn a_module_that_lies_elsewhere_is_found() {
     let files = [
-        ("src/lib.rs", "#[path = \"b.rs\"]\nmod a;"),
+        (
+            "src/lib.rs",
+            "#[path = \"b.rs\"]\nmod a;\n#[cfg(test)]\n#[path = \"c.rs\"]\nmod c;",
+        ),
         ("src/b.rs", ""),
     ];
     assert_eq!(

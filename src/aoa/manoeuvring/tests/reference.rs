@@ -61,13 +61,17 @@ pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
             let all = particles.iter().zip(&weights);
             all.map(|(p, w)| w * p[d]).sum::<f32>()
         }));
-        let sums = |(sum, squares), weight: &f32| (sum + weight, squares + weight * weight);
-        let (sum, squares): (f32, f32) = weights.iter().fold((0.0, 0.0), sums);
-        if sum * sum / squares < 0.5 * PARTICLES as f32 {
+        if effective_sample_size(&weights) < 0.5 * PARTICLES as f32 {
             particles = resampled(&particles, &mut weights, &mut rng);
         }
     }
     out
+}
+
+fn effective_sample_size(weights: &[f32]) -> f32 {
+    let sums = |(sum, squares), weight: &f32| (sum + weight, squares + weight * weight);
+    let (sum, squares): (f32, f32) = weights.iter().fold((0.0, 0.0), sums);
+    sum * sum / squares
 }
 
 /// Moves a particle by a second, in which its velocity keeps a part of what it was.
