@@ -25,7 +25,7 @@ use super::{
     PushError,
 };
 use crate::ConfigError;
-use crate::config::require;
+use crate::config::require_within;
 use crate::filter::ParticleFilter;
 use crate::math::sqrt;
 use crate::persist;
@@ -89,18 +89,7 @@ impl<M> Config<M> {
     /// # Errors
     /// Names the field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
-        require!(
-            self.relative_range_sigma >= 0.01 && self.relative_range_sigma <= 1.0,
-            "relative_range_sigma is not within 0.01 and 1"
-        );
-        require!(
-            self.resample_below >= 0.0 && self.resample_below <= 1.0,
-            "resample_below is not within 0 and 1"
-        );
-        require!(
-            self.moves >= 1 && self.moves <= 16,
-            "moves is not within 1 and 16"
-        );
+        require_within!(self: relative_range_sigma 0.01..=1.0, resample_below 0.0..=1.0, moves 1..=16);
         Ok(())
     }
 }

@@ -128,11 +128,7 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
 
     const EMPTY: Self = Self {
         stationary: L::EMPTY,
-        rates: Mixture {
-            direct: 0.0,
-            mirrored: 0.0,
-            outlier: 0.0,
-        },
+        rates: Mixture::ZERO,
         cloud: Cloud::EMPTY,
         moved: 0.0,
         phase: Phase::Stationary,
@@ -147,7 +143,7 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
 
     fn check(config: &Self::Config) -> Result<(), ConfigError> {
         L::check(&config.track)?;
-        config.check_habits()
+        config.check_own()
     }
 
     /// Takes what the stationary locator takes for it, and a step of a Kalman filter of each of 128 normal distributions.

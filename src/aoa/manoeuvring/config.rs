@@ -2,7 +2,7 @@
 
 use crate::ConfigError;
 use crate::aoa::{clean, robust};
-use crate::config::{require, require_all};
+use crate::config::require_within;
 
 /// The configuration of a [`Manoeuvring`](super::Manoeuvring) locator, with that of the stationary locator inside.
 ///
@@ -49,22 +49,12 @@ impl<C> Config<C> {
     }
 
     /// Checks all fields but that of the stationary locator.
-    pub(super) const fn check_habits(&self) -> Result<(), ConfigError> {
-        require!(
-            self.speed_m_s >= 0.05 && self.speed_m_s <= 100.0,
-            "speed_m_s is not within 0.05 and 100"
-        );
-        require!(
-            self.stationary_s >= 1.0 && self.stationary_s <= 1e6,
-            "stationary_s is not within 1 and 1e6"
-        );
-        require!(
-            self.moving_s >= 1.0 && self.moving_s <= 1e6,
-            "moving_s is not within 1 and 1e6"
-        );
-        require!(
-            self.straight_s >= 1.0 && self.straight_s <= 1e5,
-            "straight_s is not within 1 and 1e5"
+    pub(super) const fn check_own(&self) -> Result<(), ConfigError> {
+        require_within!(self:
+            speed_m_s 0.05..=100.0,
+            stationary_s 1.0..=1e6,
+            moving_s 1.0..=1e6,
+            straight_s 1.0..=1e5,
         );
         Ok(())
     }
@@ -84,23 +74,25 @@ impl Config {
     };
 }
 
-/// The checks of a configuration around each kind of stationary locator: `const` functions cannot be generic in them.
-macro_rules! check {
+/// The checks of a configuration around each kind of track: `const` functions cannot be generic in them.
+macro_rules! check_around {
     ($($track:ty),+) => {$(
         impl Config<$track> {
             /// Checks the fields.
             ///
             /// # Errors
             /// Names the field that is out of range.
-            pub const fn check(&self) -> Result<(), ConfigError> {
-                require_all!(self.track);
-                self.check_habits()
+            pub const fn check(&self) -> Result<(), $crate::ConfigError> {
+                $crate::config::require_all!(self.track);
+                self.check_own()
             }
         }
     )+};
 }
 
-check!(robust::Config, clean::Config);
+pub(in crate::aoa) use check_around;
+
+check_around!(robust::Config, clean::Config);
 
 impl<C: Default> Default for Config<C> {
     fn default() -> Self {

@@ -33,6 +33,7 @@ mod phases;
 mod state;
 
 pub use config::Config;
+pub(super) use config::check_around;
 pub use state::Manoeuvring;
 
 #[cfg(test)]

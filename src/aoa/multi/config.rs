@@ -1,8 +1,9 @@
 //! When tracks are initiated, and when they are deleted.
 
 use crate::ConfigError;
+use crate::aoa::manoeuvring::check_around;
 use crate::aoa::{clean, manoeuvring, robust};
-use crate::config::{require, require_all};
+use crate::config::{require, require_within};
 
 /// The configuration of a [`MultiTarget`](super::MultiTarget) locator, with that of its tracks.
 ///
@@ -41,20 +42,13 @@ impl<C> Config<C> {
     }
 
     /// Checks all fields but that of the tracks.
-    pub(super) const fn check_rates(&self) -> Result<(), ConfigError> {
-        require!(
-            self.false_initiation >= 1e-9 && self.false_initiation <= 0.5,
-            "false_initiation is not within 1e-9 and 0.5"
-        );
-        require!(
-            self.memory_bearings >= 8.0 && self.memory_bearings <= 1e6,
-            "memory_bearings is not within 8 and 1e6"
+    pub(super) const fn check_own(&self) -> Result<(), ConfigError> {
+        require_within!(self:
+            false_initiation 1e-9..=0.5,
+            memory_bearings 8.0..=1e6,
+            least_rate 0.0..=0.5,
         );
         require!(self.memory_s >= 1.0, "memory_s is less than 1");
-        require!(
-            self.least_rate >= 0.0 && self.least_rate <= 0.5,
-            "least_rate is not within 0 and 0.5"
-        );
         Ok(())
     }
 }
@@ -64,23 +58,7 @@ impl Config {
     pub const DEFAULT: Self = Self::new(robust::Config::DEFAULT);
 }
 
-/// The checks of a configuration for each kind of track: `const` functions cannot be generic in them.
-macro_rules! check {
-    ($($track:ty),+) => {$(
-        impl Config<$track> {
-            /// Checks the fields.
-            ///
-            /// # Errors
-            /// Names the field that is out of range.
-            pub const fn check(&self) -> Result<(), ConfigError> {
-                require_all!(self.track);
-                self.check_rates()
-            }
-        }
-    )+};
-}
-
-check!(
+check_around!(
     robust::Config,
     clean::Config,
     manoeuvring::Config<robust::Config>,

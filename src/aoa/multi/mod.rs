@@ -322,7 +322,7 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
 
     fn check(config: &Self::Config) -> Result<(), ConfigError> {
         L::check(&config.track)?;
-        config.check_rates()
+        config.check_own()
     }
 
     fn push<R: Rng + ?Sized>(

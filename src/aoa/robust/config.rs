@@ -2,7 +2,7 @@
 
 use super::errors::Errors;
 use crate::ConfigError;
-use crate::config::{require, require_all};
+use crate::config::{require_all, require_within};
 
 /// What a [`Robust`](super::Robust) locator can be told.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,21 +47,11 @@ impl Config {
     /// Names the field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
         require_all!(self.errors);
-        require!(
-            self.range_m >= 1.0 && self.range_m <= 1e6,
-            "range_m is not within 1 and 1e6"
-        );
-        require!(
-            self.relative_range_sigma >= 0.01 && self.relative_range_sigma <= 1.0,
-            "relative_range_sigma is not within 0.01 and 1"
-        );
-        require!(
-            self.resample_below >= 0.0 && self.resample_below <= 1.0,
-            "resample_below is not within 0 and 1"
-        );
-        require!(
-            self.moves >= 1 && self.moves <= 16,
-            "moves is not within 1 and 16"
+        require_within!(self:
+            range_m 1.0..=1e6,
+            relative_range_sigma 0.01..=1.0,
+            resample_below 0.0..=1.0,
+            moves 1..=16,
         );
         Ok(())
     }

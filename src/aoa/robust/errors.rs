@@ -4,7 +4,7 @@ use core::f32::consts::{PI, TAU};
 
 use crate::ConfigError;
 use crate::aoa::{Mixture, Observation};
-use crate::config::{require, require_all};
+use crate::config::{require, require_all, require_within};
 use crate::math::{exp, sqrt};
 
 /// How the errors of the bearings that are not outliers are distributed.
@@ -92,14 +92,7 @@ impl Correlation {
     /// # Errors
     /// Names the field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
-        require!(
-            self.at_rest >= 0.0 && self.at_rest <= 0.99,
-            "at_rest is not within 0 and 0.99"
-        );
-        require!(
-            self.distance_m >= 0.001 && self.distance_m <= 1e6,
-            "distance_m is not within 0.001 and 1e6"
-        );
+        require_within!(self: at_rest 0.0..=0.99, distance_m 0.001..=1e6);
         require!(self.time_s >= 0.001, "time_s is less than 0.001");
         Ok(())
     }
@@ -149,33 +142,15 @@ impl Errors {
                 "freedom is not within 3 and 30"
             );
         }
-        let Mixture {
-            direct,
-            mirrored,
-            outlier,
-        } = self.rates;
+        let rates = self.rates;
+        require_within!(rates: mirrored 0.0..=0.9, outlier 0.001..=0.9);
+        require!(rates.direct >= 0.05, "direct is less than 0.05");
         require!(
-            mirrored >= 0.0 && mirrored <= 0.9,
-            "mirrored is not within 0 and 0.9"
-        );
-        require!(
-            outlier >= 0.001 && outlier <= 0.9,
-            "outlier is not within 0.001 and 0.9"
-        );
-        require!(direct >= 0.05, "direct is less than 0.05");
-        require!(
-            (direct + mirrored + outlier - 1.0).abs() <= 1e-3,
+            (rates.total() - 1.0).abs() <= 1e-3,
             "rates do not add up to one"
         );
         require!(self.prior_bearings >= 1.0, "prior_bearings is less than 1");
-        require!(
-            self.bias_sigma_rad >= 0.0 && self.bias_sigma_rad <= 0.5,
-            "bias_sigma_rad is not within 0 and 0.5"
-        );
-        require!(
-            self.position_sigma_m >= 0.0 && self.position_sigma_m <= 1000.0,
-            "position_sigma_m is not within 0 and 1000"
-        );
+        require_within!(self: bias_sigma_rad 0.0..=0.5, position_sigma_m 0.0..=1000.0);
         require_all!(self.correlation);
         Ok(())
     }
@@ -223,13 +198,6 @@ impl Default for Errors {
         Self::DEFAULT
     }
 }
-
-/// No bearings: all bits are zero.
-pub(super) const NONE: Mixture = Mixture {
-    direct: 0.0,
-    mirrored: 0.0,
-    outlier: 0.0,
-};
 
 impl Tails {
     /// Density of no error, for a standard deviation of one, beside that of a uniform angle.

@@ -118,7 +118,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
         modes: Modes::new(),
         answer: Answer::NOTHING,
         moments: ([0.0; 3], [[0.0; 3]; 3]),
-        rates: errors::NONE,
+        rates: Mixture::ZERO,
         since_search: 0,
         outliers_removed: 0.0,
     };
@@ -172,7 +172,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
         self.modes.clear();
         self.answer = Answer::NOTHING;
         self.moments = Self::EMPTY.moments;
-        self.rates = errors::NONE;
+        self.rates = Mixture::ZERO;
         self.since_search = 0;
         self.outliers_removed = 0.0;
     }
@@ -217,7 +217,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
             .single(observation, &self.believed(config).errors);
         let particles = self.filter.particles().columns();
         let scale = config.errors.bias_sigma_rad;
-        let mut probabilities = errors::NONE;
+        let mut probabilities = Mixture::ZERO;
         for (i, weight) in self.weights().iter().enumerate() {
             let state = read(&particles, i);
             term.read(&state, scale * state[2])
@@ -348,7 +348,7 @@ impl<const N: usize, const B: usize> Robust<N, B> {
     /// One step of expectation maximisation. Not before there is a fix: a chance crossing of two would teach that all
     /// other bearings are outliers.
     fn learn(&mut self, terms: &[Term], config: &Config) {
-        let mut counts = errors::NONE;
+        let mut counts = Mixture::ZERO;
         let density = self.evidence.density(terms, config);
         for mode in &self.modes {
             let portions = (self.evidence.entries().iter()).map(|entry| entry.probability);
@@ -358,8 +358,7 @@ impl<const N: usize, const B: usize> Robust<N, B> {
         if counts.outlier < 0.0 {
             counts.outlier = 0.0;
         }
-        counts.outlier +=
-            self.outliers_removed * (counts.direct + counts.mirrored + counts.outlier);
+        counts.outlier += self.outliers_removed * counts.total();
         if let Some(rates) = config.errors.learned(&counts) {
             self.rates = rates;
         }

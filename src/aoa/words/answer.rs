@@ -152,6 +152,13 @@ pub struct Mixture {
 }
 
 impl Mixture {
+    /// Of no bearings.
+    pub(in crate::aoa) const ZERO: Self = Self {
+        direct: 0.0,
+        mirrored: 0.0,
+        outlier: 0.0,
+    };
+
     /// Rates of mirrored and outlier bearings; the others are direct.
     pub const fn new(mirrored: f32, outlier: f32) -> Self {
         Self {
@@ -159,6 +166,11 @@ impl Mixture {
             mirrored,
             outlier,
         }
+    }
+
+    /// The sum of all.
+    pub(in crate::aoa) const fn total(&self) -> f32 {
+        self.direct + self.mirrored + self.outlier
     }
 }
 
