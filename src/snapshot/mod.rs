@@ -10,7 +10,7 @@
 //! use foxhunt::snapshot;
 //!
 //! type State = (Clean<100>, Xoshiro128PlusPlus);
-//! let new = || (Clean::new(), Xoshiro128PlusPlus::seed_from_u64(1));
+//! let new = || (Clean::EMPTY, Xoshiro128PlusPlus::seed_from_u64(1));
 //! let mut state: State = new();
 //! let observation = Observation::new(0, [0.0, 0.0], Bearing::from_compass_degrees(36.6), 0.02)?;
 //! state.0.push(&observation, &Config::DEFAULT, &mut state.1)?;

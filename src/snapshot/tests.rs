@@ -231,7 +231,7 @@ fn so_does_a_filter() {
 
 #[test]
 fn parts_that_are_kept_apart() {
-    let (mut locator, mut rng) = (Clean::<8, 4>::new(), generator());
+    let (mut locator, mut rng) = (Clean::<8, 4>::EMPTY, generator());
     for observation in drive(false) {
         let config = clean::Config::DEFAULT;
         locator.push(&observation, &config, &mut rng).unwrap();
@@ -249,7 +249,7 @@ fn parts_that_are_kept_apart() {
 
 /// A small one with a fix.
 fn small() -> (Clean<5, 3>, Xoshiro128PlusPlus) {
-    let mut state = (Clean::new(), generator());
+    let mut state = (Clean::EMPTY, generator());
     drive_on(&mut state);
     state
 }
@@ -286,7 +286,7 @@ fn a_small_buffer_is_told_its_size() {
 #[test]
 fn every_flipped_bit_and_every_truncation_is_refused() {
     let snapshot = saved(&small());
-    let mut state = (Clean::<5, 3>::new(), generator());
+    let mut state = (Clean::<5, 3>::EMPTY, generator());
     for bit in 0..8 * snapshot.len() {
         let mut spoilt = snapshot.clone();
         spoilt[bit / 8] ^= 1 << (bit % 8);
@@ -311,9 +311,18 @@ fn every_flipped_bit_and_every_truncation_is_refused() {
 fn other_shapes_are_refused() {
     let snapshot = saved(&small().0);
     let shape = Error::Shape;
-    assert_eq!(assert_refused(&mut Clean::<6, 3>::new(), &snapshot), shape);
-    assert_eq!(assert_refused(&mut Clean::<5, 4>::new(), &snapshot), shape);
-    assert_eq!(assert_refused(&mut Robust::<5, 3>::new(), &snapshot), shape);
+    assert_eq!(
+        assert_refused(&mut { Clean::<6, 3>::EMPTY }, &snapshot),
+        shape
+    );
+    assert_eq!(
+        assert_refused(&mut { Clean::<5, 4>::EMPTY }, &snapshot),
+        shape
+    );
+    assert_eq!(
+        assert_refused(&mut { Robust::<5, 3>::EMPTY }, &snapshot),
+        shape
+    );
     assert_eq!(assert_refused(&mut small(), &snapshot), shape);
 }
 

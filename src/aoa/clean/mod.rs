@@ -21,8 +21,7 @@ use super::core::{Buffer, Crossing, Entry, is_depleted, sweep};
 use super::triangulation::random_intersection;
 use super::words::Belief;
 use super::{
-    Advice, Alternative, Answer, BearingLikelihood, Cloud, Fix, Locate, NotObservable, Observation,
-    PushError,
+    Advice, Answer, BearingLikelihood, Cloud, Fix, Locate, NotObservable, Observation, PushError,
 };
 use crate::ConfigError;
 use crate::config::require_within;
@@ -124,11 +123,14 @@ const START_MOVES: u8 = 8;
 impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
     type Config = Config<M>;
 
-    const EMPTY: Self = Self {
-        bearings: Buffer::EMPTY,
-        filter: ParticleFilter::EMPTY,
-        answer: Answer::NOTHING,
-        memory: M::EMPTY,
+    const EMPTY: Self = {
+        assert!(N >= 2 && B >= 2, "a locator needs particles and bearings");
+        Self {
+            bearings: Buffer::EMPTY,
+            filter: ParticleFilter::EMPTY,
+            answer: Answer::NOTHING,
+            memory: M::EMPTY,
+        }
     };
 
     fn check(config: &Config<M>) -> Result<(), ConfigError> {
@@ -162,16 +164,6 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
         Ok(self.answer)
     }
 
-    /// Takes the most probable alternative for the only one.
-    fn push_alternatives<R: Rng + ?Sized>(
-        &mut self,
-        alternatives: &[Alternative],
-        config: &Config<M>,
-        rng: &mut R,
-    ) -> Result<Answer, PushError> {
-        self.push(Alternative::most_probable(alternatives)?, config, rng)
-    }
-
     fn answer(&self) -> Answer {
         self.answer
     }
@@ -199,20 +191,6 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
             north,
             weights: self.weights(),
         })
-    }
-}
-
-impl<const N: usize, const B: usize> Default for Clean<N, B> {
-    fn default() -> Self {
-        Self::EMPTY
-    }
-}
-
-impl<const N: usize, const B: usize> Clean<N, B> {
-    /// No bearings yet.
-    pub const fn new() -> Self {
-        const { assert!(N >= 2 && B >= 2, "a locator needs particles and bearings") };
-        Self::EMPTY
     }
 }
 

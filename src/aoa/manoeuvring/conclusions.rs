@@ -11,8 +11,8 @@ use crate::aoa::robust::{self, Candidate, Errors};
 use crate::aoa::track::{Stationary, Track};
 use crate::aoa::words::Belief;
 use crate::aoa::{
-    Advice, Alternative, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Motion, NotObservable,
-    Observation, PushError, Source,
+    Advice, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Motion, NotObservable, Observation,
+    PushError, Source,
 };
 use crate::math::sqrt;
 use crate::random::Rng;
@@ -22,38 +22,6 @@ use crate::random::Rng;
 const SLACK: f32 = 2.0;
 
 impl<L: Stationary> Manoeuvring<L> {
-    /// Takes one bearing. The stationary locator comes first: it may refuse it.
-    fn take<R: Rng + ?Sized>(
-        &mut self,
-        observation: &Observation,
-        config: &Config<L::Config>,
-        rng: &mut R,
-    ) -> Result<Answer, PushError> {
-        let elapsed_ms =
-            (self.stationary.latest()).map_or(0, |latest| observation.since_ms(latest.time_ms()));
-        let (place, had_fix) = (self.stationary.moments(), self.stationary.fix().is_some());
-        self.stationary.push(observation, &config.track, rng)?;
-        self.bearings = self.bearings.saturating_add(1);
-        if elapsed_ms >= 0 {
-            let errors = self.errors(config);
-            let fresh = self.remember(observation, &errors);
-            if had_fix || self.cloud.is_alive() {
-                let drive = Drive::new(config, seconds(elapsed_ms));
-                self.let_time_pass(&drive, &place, rng);
-                self.weigh(&fresh, &place, &errors);
-                self.search(&fresh, &drive, config, rng);
-            }
-        }
-        self.update_phase(config);
-        self.answer = self.conclude(config);
-        if let Answer::Fix(fix) = self.answer
-            && self.lost.bearings == 0
-        {
-            self.seen = Some(fix);
-        }
-        Ok(self.answer)
-    }
-
     /// How the source moves; `None` before the first fix, until time has passed since, and again after the source was lost for
     /// good.
     pub fn motion(&self) -> Option<Motion> {
@@ -146,24 +114,37 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
         config.check_own()
     }
 
-    /// Takes what the stationary locator takes for it, and a step of a Kalman filter of each of 128 normal distributions.
+    /// Takes what the stationary locator takes for it, and a step of a Kalman filter of each of 128 normal distributions. The
+    /// stationary locator comes first: it may refuse the bearing.
     fn push<R: Rng + ?Sized>(
         &mut self,
         observation: &Observation,
         config: &Self::Config,
         rng: &mut R,
     ) -> Result<Answer, PushError> {
-        self.take(observation, config, rng)
-    }
-
-    /// Takes the most probable bearing alone.
-    fn push_alternatives<R: Rng + ?Sized>(
-        &mut self,
-        alternatives: &[Alternative],
-        config: &Self::Config,
-        rng: &mut R,
-    ) -> Result<Answer, PushError> {
-        self.take(Alternative::most_probable(alternatives)?, config, rng)
+        let elapsed_ms =
+            (self.stationary.latest()).map_or(0, |latest| observation.since_ms(latest.time_ms()));
+        let (place, had_fix) = (self.stationary.moments(), self.stationary.fix().is_some());
+        self.stationary.push(observation, &config.track, rng)?;
+        self.bearings = self.bearings.saturating_add(1);
+        if elapsed_ms >= 0 {
+            let errors = self.errors(config);
+            let fresh = self.remember(observation, &errors);
+            if had_fix || self.cloud.is_alive() {
+                let drive = Drive::new(config, seconds(elapsed_ms));
+                self.let_time_pass(&drive, &place, rng);
+                self.weigh(&fresh, &place, &errors);
+                self.search(&fresh, &drive, config, rng);
+            }
+        }
+        self.update_phase(config);
+        self.answer = self.conclude(config);
+        if let Answer::Fix(fix) = self.answer
+            && self.lost.bearings == 0
+        {
+            self.seen = Some(fix);
+        }
+        Ok(self.answer)
     }
 
     fn answer(&self) -> Answer {

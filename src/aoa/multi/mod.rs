@@ -17,8 +17,8 @@ mod config;
 use super::robust::{self, Candidates};
 use super::track::Track;
 use super::{
-    Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
-    Observation, PushError, Source,
+    Advice, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable, Observation,
+    PushError, Source,
 };
 use crate::math::{exp, ln};
 use crate::random::Rng;
@@ -108,50 +108,6 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
     pub fn tracks(&self) -> impl Iterator<Item = (u16, &L)> {
         let all = self.slots.iter().zip(&self.tracks);
         all.filter_map(|(slot, track)| Some((slot.identity?, track)))
-    }
-
-    /// Takes one bearing. A track or the candidates may refuse it, before anything else changes.
-    fn take<R: Rng + ?Sized>(
-        &mut self,
-        observation: &Observation,
-        config: &Config<L::Config>,
-        rng: &mut R,
-    ) -> Result<Answer, PushError> {
-        let beliefs = L::beliefs(&config.track);
-        let elapsed_ms = if self.recent > 0.0 {
-            observation.since_ms(self.latest_ms)
-        } else {
-            0
-        };
-        let seconds = elapsed_ms.max(0) as f32 / 1000.0;
-        let kept = exp(-(1.0 / config.memory_bearings + seconds / config.memory_s));
-        let place = self.associate(observation, config);
-        let outliers = kept * self.outliers;
-        if let Some((slot, track)) = self.at(place) {
-            track.set_outliers_removed(outliers / (kept * slot.recent + 1.0));
-            track.push(observation, &config.track, rng)?;
-        } else {
-            self.candidates.push(observation, &beliefs, rng)?;
-        }
-        if elapsed_ms >= 0 {
-            self.latest_ms = observation.time_ms();
-        }
-        self.recent = kept * self.recent + 1.0;
-        self.outliers = outliers;
-        for slot in &mut self.slots {
-            slot.recent *= kept;
-        }
-        if let Some(place) = place {
-            if let Some(slot) = self.slots.get_mut(place) {
-                slot.recent += 1.0;
-            }
-            self.delete_twin(place);
-        } else {
-            self.outliers += 1.0;
-            self.initiate(config, &beliefs, rng);
-        }
-        self.delete_faded(config.least_rate);
-        Ok(self.answer())
     }
 
     /// The track that explains a bearing best, if any does.
@@ -325,23 +281,48 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
         config.check_own()
     }
 
+    /// A track or the candidates may refuse a bearing, before anything else changes.
     fn push<R: Rng + ?Sized>(
         &mut self,
         observation: &Observation,
         config: &Self::Config,
         rng: &mut R,
     ) -> Result<Answer, PushError> {
-        self.take(observation, config, rng)
-    }
-
-    /// Takes the most probable bearing alone.
-    fn push_alternatives<R: Rng + ?Sized>(
-        &mut self,
-        alternatives: &[Alternative],
-        config: &Self::Config,
-        rng: &mut R,
-    ) -> Result<Answer, PushError> {
-        self.take(Alternative::most_probable(alternatives)?, config, rng)
+        let beliefs = L::beliefs(&config.track);
+        let elapsed_ms = if self.recent > 0.0 {
+            observation.since_ms(self.latest_ms)
+        } else {
+            0
+        };
+        let seconds = elapsed_ms.max(0) as f32 / 1000.0;
+        let kept = exp(-(1.0 / config.memory_bearings + seconds / config.memory_s));
+        let place = self.associate(observation, config);
+        let outliers = kept * self.outliers;
+        if let Some((slot, track)) = self.at(place) {
+            track.set_outliers_removed(outliers / (kept * slot.recent + 1.0));
+            track.push(observation, &config.track, rng)?;
+        } else {
+            self.candidates.push(observation, &beliefs, rng)?;
+        }
+        if elapsed_ms >= 0 {
+            self.latest_ms = observation.time_ms();
+        }
+        self.recent = kept * self.recent + 1.0;
+        self.outliers = outliers;
+        for slot in &mut self.slots {
+            slot.recent *= kept;
+        }
+        if let Some(place) = place {
+            if let Some(slot) = self.slots.get_mut(place) {
+                slot.recent += 1.0;
+            }
+            self.delete_twin(place);
+        } else {
+            self.outliers += 1.0;
+            self.initiate(config, &beliefs, rng);
+        }
+        self.delete_faded(config.least_rate);
+        Ok(self.answer())
     }
 
     /// If no source has a fix, why the one that was heard most of late has none.

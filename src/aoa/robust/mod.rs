@@ -112,19 +112,31 @@ const AT_LEAST_EVERY: u32 = 8;
 impl<const N: usize, const B: usize> Locate for Robust<N, B> {
     type Config = Config;
 
-    const EMPTY: Self = Self {
-        evidence: Evidence::EMPTY,
-        filter: ParticleFilter::EMPTY,
-        modes: Modes::new(),
-        answer: Answer::NOTHING,
-        moments: ([0.0; 3], [[0.0; 3]; 3]),
-        rates: Mixture::ZERO,
-        since_search: 0,
-        outliers_removed: 0.0,
+    const EMPTY: Self = {
+        assert!(N >= 2 && B >= 2, "a locator needs particles and bearings");
+        Self {
+            evidence: Evidence::EMPTY,
+            filter: ParticleFilter::EMPTY,
+            modes: Modes::new(),
+            answer: Answer::NOTHING,
+            moments: ([0.0; 3], [[0.0; 3]; 3]),
+            rates: Mixture::ZERO,
+            since_search: 0,
+            outliers_removed: 0.0,
+        }
     };
 
     fn check(config: &Config) -> Result<(), ConfigError> {
         config.check()
+    }
+
+    fn push<R: Rng + ?Sized>(
+        &mut self,
+        observation: &Observation,
+        config: &Config,
+        rng: &mut R,
+    ) -> Result<Answer, PushError> {
+        self.push_alternatives(&[(*observation).into()], config, rng)
     }
 
     /// Evaluates `N` likelihoods of each bearing; `N B (moves + 1)` more when particles are moved, and `4 N B` for the
@@ -237,19 +249,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
     }
 }
 
-impl<const N: usize, const B: usize> Default for Robust<N, B> {
-    fn default() -> Self {
-        Self::EMPTY
-    }
-}
-
 impl<const N: usize, const B: usize> Robust<N, B> {
-    /// No bearings yet.
-    pub const fn new() -> Self {
-        const { assert!(N >= 2 && B >= 2, "a locator needs particles and bearings") };
-        Self::EMPTY
-    }
-
     /// The particles' coordinates: metres east, metres north, and the bias in its prior sigmas. They mean nothing before
     /// the first fix.
     pub fn columns(&self) -> [&[f32]; 3] {

@@ -37,11 +37,10 @@ pub trait Locate {
         observation: &Observation,
         config: &Self::Config,
         rng: &mut R,
-    ) -> Result<Answer, PushError> {
-        self.push_alternatives(&[(*observation).into()], config, rng)
-    }
+    ) -> Result<Answer, PushError>;
 
-    /// Takes a reading of several bearings that exclude each other, and says what is known with it.
+    /// Takes a reading of several bearings that exclude each other, and says what is known with it. Most locators take the
+    /// most probable one alone; [`Robust`](crate::aoa::Robust) takes all.
     ///
     /// # Errors
     /// When there is no bearing, or the reading is too old or a duplicate; the state is then as before.
@@ -50,7 +49,11 @@ pub trait Locate {
         alternatives: &[Alternative],
         config: &Self::Config,
         rng: &mut R,
-    ) -> Result<Answer, PushError>;
+    ) -> Result<Answer, PushError> {
+        let best = (alternatives.iter()).max_by(|a, b| a.probability().total_cmp(&b.probability()));
+        let best = best.ok_or(PushError::Empty)?;
+        self.push(best.observation(), config, rng)
+    }
 
     /// What is known of the source; of the best known one, where there are several.
     fn answer(&self) -> Answer;

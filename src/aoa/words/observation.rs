@@ -188,15 +188,6 @@ impl Alternative {
         })
     }
 
-    /// The most probable bearing of a reading, for locators that take no more than one.
-    ///
-    /// # Errors
-    /// When there is none.
-    pub(in crate::aoa) fn most_probable(reading: &[Self]) -> Result<&Observation, PushError> {
-        let best = (reading.iter()).max_by(|a, b| a.probability.total_cmp(&b.probability));
-        best.map(Self::observation).ok_or(PushError::Empty)
-    }
-
     /// The bearing.
     pub const fn observation(&self) -> &Observation {
         &self.observation

@@ -4,7 +4,7 @@ extern crate std;
 
 use super::*;
 use crate::ConfigError;
-use crate::aoa::{Alternative, Motion, PushError};
+use crate::aoa::{Motion, Observation, PushError};
 use crate::estimate::Symmetric2;
 use crate::random::Rng;
 
@@ -117,9 +117,9 @@ impl Locate for Knowing {
         Ok(())
     }
 
-    fn push_alternatives<R: Rng + ?Sized>(
+    fn push<R: Rng + ?Sized>(
         &mut self,
-        _: &[Alternative],
+        _: &Observation,
         _: &(),
         _: &mut R,
     ) -> Result<Answer, PushError> {

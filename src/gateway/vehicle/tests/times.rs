@@ -190,14 +190,14 @@ impl Locate for Times {
         Ok(())
     }
 
-    fn push_alternatives<R: crate::random::Rng + ?Sized>(
+    fn push<R: crate::random::Rng + ?Sized>(
         &mut self,
-        alternatives: &[Alternative],
+        observation: &Observation,
         refused: &Self::Config,
         _: &mut R,
     ) -> Result<Answer, PushError> {
         refused.map_or(Ok(()), Err)?;
-        self.0.push(alternatives[0].observation().time_ms());
+        self.0.push(observation.time_ms());
         Ok(self.answer())
     }
 
