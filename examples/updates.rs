@@ -12,13 +12,15 @@ foxhunt_emulated::program!(target::run);
 
 #[cfg(target_os = "none")]
 mod target {
-    use core::{fmt::Write, hint::black_box};
+    use core::{
+        fmt::{Debug, Write},
+        hint::black_box,
+    };
 
     use cortex_m_semihosting::hprintln;
     use foxhunt::{
         aoa::{
-            Answer, Bearing, Clean, Locate, Locator, MultiTarget, Observation, Robust,
-            clean::{self, Moves},
+            Answer, Bearing, Clean, Locate, Locator, MultiTarget, Observation, Robust, clean,
             multi, robust,
         },
         gateway::{
@@ -26,7 +28,7 @@ mod target {
             formats::{All, Formats},
         },
         random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform},
-        refine::{DifferentialEvolution, Firefly, FishSchool, Lengths},
+        refine::{DifferentialEvolution, Firefly, FishSchool, Lengths, Refinement},
         snapshot::Persist,
     };
     use foxhunt_emulated::stopwatch::Stopwatch;
@@ -67,7 +69,10 @@ mod target {
     }
 
     /// A gateway whose particles move as published, after every bearing.
-    fn greedy<M: Moves<200>>(refinement: M, stopwatch: &Stopwatch) -> Updates {
+    fn greedy<M: Refinement<2> + Copy + PartialEq + Debug>(
+        refinement: M,
+        stopwatch: &Stopwatch,
+    ) -> Updates {
         let config = black_box(Config::new(clean::Config {
             resample_below: 1.0,
             ..clean::Config::with_refinement(refinement)

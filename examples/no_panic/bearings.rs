@@ -5,11 +5,10 @@ use core::hint::black_box;
 use foxhunt::{
     aoa::{
         Bearing, BearingLikelihood, Clean, Locate, Manoeuvring, MultiTarget, Observation, Robust,
-        clean::{self, ModeMoves},
-        correction::{Correction, Pull},
-        gauss_newton::{self, Errors},
+        clean,
         geodesy::{Geodetic, LocalPlane},
-        manoeuvring, multi, robust, triangulation,
+        manoeuvring, multi, robust,
+        triangulation::{gauss_newton, intersection},
     },
     filter::ParticleFilter,
     model::Likelihood,
@@ -31,28 +30,14 @@ pub fn observation() -> Option<Observation> {
     Some(observation.from_station(any(0)))
 }
 
-pub fn bearings(rng: &mut Xoshiro128PlusPlus) {
-    let mut correction = Correction::new(any(Pull::Continuous));
-    correction.add(Bearing::from_radians(any(0.0)), any(0.0));
-    black_box((correction.bearing(), correction.readings()));
-
+pub fn bearings() {
     let Some(observation) = observation() else {
         return;
     };
     let observations = any([observation; 8]);
     let observations = some(&observations);
-    black_box(triangulation::intersection(
-        &observation,
-        &any(observation),
-        any(0.0),
-    ));
-    black_box(triangulation::random_intersection(
-        observations,
-        any(0.0),
-        rng,
-    ));
-    let errors = any(Errors::Gaussian);
-    _ = black_box(gauss_newton::solve(observations, errors, any([0.0; 2])));
+    black_box(intersection(&observation, &any(observation), any(0.0)));
+    black_box(gauss_newton(observations, any([0.0; 2])));
     let (mut a, mut out) = (any([0.0; 20]), any([0.0; 20]));
     let likelihood = BearingLikelihood::new(&observation);
     likelihood.log_likelihoods(
@@ -99,7 +84,7 @@ fn clean_config() -> clean::Config {
         relative_range_sigma: any(0.25),
         resample_below: any(0.5),
         moves: any(2),
-        refinement: ModeMoves,
+        refinement: (),
     }
 }
 

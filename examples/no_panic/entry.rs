@@ -28,7 +28,7 @@ fn main() -> ! {
     refine::<4>(&mut rng);
     kalman(&mut rng);
     propose(&mut rng);
-    bearings(&mut rng);
+    bearings();
     locate(&mut rng);
     locate_robustly(&mut rng);
     locate_several(&mut rng);

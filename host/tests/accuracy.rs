@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use foxhunt::aoa::gauss_newton::{self, Errors, Solution};
 use foxhunt::aoa::{Bearing, Clean, Locator, Observation, clean};
 use foxhunt::estimate::Symmetric2;
 use foxhunt::filter::ParticleFilter;
@@ -259,66 +258,4 @@ fn measured_bearings_are_located_as_exactly() {
         // At most 0.25 for 200 seeds of the gateway.
         assert!(off < 0.3);
     }
-}
-
-#[test]
-fn lenths_bearings_give_his_estimates() {
-    let Some(data) = data("Lenth's bearings") else {
-        return;
-    };
-    let read = |name: &str| csv::Reader::from_path(data.join("lenth").join(name)).unwrap();
-    let all: Vec<Observation> = read("bearings.csv")
-        .deserialize::<[f32; 3]>()
-        .zip(0..)
-        .map(|(row, time_ms)| {
-            let [x, y, degrees] = row.unwrap();
-            let bearing = Bearing::from_compass_degrees(degrees);
-            Observation::new(time_ms, [x, y], bearing, 0.1).unwrap()
-        })
-        .collect();
-    let without_sixth: Vec<Observation> = all
-        .iter()
-        .enumerate()
-        .filter(|(row, _)| *row != 5)
-        .map(|(_, o)| *o)
-        .collect();
-
-    let mut compared = 0;
-    for row in read("results.csv").records() {
-        let row = row.unwrap();
-        let observations = match &row[0] {
-            "7" => &without_sixth,
-            _ => &all,
-        };
-        if &row[1] != "MLE" {
-            continue;
-        }
-        let Solution {
-            position: [x, y],
-            covariance: Symmetric2 { xx, xy, yy },
-        } = gauss_newton::solve(observations, Errors::VonMises, [7.0, 2.0]).unwrap();
-        let correlation = xy / (xx * yy).sqrt();
-        let columns = [
-            (2, x),
-            (3, y),
-            (5, xx.sqrt()),
-            (6, yy.sqrt()),
-            (7, correlation),
-        ];
-        for (column, value) in columns {
-            let printed = &row[column];
-            let decimals = printed
-                .split_once('.')
-                .map_or(0, |(_, decimals)| decimals.len());
-            // 0.156 is printed as .156.
-            let ours = format!("{value:.decimals$}");
-            assert_eq!(
-                ours.trim_start_matches('0'),
-                printed.trim_start_matches('0'),
-                "{row:?}"
-            );
-            compared += 1;
-        }
-    }
-    assert_eq!(compared, 10);
 }

@@ -107,7 +107,7 @@ fn corner(way: f32, leg: f32) -> [f32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use foxhunt::aoa::gauss_newton::{Errors, solve};
+    use foxhunt::aoa::triangulation::gauss_newton;
     use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
 
     #[test]
@@ -130,8 +130,8 @@ mod tests {
             assert_eq!(count, track.bearings() as usize);
             let observations = observations.map(|o| o.or(observations[0]).unwrap());
             let [x, y] = track.source();
-            let found = solve(&observations[..count], Errors::Gaussian, [x + 50.0, y]).unwrap();
-            let off = (found.position[0] - x).hypot(found.position[1] - y);
+            let (found, _) = gauss_newton(&observations[..count], [x + 50.0, y]).unwrap();
+            let off = (found[0] - x).hypot(found[1] - y);
             assert!(off < 4.0 * error, "{track:?}: {off} m");
         }
     }

@@ -13,14 +13,12 @@
 //! Each is a state that borrows its configuration with every call; [`Locator`] holds both, for short programs.
 //! [`presets`] are combinations for common situations.
 //!
-//! Around them: [`geodesy`] makes metres of latitude and longitude; a [`correction`] makes one bearing of several readings
-//! at one stop; a [`spectrum`] is the whole circle of a direction finder, whose peaks are [`Alternative`]s; an [`Advice`]
-//! says where to drive. [`triangulation`] and [`gauss_newton`] are the classical estimates, which locators start from.
+//! Around them: [`geodesy`] makes metres of latitude and longitude; a [`spectrum`] is the whole circle of a direction
+//! finder, whose peaks are [`Alternative`]s; an [`Advice`] says where to drive. [`triangulation`] has the classical
+//! estimates, which locators start from.
 
 pub mod clean;
 mod core;
-pub mod correction;
-pub mod gauss_newton;
 pub mod geodesy;
 mod likelihood;
 pub mod manoeuvring;
@@ -30,7 +28,7 @@ pub mod robust;
 pub mod spectrum;
 #[cfg(test)]
 pub(crate) mod testing;
-pub mod track;
+mod track;
 pub mod triangulation;
 mod words;
 

@@ -4,7 +4,7 @@ use core::fmt::Debug;
 use std::{format, string::String, vec, vec::Vec};
 
 use super::*;
-use crate::aoa::clean::{self, Moves};
+use crate::aoa::clean;
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
 use crate::aoa::robust::{self, Correlation, Errors, Tails};
 use crate::aoa::testing::at;
@@ -17,7 +17,7 @@ use crate::filter::ParticleFilter;
 use crate::math::{atan2, sin_cos};
 use crate::model::RandomWalk;
 use crate::random::{Rng, SeedableRng, Xoshiro128PlusPlus, normal};
-use crate::refine::{DifferentialEvolution, Firefly, FishSchool};
+use crate::refine::{DifferentialEvolution, Firefly, FishSchool, Refinement};
 
 const SOURCE: [f32; 2] = [1200.0, 800.0];
 
@@ -118,7 +118,7 @@ fn a_locator_goes_on_as_if_nothing_had_happened() {
 
 #[test]
 fn so_does_one_with_any_moves() {
-    fn refined<M: Moves<60> + Copy + PartialEq + Debug>(refinement: M) {
+    fn refined<M: Refinement<2> + Copy + PartialEq + Debug>(refinement: M) {
         // What the moves work in holds nothing of use.
         let state = |locator: &Clean<60, 12, M>| {
             let columns = locator.columns().map(<[f32]>::to_vec);

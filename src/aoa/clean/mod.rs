@@ -9,16 +9,16 @@
 //!   by all bearings.
 //! * Each further bearing weighs them once. When the effective sample size falls, they are resampled and moved by
 //!   Metropolis-Hastings steps that leave the posterior of all bearings invariant (resample-move: Gilks and Berzuini
-//!   2001): those of [`ModeMoves`], or of any [`Refinement`](crate::refine::Refinement) of the [configuration](Config::with_refinement).
+//!   2001): draws about the mode of the posterior and
+//!   steps of a random walk, or those of any [`Refinement`](crate::refine::Refinement) of the
+//!   [configuration](Config::with_refinement).
 //! * When the buffer is full, the two bearings that say most nearly the same are averaged: none is forgotten.
 
 mod posterior;
-mod proposal;
-mod rejuvenation;
 mod track;
 
 use super::core::{Buffer, Crossing, Entry, is_depleted, sweep};
-use super::triangulation::random_intersection;
+use super::triangulation::random_crossing;
 use super::words::Belief;
 use super::{
     Advice, Answer, BearingLikelihood, Cloud, Fix, Locate, NotObservable, Observation, PushError,
@@ -30,14 +30,13 @@ use crate::math::sqrt;
 use crate::persist;
 use crate::random::Rng;
 use crate::resample::Scheme;
-use posterior::{CleanBearings, Posterior, misfit, misfit_at_infinity, mode};
-use proposal::ModeProposal;
-pub use rejuvenation::{ModeMoves, Moves};
+pub(super) use posterior::Moves;
+use posterior::{CleanBearings, ModeProposal, Posterior, misfit, misfit_at_infinity, mode};
 
-/// What a [`Clean`] locator can be told. `M` moves the particles.
+/// What a [`Clean`] locator can be told.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Config<M = ModeMoves> {
+pub struct Config<M = ()> {
     /// Largest standard deviation of the range to the source that makes a fix, as a fraction of the range, 0.01 to 1.
     pub relative_range_sigma: f32,
     /// Particles are resampled and moved when the effective sample size falls below this fraction of their number, 0 to 1.
@@ -45,13 +44,13 @@ pub struct Config<M = ModeMoves> {
     /// Metropolis-Hastings steps of every particle after a resampling, 1 to 16. Each evaluates all bearings in the buffer
     /// once. A refinement has its own number of moves.
     pub moves: u8,
-    /// What moves the particles.
+    /// The refinement that moves the particles; `()` for the locator's own moves.
     pub refinement: M,
 }
 
 impl Config {
     /// For a direction finder on a vehicle.
-    pub const DEFAULT: Self = Self::with_refinement(ModeMoves);
+    pub const DEFAULT: Self = Self::with_refinement(());
 }
 
 impl<M> Config<M> {
@@ -101,10 +100,10 @@ impl Default for Config {
 
 /// Locates one stationary source by clean bearings, with `N` particles and a buffer of `B` bearings.
 ///
-/// `M` moves the particles: the locator's own [`ModeMoves`], or any refinement, whose memory takes `28 N + 1028` bytes
+/// `M` moves the particles: the locator's own moves, `()`, or any [`Refinement`](crate::refine::Refinement), whose memory takes `28 N + 1028` bytes
 /// more. See [`Locator`](super::Locator) for an example.
 #[derive(Debug, Clone)]
-pub struct Clean<const N: usize, const B: usize = 64, M: Moves<N> = ModeMoves> {
+pub struct Clean<const N: usize, const B: usize = 64, M: Moves<N> = ()> {
     bearings: Buffer<B>,
     filter: ParticleFilter<2, N>,
     answer: Answer,
@@ -113,9 +112,6 @@ pub struct Clean<const N: usize, const B: usize = 64, M: Moves<N> = ModeMoves> {
 
 /// How far away a source may be that there is no fix of: where advice looks for it, and candidates are expected.
 const RANGE_M: f32 = 20_000.0;
-
-/// Least sine of the angle of two bearings whose intersection may start a particle: less starts some far away.
-const LEAST_SINE: f32 = 0.02;
 
 /// Least moves of every particle before the first fix: fewer keep traces of the intersections, more take time.
 const START_MOVES: u8 = 8;
@@ -244,14 +240,14 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
 
         let mut best = None;
         for _ in 0..CANDIDATES {
-            if let Some(point) = random_intersection(bearings, LEAST_SINE, rng) {
+            if let Some(point) = intersection(bearings, rng) {
                 let misfit = misfit(&self.bearings, point);
                 if best.is_none_or(|(_, least)| misfit < least) {
                     best = Some((point, misfit));
                 }
             }
         }
-        let Some(mode) = best.and_then(|(start, _)| mode(&self.bearings, start).ok()) else {
+        let Some(mode) = best.and_then(|(start, _)| mode(&self.bearings, start)) else {
             // Are they as parallel as their errors let them be? Beyond four sigmas of chi-squared they part.
             let freedom = have as f32 - 1.0;
             let parallel = misfit_at_infinity < freedom + 4.0 * sqrt(2.0 * freedom);
@@ -272,8 +268,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
     fn start<R: Rng + ?Sized>(&mut self, mode: ModeProposal, config: &Config<M>, rng: &mut R) {
         let bearings = self.bearings.entries();
         self.filter.initialise(rng, |rng| {
-            random_intersection(bearings, LEAST_SINE, rng)
-                .unwrap_or_else(|| mode.step(mode.mean(), 1.0, rng))
+            intersection(bearings, rng).unwrap_or_else(|| mode.step(mode.mean(), 1.0, rng))
         });
         let posterior = Posterior::new(&self.bearings);
         let _ = self.filter.update(&posterior);
@@ -303,6 +298,17 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
             self.bearings.count(),
         )
     }
+}
+
+/// Where the rays of a random pair of bearings intersect.
+fn intersection<R: Rng + ?Sized>(bearings: &[Entry], rng: &mut R) -> Option<[f32; 2]> {
+    /// Least sine of the angle of two bearings whose intersection may start a particle: less starts some far away.
+    const LEAST_SINE: f32 = 0.02;
+    /// More find one among more bearings that are nearly parallel, for time.
+    const TRIES: u32 = 32;
+    random_crossing(bearings, LEAST_SINE, TRIES, rng, |_, _, crossing| {
+        crossing.is_ahead
+    })
 }
 
 // What moves the particles is not in a snapshot: they are drawn from the same posterior whatever it is, and one that goes

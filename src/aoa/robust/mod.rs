@@ -55,7 +55,7 @@ use crate::resample::Scheme;
 pub(super) use candidates::Candidates;
 pub use config::Config;
 pub use errors::{Correlation, Errors, Tails};
-pub use evidence::Candidate;
+pub(super) use evidence::Candidate;
 use evidence::{Change, Evidence};
 use mode::{Modes, hypotheses, plane, position};
 use proposal::MixtureProposal;

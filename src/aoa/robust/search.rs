@@ -8,12 +8,12 @@ use super::evidence::{Evidence, Terms};
 use super::mode::{MODES, Mode, Modes, weigh};
 use super::term::{State, Term};
 use crate::aoa::core::{BLOCK, Entry, Target};
-use crate::aoa::triangulation::crossing;
+use crate::aoa::triangulation::random_crossing;
 use crate::math::sqrt;
-use crate::random::{Rng, uniform};
+use crate::random::Rng;
 
 /// How many times as large the sigmas are while candidates are compared, because crossings scatter much more widely than
-/// the posterior: less misses modes, more makes all candidates alike.
+/// the posterior: less misses modes, more makes all candidates equal.
 const WIDENING: f32 = 3.0;
 /// Blocks of crossings: more find the source among more outliers, for `16 B` likelihoods each.
 const BLOCKS: usize = 4;
@@ -99,23 +99,15 @@ fn candidates<R: Rng + ?Sized>(
     wide: &Density<'_>,
     rng: &mut R,
 ) -> Vec<Candidate, CANDIDATES> {
-    let n = entries.len() as f32;
     let mut candidates = Vec::new();
     for _ in 0..BLOCKS {
         let mut block = [[0.0; BLOCK]; 3];
         let mut valid = [false; BLOCK];
         let [xs, ys, _] = &mut block;
         for ((x, y), valid) in xs.iter_mut().zip(ys).zip(&mut valid) {
-            for _ in 0..TRIES {
-                let a = entries.get((uniform(rng) * n) as usize);
-                let b = entries.get((uniform(rng) * n) as usize);
-                if let Some((a, b)) = a.zip(b)
-                    && !a.excludes(b)
-                    && let Some(meeting) = crossing(&a.observation, &b.observation, LEAST_SINE)
-                {
-                    ([*x, *y], *valid) = (meeting.position, true);
-                    break;
-                }
+            let fits = |a: &Entry, b: &Entry, _: &_| !a.excludes(b);
+            if let Some(place) = random_crossing(entries, LEAST_SINE, TRIES, rng, fits) {
+                ([*x, *y], *valid) = (place, true);
             }
         }
         let scores = wide.log_densities(&block);

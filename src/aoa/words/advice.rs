@@ -3,8 +3,7 @@
 use heapless::Vec;
 
 use super::answer::Hypothesis;
-use super::bearing::Bearing;
-use super::observation::Observation;
+use super::observation::{Bearing, Observation};
 use crate::estimate::Ellipse;
 use crate::math::{ln, sin_cos, sqrt};
 

@@ -2,13 +2,11 @@
 
 mod advice;
 mod answer;
-mod bearing;
 mod locate;
 mod observation;
 
 pub(in crate::aoa) use advice::Belief;
 pub use advice::{Advice, DIRECTIONS, FARTHEST_M};
 pub use answer::{Answer, Bias, Cloud, Fix, Hypothesis, Mixture, Motion, NotObservable, Source};
-pub use bearing::Bearing;
 pub use locate::{Locate, Locator};
-pub use observation::{Alternative, Observation, ObservationError, PushError};
+pub use observation::{Alternative, Bearing, Observation, ObservationError, PushError};

@@ -4,8 +4,7 @@ use foxhunt::{
     aoa::{
         Bearing, Clean, Locator, Observation,
         clean::Config,
-        gauss_newton::{self, Errors},
-        triangulation::intersection,
+        triangulation::{gauss_newton, intersection},
     },
     filter::ParticleFilter,
     math::{sqrt, wrap},
@@ -460,10 +459,10 @@ impl Method for GaussNewton {
             column.sort_unstable_by(f32::total_cmp);
             column[CROSSINGS / 2]
         });
-        let solution = gauss_newton::solve(bearings.observations, Errors::Gaussian, middle).ok()?;
+        let (position, covariance) = gauss_newton(bearings.observations, middle)?;
         Some(Estimate {
-            position: solution.position,
-            covariance: solution.covariance.rows(),
+            position,
+            covariance: covariance.rows(),
         })
     }
 }

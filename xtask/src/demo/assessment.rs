@@ -6,10 +6,7 @@ use std::{fmt, path::Path};
 
 use anyhow::{Context, Result, ensure};
 use foxhunt::{
-    aoa::{
-        Observation,
-        gauss_newton::{self, Errors},
-    },
+    aoa::{Observation, triangulation::gauss_newton},
     estimate::Ellipse,
 };
 use foxhunt_host::{
@@ -61,14 +58,15 @@ impl Assessment {
             .map(|sight| (*sight).try_into())
             .collect::<Result<_, _>>()?;
         let start = posterior.mean.map(|v| v as f32);
-        let solution = gauss_newton::solve(&observations, Errors::Gaussian, start)?;
+        let (maximum, _) =
+            gauss_newton(&observations, start).context("the bearings do not meet")?;
         Ok(Self {
             bearings: fix.bearings,
             fix: origin.local(fix.place),
             sigmas: fix.sigmas,
             truth,
             posterior,
-            gauss_newton: solution.position.map(f64::from),
+            gauss_newton: maximum.map(f64::from),
             bound: cramer_rao(sights, truth)
                 .context("the bearings do not determine a place")?
                 .trace()
