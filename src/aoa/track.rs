@@ -29,9 +29,9 @@ pub trait Track: Locate {
     /// for tracks that have had a fix.
     fn odds(&self, observation: &Observation, config: &Self::Config) -> f32;
 
-    /// States how many outliers were removed upstream for each bearing that the track gets: they count for its rates. To be
-    /// stated before each push.
-    fn set_outliers_removed(&mut self, per_bearing: f32);
+    /// States how many outliers were removed upstream for each bearing that the track gets: they count for its rates, if it
+    /// learns any. To be stated before each push.
+    fn set_outliers_removed(&mut self, _per_bearing: f32) {}
 }
 
 /// A locator of a stationary source that a locator of a manoeuvring one builds on.
@@ -43,8 +43,8 @@ pub trait Stationary: Track {
     fn restart(&mut self, rates: Mixture);
 
     /// Makes the source as likely within `range_m` of `centre` as farther away, whatever the bearings say. The first
-    /// bearing centres the prior on where it was taken, so this comes later.
-    fn centre_prior(&mut self, centre: [f32; 2], range_m: f32);
+    /// bearing centres the prior on where it was taken, so this comes later. A flat prior stays flat.
+    fn centre_prior(&mut self, _centre: [f32; 2], _range_m: f32) {}
 
     /// Takes an earlier bearing without moving particles: the next push does.
     fn recall(&mut self, observation: &Observation, config: &Self::Config);
@@ -57,11 +57,11 @@ pub(in crate::aoa) fn odds_by_moments(
     (mean, covariance): &([f32; 3], [[f32; 3]; 3]),
 ) -> f32 {
     let line = read(observation, errors, mean);
-    let mut variance = line.error.variance;
+    let mut variance = line.variance;
     for (row, a) in covariance.iter().zip(&line.gradient) {
         for (entry, b) in row.iter().zip(&line.gradient) {
             variance += a * b * entry;
         }
     }
-    line.error.odds(line.error.angle, variance, errors)
+    line.odds(line.error, variance, errors)
 }

@@ -31,7 +31,7 @@ use crate::persist;
 use crate::random::Rng;
 use crate::resample::Scheme;
 pub(super) use posterior::Moves;
-use posterior::{CleanBearings, ModeProposal, Posterior, misfit, misfit_at_infinity, mode};
+use posterior::{ModeProposal, Posterior, misfit, misfit_at_infinity, mode};
 
 /// What a [`Clean`] locator can be told.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,12 +92,6 @@ impl<M> Config<M> {
     }
 }
 
-impl Default for Config {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
 /// Locates one stationary source by clean bearings, with `N` particles and a buffer of `B` bearings.
 ///
 /// `M` moves the particles: the locator's own moves, `()`, or any [`Refinement`](crate::refine::Refinement), whose memory takes `28 N + 1028` bytes
@@ -148,7 +142,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
         self.bearings.note(observation, 1.0);
         let source = self.answer.fix().map(|fix| fix.position);
         let new = Entry::new(*observation, 1.0);
-        self.bearings.add(new, &CleanBearings { source });
+        self.bearings.add(new, &source);
         self.answer = if source.is_some() {
             // A normal likelihood is never zero, so the update cannot fail.
             let _ = self.filter.update(&BearingLikelihood::new(observation));

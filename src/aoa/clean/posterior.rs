@@ -5,8 +5,8 @@ use core::fmt::Debug;
 use heapless::Vec;
 
 use crate::ConfigError;
-use crate::aoa::core::{BLOCK, Block, Buffer, Comparison, Entry, Proposal, Target, sweep};
-use crate::aoa::triangulation::{Linearised, gauss_newton, linearise};
+use crate::aoa::core::{BLOCK, Block, Buffer, Proposal, Target, sweep};
+use crate::aoa::triangulation::{gauss_newton, linearise};
 use crate::aoa::{BearingLikelihood, Observation};
 use crate::estimate::Symmetric2;
 use crate::filter::ParticleFilter;
@@ -62,39 +62,12 @@ impl<const B: usize> Target<2> for Posterior<'_, B> {
     }
 }
 
-/// Clean bearings never contradict each other.
-pub(super) struct CleanBearings {
-    pub(super) source: Option<[f32; 2]>,
-}
-
-impl Comparison for CleanBearings {
-    fn source(&self) -> Option<[f32; 2]> {
-        self.source
-    }
-
-    fn fold(&self, _: &Entry, _: &Entry, angle: f32) -> f32 {
-        angle
-    }
-
-    fn is_similar(&self, _: &Entry, _: &Entry) -> bool {
-        true
-    }
-
-    fn prefers(&self, _: &Entry, _: &Entry) -> bool {
-        true
-    }
-}
-
 /// What the bearings say to a source at `point`: the sum of the squares of their errors in sigmas.
 #[inline(never)]
 pub(super) fn misfit<const B: usize>(bearings: &Buffer<B>, point: [f32; 2]) -> f32 {
     let square = |o| {
-        let Linearised {
-            residual,
-            information,
-            ..
-        } = linearise(o, point);
-        information * residual * residual
+        let line = linearise(o, point);
+        line.information * line.residual * line.residual
     };
     bearings.observations().map(square).sum()
 }
@@ -284,6 +257,7 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::aoa::Bearing;
+    use crate::aoa::core::Entry;
     use crate::math::ln;
     use crate::random::{SeedableRng, Xoshiro128PlusPlus, uniform, uniform_open};
     use std::vec::Vec;
@@ -325,10 +299,7 @@ mod tests {
             let bearing = Bearing::from_compass_degrees(degrees);
             let sigma = 3f32.to_radians();
             let observation = Observation::new(time_ms, [east, 0.0], bearing, sigma).unwrap();
-            bearings.add(
-                Entry::new(observation, 1.0),
-                &CleanBearings { source: None },
-            );
+            bearings.add(Entry::new(observation, 1.0), &None);
         }
         bearings
     }

@@ -1,6 +1,5 @@
 //! The locator for clean bearings as one that others build on.
 
-use super::posterior::CleanBearings;
 use super::{Clean, Config, Moves, RANGE_M};
 use crate::aoa::core::Entry;
 use crate::aoa::robust::{self, Candidate, Correlation, Errors};
@@ -23,8 +22,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Track for Clean<N, B, M> {
             errors: ERRORS,
             range_m: RANGE_M,
             relative_range_sigma: config.relative_range_sigma,
-            resample_below: config.resample_below,
-            moves: config.moves,
+            ..robust::Config::DEFAULT
         }
     }
 
@@ -45,11 +43,9 @@ impl<const N: usize, const B: usize, M: Moves<N>> Track for Clean<N, B, M> {
         rng: &mut R,
     ) -> Answer {
         self.reset();
-        let clean = CleanBearings {
-            source: Some(candidate.position()),
-        };
+        let source = Some(candidate.position());
         self.bearings
-            .adopt(candidate.entries(), candidate.latest(), &clean);
+            .adopt(candidate.entries(), candidate.latest(), &source);
         self.answer = self.first_answer(config, rng);
         self.answer
     }
@@ -57,9 +53,6 @@ impl<const N: usize, const B: usize, M: Moves<N>> Track for Clean<N, B, M> {
     fn odds(&self, observation: &Observation, _: &Config<M>) -> f32 {
         odds_by_moments(observation, &ERRORS, &self.moments())
     }
-
-    /// Outliers have a fixed rate here.
-    fn set_outliers_removed(&mut self, _: f32) {}
 }
 
 impl<const N: usize, const B: usize, M: Moves<N>> Stationary for Clean<N, B, M> {
@@ -73,12 +66,9 @@ impl<const N: usize, const B: usize, M: Moves<N>> Stationary for Clean<N, B, M> 
         self.reset();
     }
 
-    /// The prior is flat whatever is known.
-    fn centre_prior(&mut self, _: [f32; 2], _: f32) {}
-
     fn recall(&mut self, observation: &Observation, _: &Config<M>) {
         self.bearings.note(observation, 1.0);
         let new = Entry::new(*observation, 1.0);
-        self.bearings.add(new, &CleanBearings { source: None });
+        self.bearings.add(new, &None);
     }
 }

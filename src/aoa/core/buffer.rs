@@ -21,13 +21,6 @@ pub(in crate::aoa) struct Buffer<const B: usize> {
 
 persist!(impl[const B: usize] Buffer<B> as "Buffer"(B) { entries, latest, count });
 
-/// Two places in the buffer.
-struct Pair {
-    i: usize,
-    j: usize,
-    similar: bool,
-}
-
 impl<const B: usize> Buffer<B> {
     pub(in crate::aoa) const EMPTY: Self = Self {
         entries: Vec::new(),
@@ -133,7 +126,7 @@ impl<const B: usize> Buffer<B> {
         if self.entries.push(new).is_ok() {
             return;
         }
-        let Some(Pair { i, j, similar }) = self.most_similar(comparison) else {
+        let Some((i, j, similar)) = self.most_similar(comparison) else {
             // Each is of another station: the one that was taken first is forgotten.
             if let Some(oldest) = self.oldest() {
                 *oldest = new;
@@ -159,10 +152,11 @@ impl<const B: usize> Buffer<B> {
         self.entries.iter_mut().max_by_key(age)
     }
 
-    /// The pair of one station that was taken from places nearest to each other, in metres, or as seen from the source;
-    /// pairs that say the same are preferred, but not at any price: the others would fill the buffer.
+    /// The pair of one station that was taken from places nearest to each other, in metres, or as seen from the source,
+    /// and whether they are similar. Pairs that say the same are preferred, but not at any price: the others would fill the
+    /// buffer.
     #[inline(never)]
-    fn most_similar(&self, comparison: &impl Comparison) -> Option<Pair> {
+    fn most_similar(&self, comparison: &impl Comparison) -> Option<(usize, usize, bool)> {
         /// How many times as far, squared, a contradictory pair counts as: room for outliers against precision.
         const PENALTY: f32 = 4.0;
         /// Its least squared distance, so that the penalty holds at one place, too.
@@ -189,7 +183,7 @@ impl<const B: usize> Buffer<B> {
                     };
                     if difference < least {
                         least = difference;
-                        best = Some(Pair { i, j, similar });
+                        best = Some((i, j, similar));
                     }
                 }
             }
@@ -227,13 +221,26 @@ pub(in crate::aoa) trait Comparison {
     fn source(&self) -> Option<[f32; 2]>;
 
     /// The angle from one bearing to the other, of those that are the same but for whole turns.
-    fn fold(&self, a: &Entry, b: &Entry, angle: f32) -> f32;
+    fn fold(&self, _a: &Entry, _b: &Entry, angle: f32) -> f32 {
+        angle
+    }
 
     /// Whether two bearings may well be of the same direction.
-    fn is_similar(&self, a: &Entry, b: &Entry) -> bool;
+    fn is_similar(&self, _a: &Entry, _b: &Entry) -> bool {
+        true
+    }
 
     /// Whether `a` is kept rather than `b`, which contradicts it.
-    fn prefers(&self, a: &Entry, b: &Entry) -> bool;
+    fn prefers(&self, _a: &Entry, _b: &Entry) -> bool {
+        true
+    }
+}
+
+/// Clean bearings, which never contradict each other, on a source that is thought to be here.
+impl Comparison for Option<[f32; 2]> {
+    fn source(&self) -> Option<[f32; 2]> {
+        *self
+    }
 }
 
 impl AsRef<Observation> for Entry {
@@ -292,7 +299,7 @@ impl Entry {
         1e-3 * ms as f32
     }
 
-    /// Takes one more reading of the same place into the mean, in which every reading counts alike: it adds `worth`
+    /// Takes one more reading of the same place into the mean, in which every reading counts the same: it adds `worth`
     /// independent readings to what the mean is worth, which is exact for errors of an autoregression of first order.
     pub(in crate::aoa) fn join(&mut self, new: &Self, worth: f32, comparison: &impl Comparison) {
         // What one reading of the mean would tell on its own.
@@ -362,7 +369,7 @@ impl Entry {
     }
 }
 
-fn square_of_distance(a: [f32; 2], b: [f32; 2]) -> f32 {
+pub(in crate::aoa) fn square_of_distance(a: [f32; 2], b: [f32; 2]) -> f32 {
     let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
     dx * dx + dy * dy
 }

@@ -6,7 +6,7 @@ mod sweep;
 
 use super::NotObservable;
 use crate::math::sqrt;
-pub(super) use buffer::{Buffer, Comparison, Entry};
+pub(super) use buffer::{Buffer, Comparison, Entry, square_of_distance};
 pub(super) use sweep::{BLOCK, Block, Proposal, Target, sweep};
 
 /// Whether particles that are worth so many of `count` are to be resampled and moved.

@@ -143,8 +143,8 @@ impl Component {
         let back = gx * (self.position[0] - x) + gy * (self.position[1] - y);
         Prediction {
             gain,
-            variance: line.error.variance + gb * gb * bias.variance + spread,
-            error: line.error.angle + back,
+            variance: line.variance + gb * gb * bias.variance + spread,
+            error: line.error + back,
             line,
         }
     }
@@ -196,7 +196,7 @@ impl Component {
         bias: KnownBias,
     ) -> (f32, bool) {
         let prediction = self.predict_bearing(self.position, observation, errors, bias);
-        (prediction.odds(errors), prediction.line.error.mirrored)
+        (prediction.odds(errors), prediction.line.mirrored)
     }
 
     /// Takes a bearing, by a Kalman filter that counts it for as much as it is no outlier, and returns one plus its odds.
@@ -246,6 +246,6 @@ struct Prediction {
 
 impl Prediction {
     fn odds(&self, errors: &Errors) -> f32 {
-        (self.line.error).odds(self.error, self.variance, errors)
+        self.line.odds(self.error, self.variance, errors)
     }
 }

@@ -93,9 +93,3 @@ macro_rules! check_around {
 pub(in crate::aoa) use check_around;
 
 check_around!(robust::Config, clean::Config);
-
-impl<C: Default> Default for Config<C> {
-    fn default() -> Self {
-        Self::new(C::default())
-    }
-}

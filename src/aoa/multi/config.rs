@@ -64,9 +64,3 @@ check_around!(
     manoeuvring::Config<robust::Config>,
     manoeuvring::Config<clean::Config>
 );
-
-impl<C: Default> Default for Config<C> {
-    fn default() -> Self {
-        Self::new(C::default())
-    }
-}

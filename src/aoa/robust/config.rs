@@ -56,9 +56,3 @@ impl Config {
         Ok(())
     }
 }
-
-impl Default for Config {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}

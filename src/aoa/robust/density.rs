@@ -2,7 +2,7 @@
 
 use super::term::{State, Term};
 use crate::aoa::Mixture;
-use crate::aoa::core::{BLOCK, Block, Target};
+use crate::aoa::core::{BLOCK, Block, Target, square_of_distance};
 use crate::math::ln;
 
 /// Where a source may be before any bearing: a density of 1 / (1 + r^2 / R^2)^2 about the first receiver.
@@ -19,8 +19,7 @@ pub(super) struct Region {
 impl Region {
     /// One plus the square of the distance in ranges.
     fn spread(&self, &[x, y, _]: &State) -> f32 {
-        let (dx, dy) = (x - self.centre[0], y - self.centre[1]);
-        1.0 + (dx * dx + dy * dy) * self.inverse_square
+        1.0 + square_of_distance([x, y], self.centre) * self.inverse_square
     }
 
     /// Of place and bias, up to a constant.

@@ -3,16 +3,16 @@
 use core::f32::consts::{PI, TAU};
 
 use crate::ConfigError;
+use crate::aoa::core::square_of_distance;
 use crate::aoa::{Mixture, Observation};
 use crate::config::{require, require_all, require_within};
 use crate::math::{exp, sqrt};
 
 /// How the errors of the bearings that are not outliers are distributed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Tails {
     /// Normal, with the standard deviation of each observation.
-    #[default]
     Normal,
     /// Student's t distribution, scaled by the standard deviation of each observation: as narrow in the middle, with more
     /// errors of many standard deviations, up to a right angle. The rate of outliers covers most of those, so the normal
@@ -109,12 +109,6 @@ impl Correlation {
     }
 }
 
-impl Default for Correlation {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
 impl Errors {
     /// Normal errors, 8 % mirrored bearings and 12 % outliers, learned as soon as there are more than 10; no bias; nine
     /// tenths of the error in common at one place, less by a factor of e every 5 m.
@@ -166,9 +160,8 @@ impl Errors {
         let own = observation.sigma_rad() * observation.sigma_rad();
         let square = self.position_sigma_m * self.position_sigma_m;
         match source {
-            Some([x, y]) if square > 0.0 => {
-                let [px, py] = observation.position();
-                let range = worth * ((x - px) * (x - px) + (y - py) * (y - py));
+            Some(source) if square > 0.0 => {
+                let range = worth * square_of_distance(source, observation.position());
                 // No more than a radian, about the source itself.
                 own + square / if range > square { range } else { square }
             }
@@ -190,12 +183,6 @@ impl Errors {
             mirrored: rate(self.rates.mirrored, counts.mirrored),
             outlier: rate(self.rates.outlier, counts.outlier),
         })
-    }
-}
-
-impl Default for Errors {
-    fn default() -> Self {
-        Self::DEFAULT
     }
 }
 

@@ -7,7 +7,7 @@ use super::density::{Density, Region};
 use super::errors::Errors;
 use super::mode::{Mode, Modes, best, plane, position};
 use super::term::{State, Term, fold_angle};
-use crate::aoa::core::{Buffer, Comparison, Crossing, Entry};
+use crate::aoa::core::{Buffer, Comparison, Crossing, Entry, square_of_distance};
 use crate::aoa::{Alternative, NotObservable, Observation};
 use crate::math::{ln, sqrt, wrap};
 use crate::persist;
@@ -194,10 +194,8 @@ impl<const B: usize> Evidence<B> {
     fn nearest_similar(&self, new: &Entry, lines: &Lines<'_>) -> Option<(usize, f32)> {
         let mut best = None;
         let mut least = f32::INFINITY;
-        let [x, y] = new.position();
         for (i, old) in self.entries().iter().enumerate() {
-            let [ox, oy] = old.position();
-            let square = (ox - x) * (ox - x) + (oy - y) * (oy - y);
+            let square = square_of_distance(old.position(), new.position());
             if square < least && old.is_of_station_of(new) && lines.is_similar(old, new) {
                 least = square;
                 best = Some(i);

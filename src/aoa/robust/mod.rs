@@ -168,10 +168,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
         } else {
             self.observe(&believed, rng)
         };
-        self.answer = match answer {
-            Ok(fix) => Answer::Fix(fix),
-            Err(reason) => Answer::NotObservable(reason),
-        };
+        self.answer = answer.into();
         Ok(self.answer)
     }
 

@@ -3,7 +3,7 @@
 use super::errors::{Errors, Tails};
 use super::evidence::{Lines, tempered};
 use super::term::{State, Term};
-use crate::aoa::core::{Comparison, Entry};
+use crate::aoa::core::{Comparison, Entry, square_of_distance};
 use crate::aoa::{Mixture, Observation};
 use crate::math::{exp, ln, sqrt};
 
@@ -13,7 +13,6 @@ pub(in crate::aoa) fn independent<'a>(
     earlier: impl Iterator<Item = (&'a Observation, f32)>,
     errors: &Errors,
 ) -> Observation {
-    let [x, y] = observation.position();
     let new = Entry::new(*observation, 1.0);
     let lines = Lines {
         source: None,
@@ -21,8 +20,8 @@ pub(in crate::aoa) fn independent<'a>(
     };
     let mut least = f32::INFINITY;
     for (old, seconds) in earlier {
-        let (dx, dy) = (old.position()[0] - x, old.position()[1] - y);
-        let lengths = errors.correlation.lengths(sqrt(dx * dx + dy * dy), seconds);
+        let distance = sqrt(square_of_distance(old.position(), new.position()));
+        let lengths = errors.correlation.lengths(distance, seconds);
         if lengths < least && lines.is_similar(&Entry::new(*old, 1.0), &new) {
             least = lengths;
         }
@@ -32,22 +31,18 @@ pub(in crate::aoa) fn independent<'a>(
 
 /// The line of a bearing, as it is seen from a state.
 pub(in crate::aoa) struct Line {
-    pub(in crate::aoa) error: LineError,
+    /// How far off the bearing is, in radians.
+    pub(in crate::aoa) error: f32,
+    /// Variance that the error has on its own.
+    pub(in crate::aoa) variance: f32,
+    pub(in crate::aoa) mirrored: bool,
     /// Derivatives of the error by the place and by the bias in its prior sigmas.
     pub(in crate::aoa) gradient: State,
 }
 
-/// How far off a bearing is, in radians.
-pub(in crate::aoa) struct LineError {
-    pub(in crate::aoa) angle: f32,
-    /// Variance that it has on its own.
-    pub(in crate::aoa) variance: f32,
-    pub(in crate::aoa) mirrored: bool,
-}
-
-impl LineError {
-    /// Odds of not being an outlier of an error of `angle`, if errors have this variance.
-    pub(in crate::aoa) fn odds(&self, angle: f32, variance: f32, errors: &Errors) -> f32 {
+impl Line {
+    /// Odds of not being an outlier if it is off by `error` and such errors have this variance.
+    pub(in crate::aoa) fn odds(&self, error: f32, variance: f32, errors: &Errors) -> f32 {
         let Mixture {
             direct,
             mirrored,
@@ -55,7 +50,7 @@ impl LineError {
         } = errors.rates;
         let rate = if self.mirrored { mirrored } else { direct };
         let peak = errors.tails.height() / (sqrt(variance) * outlier);
-        let square = angle * angle / variance;
+        let square = error * error / variance;
         rate * peak
             * match errors.tails {
                 Tails::Normal => exp(-0.5 * square),
@@ -73,11 +68,9 @@ pub(in crate::aoa) fn read(observation: &Observation, errors: &Errors, state: &S
     let reading = term.read(state, errors.bias_sigma_rad * state[2]);
     let [x, y] = term.gradient(state);
     Line {
-        error: LineError {
-            angle: reading.error,
-            variance,
-            mirrored: reading.mirrored,
-        },
+        error: reading.error,
+        variance,
+        mirrored: reading.mirrored,
         gradient: [x, y, errors.bias_sigma_rad],
     }
 }

@@ -42,10 +42,7 @@ impl<const N: usize, const B: usize> Track for Robust<N, B> {
             self.start(&terms, config, rng);
             self.credible_fix(1.0, config)
         });
-        self.answer = match fix {
-            Ok(fix) => Answer::Fix(fix),
-            Err(reason) => Answer::NotObservable(reason),
-        };
+        self.answer = fix.into();
         self.answer
     }
 

@@ -46,6 +46,15 @@ impl Answer {
     }
 }
 
+impl From<Result<Fix, NotObservable>> for Answer {
+    fn from(result: Result<Fix, NotObservable>) -> Self {
+        match result {
+            Ok(fix) => Self::Fix(fix),
+            Err(reason) => Self::NotObservable(reason),
+        }
+    }
+}
+
 /// Why there is no fix yet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

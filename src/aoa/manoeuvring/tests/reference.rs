@@ -85,8 +85,8 @@ fn drive(particle: &mut [f32; 4], keep: f32, sigma: f32, rng: &mut Xoshiro128Plu
 /// Weighs the particles by a bearing.
 fn weigh(particles: &[[f32; 4]], weights: &mut [f32], observation: &Observation, errors: &Errors) {
     for ([x, y, ..], weight) in particles.iter().zip(weights.iter_mut()) {
-        let error = read(observation, errors, &[*x, *y, 0.0]).error;
-        *weight *= 1.0 + error.odds(error.angle, error.variance, errors);
+        let line = read(observation, errors, &[*x, *y, 0.0]);
+        *weight *= 1.0 + line.odds(line.error, line.variance, errors);
     }
     let total: f32 = weights.iter().sum();
     weights.iter_mut().for_each(|weight| *weight /= total);
