@@ -205,16 +205,14 @@ impl LocalPlane {
 }
 
 impl Value for Geodetic {
-    const SIZE: usize = 2 * i32::SIZE;
+    const SIZE: usize = <(i32, i32)>::SIZE;
 
     fn write(&self, to: &mut Writer<'_>) {
-        self.latitude_e7.write(to);
-        self.longitude_e7.write(to);
+        (self.latitude_e7, self.longitude_e7).write(to);
     }
 
     fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
-        let latitude_e7 = Value::read(from)?;
-        let longitude_e7 = Value::read(from)?;
+        let (latitude_e7, longitude_e7) = Value::read(from)?;
         Self::new(latitude_e7, longitude_e7).map_err(|_| Error::Malformed)
     }
 }

@@ -166,9 +166,9 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
     #[inline(never)]
     fn advice(&self, _: &Config<M>) -> Option<Advice> {
         let latest = self.bearings.latest()?;
-        let belief = match self.answer {
-            Answer::Fix(_) => Belief::of_particles(self.columns(), self.weights()),
-            Answer::NotObservable(_) => Belief::of_ray(latest, RANGE_M),
+        let belief = match self.cloud(0) {
+            Some(cloud) => Belief::of_particles(cloud),
+            None => Belief::of_ray(latest, RANGE_M),
         };
         belief.advice(latest, self.answer.missing_angle())
     }

@@ -3,10 +3,10 @@
 use heapless::Deque;
 
 use super::cloud::Cloud;
-use super::config::Config;
 use super::drive::Drive;
-use super::state::{Lost, Manoeuvring, Phase, seconds};
+use super::{Config, Lost, Manoeuvring, Phase, seconds};
 use crate::ConfigError;
+use crate::aoa::core::{is_narrow, square_of_distance};
 use crate::aoa::robust::{self, Candidate, Errors};
 use crate::aoa::track::{Stationary, Track};
 use crate::aoa::words::Belief;
@@ -80,10 +80,8 @@ impl<L: Stationary> Manoeuvring<L> {
         let n = self.cloud.effective_sample_size();
         let fix = Fix::of_cloud(position, covariance, n, self.bearings);
         let limit = SLACK * L::beliefs(&config.track).relative_range_sigma;
-        let latest = self.latest_position();
-        let (dx, dy) = (position[0] - latest[0], position[1] - latest[1]);
-        let variance = fix.covariance.largest_eigenvalue();
-        if variance <= limit * limit * (dx * dx + dy * dy) {
+        let range = square_of_distance(position, self.latest_position());
+        if is_narrow(fix.covariance.largest_eigenvalue(), range, limit) {
             Answer::Fix(fix)
         } else {
             Answer::NotObservable(NotObservable::NoIntersection)
@@ -200,7 +198,7 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
             return self.stationary.advice(&config.track);
         }
         let latest = self.recent.back()?;
-        Belief::of_hypotheses(self.hypotheses(), latest.position())
+        Belief::of_hypotheses(self.hypotheses(), latest, L::beliefs(&config.track).range_m)
             .advice(latest, self.answer.missing_angle())
     }
 

@@ -1,14 +1,15 @@
-//! The probabilities of both explanations.
+//! The probabilities of both explanations: when the source is said to move, to have stopped, and to be lost.
 
 use super::cloud::COMPONENTS;
 use super::component::{Component, KnownBias};
 use super::drive::Drive;
-use super::state::{MEMORY, Manoeuvring, Phase};
+use super::{Config, Lost, MEMORY, Manoeuvring, Phase, seconds};
 use crate::aoa::Observation;
 use crate::aoa::robust::Errors;
-use crate::aoa::track::{Stationary, odds_by_moments};
+use crate::aoa::track::{Stationary, Track, odds_by_moments};
 use crate::estimate::Symmetric2;
-use crate::random::Rng;
+use crate::math::{sin_cos, sqrt};
+use crate::random::{Rng, normal};
 
 /// Least probability that a stationary source is still there, after any time without a bearing: it may have returned. The
 /// smaller, the longer it takes to find a source again that never left.
@@ -29,6 +30,48 @@ pub(super) fn stationary_there(([x, y, _], covariance): &Moments) -> Component {
     let [[xx, xy, _], [_, yy, _], _] = *covariance;
     Component::stationary([*x, *y], Symmetric2 { xx, xy, yy })
 }
+
+/// Probability of having moved from which on the answer says so: lower notices a departure sooner, with more false alarms.
+const MOVED: f32 = 0.5;
+
+/// Probability of having moved below which the answer takes it back: the gap to `MOVED` keeps answers from flickering.
+const NOT_MOVED: f32 = 0.2;
+
+/// Probability below which the explanation that the source is stationary is given up: lower keeps the locator longer from
+/// looking for the next stop.
+const GIVEN_UP: f32 = 1e-3;
+
+/// Prior probability that a source has stopped where the stationary locator finds a place: higher reports stops sooner,
+/// with more false ones.
+const STOPPED: f32 = 0.005;
+
+/// Probability of having stopped from which on the stationary locator takes the bearings since then: lower finds stops
+/// with fewer new bearings, and takes more that are from before.
+const PROBABLY_STOPPED: f32 = 0.3;
+
+/// Bearings after which the stationary locator starts again if it has found no place: fewer drop bearings on a stop,
+/// more keep those from before it.
+const BEARINGS_TO_STOP: u32 = 30;
+
+/// Bearings on a lost source after which everything starts again: fewer give up sources that would be found again.
+const BEARINGS_TO_START_OVER: u32 = 40;
+
+/// The latest bearings that everything starts again with: fewer take longer to a fix, more are from before the loss.
+const BEARINGS_KEPT: usize = 12;
+
+/// The source is lost when more of the latest bearings are outliers: lower searches for sources that were never lost,
+const TOO_MANY: f32 = 0.7;
+
+/// and it is seen again when fewer are.
+const FEW_ENOUGH: f32 = 0.5;
+
+/// Fraction of the components that each bearing on a lost source puts on its ray: the more, the sooner one of them is right,
+/// and the fewer remember where the source was.
+const SEARCHING: f32 = 0.2;
+
+/// Standard deviation of such a component along the ray, as a fraction of that of all: small enough for a bearing from
+/// elsewhere to be linear, large enough for some two dozen to cover the ray.
+const LENGTH: f32 = 0.3;
 
 impl<L: Stationary> Manoeuvring<L> {
     /// Lets time pass: what moves goes on, and some of what was stationary at `place` departs.
@@ -79,5 +122,150 @@ impl<L: Stationary> Manoeuvring<L> {
             self.moved = moved / total;
         }
         self.misfit += (1.0 / total - self.misfit) / MEMORY;
+    }
+
+    /// Whether the explanation that the source is stationary has a probability.
+    pub(super) fn may_be_stationary(&self) -> bool {
+        self.phase != Phase::Moving
+    }
+
+    /// Goes from one phase to another.
+    pub(super) fn update_phase(&mut self, config: &Config<L::Config>) {
+        if self.lost.bearings > BEARINGS_TO_START_OVER {
+            return self.start_over(config);
+        }
+        let has_fix = self.stationary.fix().is_some();
+        if self.phase == Phase::Moving {
+            self.tries += 1;
+            if has_fix {
+                self.phase = Phase::Departing;
+                self.moved = 1.0 - STOPPED;
+            } else if self.tries > BEARINGS_TO_STOP {
+                self.look_for_a_stop(config);
+            }
+        }
+        if !self.may_be_stationary() {
+            return;
+        }
+        if has_fix && self.cloud.is_alive() {
+            // Components that have stopped there are the same explanation.
+            let place = stationary_there(&self.stationary.moments());
+            self.moved *= 1.0 - self.cloud.remove(|component| component.is_at(&place));
+        }
+        if !self.cloud.is_alive() {
+            self.moved = 0.0;
+        }
+        if 1.0 - self.moved < GIVEN_UP {
+            self.phase = Phase::Moving;
+            self.look_for_a_stop(config);
+        } else if self.moved > MOVED {
+            self.phase = Phase::Departing;
+        } else if self.moved < NOT_MOVED {
+            self.phase = Phase::Stationary;
+            self.rates = self.stationary.errors(&config.track).rates;
+        }
+    }
+
+    /// Restarts the stationary locator about where the source is now.
+    fn look_for_a_stop(&mut self, config: &Config<L::Config>) {
+        self.moved = 1.0;
+        self.tries = 0;
+        let (position, covariance) = self.cloud.position();
+        let sigma = sqrt(covariance.largest_eigenvalue());
+        let range_m = 3.0 * sigma + 10.0 * config.speed_m_s;
+        let range_m = if range_m < 1e6 { range_m } else { 1e6 };
+        let stopped = self.cloud.stopped();
+        // Not those from before it stopped, as far as can be told; the latest in any case.
+        let since = if stopped.probability < PROBABLY_STOPPED {
+            0.0
+        } else {
+            stopped.seconds - sqrt(stopped.variance)
+        };
+        self.stationary.restart(self.errors(config).rates);
+        if let Some(latest) = self.recent.back() {
+            for old in &self.recent {
+                let age = seconds(latest.since_ms(old.time_ms()));
+                if age == 0.0 || age < since {
+                    self.stationary.recall(old, &config.track);
+                }
+            }
+        }
+        self.stationary.centre_prior(position, range_m);
+    }
+
+    /// Starts again with the latest bearings alone.
+    fn start_over(&mut self, config: &Config<L::Config>) {
+        let rates = self.errors(config).rates;
+        self.cloud.clear();
+        self.moved = 0.0;
+        self.phase = Phase::Stationary;
+        self.misfit = 0.0;
+        self.lost = Lost::NOT;
+        self.seen = None;
+        self.stationary.restart(rates);
+        let skipped = self.recent.len().saturating_sub(BEARINGS_KEPT);
+        for old in self.recent.iter().skip(skipped) {
+            self.stationary.recall(old, &config.track);
+        }
+    }
+
+    /// Looks for a lost source on the ray of a bearing.
+    pub(super) fn search<R: Rng + ?Sized>(
+        &mut self,
+        observation: &Observation,
+        drive: &Drive,
+        config: &Config<L::Config>,
+        rng: &mut R,
+    ) {
+        if self.misfit < FEW_ENOUGH {
+            self.lost = Lost::NOT;
+        }
+        let is_lost = self.lost.bearings > 0 || self.misfit >= TOO_MANY;
+        if drive.seconds == 0.0 || !is_lost {
+            return;
+        }
+        self.lost.seconds += drive.seconds;
+        self.lost.bearings += 1;
+        let Some(seen) = self.seen.filter(|_| self.cloud.is_alive()) else {
+            return;
+        };
+        if self.may_be_stationary() {
+            self.moved += SEARCHING * (1.0 - self.moved);
+        }
+        let ray = Ray {
+            observation,
+            about: seen.position,
+            sigma_m: sqrt(seen.covariance.largest_eigenvalue())
+                + config.speed_m_s * (self.lost.seconds + MEMORY * drive.seconds),
+        };
+        let count = SEARCHING * COMPONENTS as f32;
+        self.cloud.admit(SEARCHING, count, rng, |rng| {
+            let mut component = ray.draw(rng);
+            drive.accelerate(&mut component, rng);
+            component
+        });
+    }
+}
+
+/// Places in the direction of a bearing, more or less near to where a source was seen.
+struct Ray<'a> {
+    observation: &'a Observation,
+    about: [f32; 2],
+    sigma_m: f32,
+}
+
+impl Ray<'_> {
+    fn draw<R: Rng + ?Sized>(&self, rng: &mut R) -> Component {
+        let [px, py] = self.observation.position();
+        let (sin, cos) = sin_cos(self.observation.bearing().radians());
+        let middle = (self.about[0] - px) * cos + (self.about[1] - py) * sin;
+        let range = (middle + self.sigma_m * normal(rng)).abs();
+        let along = LENGTH * self.sigma_m;
+        let across = range * self.observation.sigma_rad();
+        let (along, across) = (along * along, across * across);
+        Component::stationary(
+            [px + range * cos, py + range * sin],
+            Symmetric2::isotropic(across).plus_outer(along - across, [cos, sin]),
+        )
     }
 }

@@ -109,11 +109,7 @@ impl<const B: usize> Candidates<B> {
     /// Where to drive to find the first source.
     pub(in crate::aoa) fn advice(&self, reason: NotObservable, config: &Config) -> Option<Advice> {
         let latest = self.evidence.bearings.latest()?;
-        let belief = if self.modes.is_empty() {
-            Belief::of_ray(latest, config.range_m)
-        } else {
-            Belief::of_hypotheses(self.hypotheses(), latest.position())
-        };
+        let belief = Belief::of_hypotheses(self.hypotheses(), latest, config.range_m);
         belief.advice(latest, Answer::NotObservable(reason).missing_angle())
     }
 

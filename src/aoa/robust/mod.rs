@@ -207,13 +207,9 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
     #[inline(never)]
     fn advice(&self, config: &Config) -> Option<Advice> {
         let latest = self.evidence.bearings.latest()?;
-        let belief = match self.answer {
-            Answer::Fix(_) => {
-                let [east, north, _] = self.columns();
-                Belief::of_particles([east, north], self.weights())
-            }
-            _ if self.modes.is_empty() => Belief::of_ray(latest, config.range_m),
-            _ => Belief::of_hypotheses(hypotheses(&self.modes), latest.position()),
+        let belief = match self.cloud(0) {
+            Some(cloud) => Belief::of_particles(cloud),
+            None => Belief::of_hypotheses(hypotheses(&self.modes), latest, config.range_m),
         };
         belief.advice(latest, self.answer.missing_angle())
     }

@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use super::answer::Hypothesis;
+use super::answer::{Cloud, Hypothesis};
 use super::observation::{Bearing, Observation};
 use crate::estimate::Ellipse;
 use crate::math::{ln, sin_cos, sqrt};
@@ -46,31 +46,28 @@ const PLACES: usize = 32;
 /// ranges along a ray.
 #[derive(Debug, Clone, Default)]
 pub(in crate::aoa) struct Belief {
-    places: Vec<Place, PLACES>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Place {
-    position: [f32; 2],
-    weight: f32,
+    /// Positions and weights.
+    places: Vec<([f32; 2], f32), PLACES>,
 }
 
 impl Belief {
     /// Of particles: so many of them, at equal distances in the columns.
-    pub(in crate::aoa) fn of_particles([east, north]: [&[f32]; 2], weights: &[f32]) -> Self {
+    pub(in crate::aoa) fn of_particles(cloud: Cloud<'_>) -> Self {
         let mut belief = Self::default();
-        let step = weights.len().div_ceil(PLACES).max(1);
-        for ((x, y), weight) in east.iter().zip(north).zip(weights).step_by(step) {
+        let step = cloud.weights.len().div_ceil(PLACES).max(1);
+        let particles = cloud.east.iter().zip(cloud.north).zip(cloud.weights);
+        for ((x, y), weight) in particles.step_by(step) {
             belief.add([*x, *y], *weight);
         }
         belief
     }
 
-    /// Of hypotheses, as seen from a place: five places along the longer axis of each; of one that is so long that it
-    /// says no more than a direction, along the ray to it.
+    /// Of hypotheses, as seen from where the `latest` bearing was taken: five places along the longer axis of each; of one
+    /// that is so long that it says no more than a direction, along the ray to it. Of that bearing, if there are none.
     pub(in crate::aoa) fn of_hypotheses(
         hypotheses: impl Iterator<Item = Hypothesis>,
-        from: [f32; 2],
+        latest: &Observation,
+        range_m: f32,
     ) -> Self {
         /// Places in standard deviations, and their weights in a normal distribution.
         const SHAPE: [(f32, f32); 5] = [
@@ -82,6 +79,7 @@ impl Belief {
         ];
         /// Of the distance, the longest semi-axis of what is more than a ray.
         const LONG: f32 = 0.5;
+        let from = latest.position();
         let mut belief = Self::default();
         for hypothesis in hypotheses {
             let ellipse = Ellipse::of_sigmas(hypothesis.position, hypothesis.covariance, 1.0);
@@ -96,6 +94,9 @@ impl Belief {
             } else {
                 belief.add_ray(from, towards, 4.0 * distance, hypothesis.probability);
             }
+        }
+        if belief.places.is_empty() {
+            return Self::of_ray(latest, range_m);
         }
         belief
     }
@@ -118,7 +119,7 @@ impl Belief {
     }
 
     fn add(&mut self, position: [f32; 2], weight: f32) {
-        let _ = self.places.push(Place { position, weight });
+        let _ = self.places.push((position, weight));
     }
 
     /// What is best for a vehicle that is where the `latest` bearing was taken and whose bearings still have to turn by
@@ -152,10 +153,9 @@ impl Belief {
     /// Harmonic mean of the distances of the places, in metres.
     fn distance(&self, from: [f32; 2]) -> Option<f32> {
         let (mut sum, mut total) = (0.0, 0.0);
-        for place in &self.places {
-            let (_, r) = sight(from, place.position);
-            sum += place.weight / r;
-            total += place.weight;
+        for (place, weight) in &self.places {
+            sum += weight / sight(from, *place).1;
+            total += weight;
         }
         let distance = total / sum;
         distance.is_finite().then_some(distance)
@@ -165,17 +165,15 @@ impl Belief {
     /// unit circle, which are angles where these are small.
     fn spread(&self, from: [f32; 2]) -> f32 {
         let (mut mean, mut total) = ([0.0; 2], 0.0);
-        for place in &self.places {
-            let ([x, y], _) = sight(from, place.position);
-            mean = [mean[0] + place.weight * x, mean[1] + place.weight * y];
-            total += place.weight;
+        for (place, weight) in &self.places {
+            let ([x, y], _) = sight(from, *place);
+            mean = [mean[0] + weight * x, mean[1] + weight * y];
+            total += weight;
         }
         let mean = mean.map(|sum| sum / total);
         let mut squares = 0.0;
-        for place in &self.places {
-            let ([x, y], _) = sight(from, place.position);
-            let (dx, dy) = (x - mean[0], y - mean[1]);
-            squares += place.weight * (dx * dx + dy * dy);
+        for (place, weight) in &self.places {
+            squares += weight * square_of_chord(sight(from, *place).0, mean);
         }
         squares / total
     }
@@ -187,15 +185,12 @@ impl Belief {
         while way <= FARTHEST_M {
             let to = offset(from, direction, way);
             let mut balance = 0.0;
-            for place in &self.places {
-                let ([ax, ay], _) = sight(from, place.position);
-                let ([bx, by], _) = sight(to, place.position);
-                let (dx, dy) = (bx - ax, by - ay);
-                let has_turned = dx * dx + dy * dy >= missing * missing;
-                balance += if has_turned {
-                    place.weight
+            for (place, weight) in &self.places {
+                let turn = square_of_chord(sight(from, *place).0, sight(to, *place).0);
+                balance += if turn >= missing * missing {
+                    *weight
                 } else {
-                    -place.weight
+                    -weight
                 };
             }
             if balance >= 0.0 {
@@ -209,6 +204,10 @@ impl Belief {
 
 fn offset(from: [f32; 2], direction: [f32; 2], way: f32) -> [f32; 2] {
     [from[0] + way * direction[0], from[1] + way * direction[1]]
+}
+
+fn square_of_chord([ax, ay]: [f32; 2], [bx, by]: [f32; 2]) -> f32 {
+    (ax - bx) * (ax - bx) + (ay - by) * (ay - by)
 }
 
 /// Unit vector to a place, and its distance, not nearer than a metre.
@@ -288,6 +287,20 @@ mod tests {
         (advice.direction.compass_degrees(), advice)
     }
 
+    fn of_particles(east: &[f32], north: &[f32], weights: &[f32]) -> Belief {
+        Belief::of_particles(Cloud {
+            east,
+            north,
+            weights,
+        })
+    }
+
+    /// As seen from the origin.
+    fn of_one(hypothesis: Hypothesis) -> Belief {
+        let latest = Observation::new(0, [0.0; 2], Bearing::from_radians(0.0), 0.02).unwrap();
+        Belief::of_hypotheses([hypothesis].into_iter(), &latest, 20_000.0)
+    }
+
     #[test]
     fn a_ray_is_crossed_by_driving_across_it() {
         let observation =
@@ -316,7 +329,7 @@ mod tests {
             },
             probability: 1.0,
         };
-        let belief = Belief::of_hypotheses([hypothesis].into_iter(), [0.0; 2]);
+        let belief = of_one(hypothesis);
         let (direction, _) = degrees(&belief, [0.0, 0.0], 0.0);
         assert!((direction - 180.0).abs() > 60.0 && direction.min(360.0 - direction) > 60.0);
         // Once round it, there is less to learn than at the start.
@@ -324,7 +337,7 @@ mod tests {
             covariance: Symmetric2::isotropic(25.0),
             ..hypothesis
         };
-        let round = Belief::of_hypotheses([round].into_iter(), [0.0; 2]);
+        let round = of_one(round);
         let before = degrees(&belief, [0.0, 0.0], 0.0).1.information;
         let after = degrees(&round, [0.0, 0.0], 0.0).1.information;
         assert!(after < 0.1 * before, "{after} {before}");
@@ -335,7 +348,7 @@ mod tests {
         // Two hypotheses in one line from here: exhaustively, by the spread itself.
         let particles = [[800.0, 2_000.0], [600.0, 1_500.0]];
         let [east, north] = &particles;
-        let belief = Belief::of_particles([east, north], &[0.5, 0.5]);
+        let belief = of_particles(east, north, &[0.5, 0.5]);
         let (direction, _) = degrees(&belief, [0.0, 0.0], 0.0);
         let reach = REACH * belief.distance([0.0; 2]).unwrap();
         let spread = |degrees: f32| {
@@ -352,13 +365,13 @@ mod tests {
     fn there_is_none_without_a_belief() {
         let latest = Observation::new(0, [0.0; 2], Bearing::from_radians(0.0), 0.02).unwrap();
         assert_eq!(Belief::default().advice(&latest, 0.1), None);
-        let nowhere = Belief::of_particles([&[f32::NAN], &[0.0]], &[1.0]);
+        let nowhere = of_particles(&[f32::NAN], &[0.0], &[1.0]);
         assert_eq!(nowhere.advice(&latest, 0.1), None);
     }
 
     #[test]
     fn what_cannot_turn_is_infinitely_far() {
-        let belief = Belief::of_particles([&[5e5], &[0.0]], &[1.0]);
+        let belief = of_particles(&[5e5], &[0.0], &[1.0]);
         assert_eq!(degrees(&belief, [0.0; 2], 0.5).1.distance_m, f32::INFINITY);
     }
 }

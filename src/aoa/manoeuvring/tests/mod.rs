@@ -8,7 +8,7 @@ mod stationary;
 
 use core::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};
 
-use super::state::RECENT;
+use super::RECENT;
 use super::*;
 use crate::aoa::testing::{at, is_zero};
 use crate::aoa::{
