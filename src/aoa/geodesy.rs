@@ -26,7 +26,7 @@ pub struct Geodetic {
     longitude_e7: i32,
 }
 
-/// Why a place or a way to it was refused.
+/// Why a place was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -85,8 +85,8 @@ impl Geodetic {
 
 /// The plane that touches the ellipsoid at an origin: metres east and north of it.
 ///
-/// It is the east-north plane of the usual ECEF to ENU conversion, by its Taylor series round the origin,
-/// third order in latitude and fifth in longitude: exact to a centimetre and 1e-5 of the distance, in both
+/// It is the east-north plane of the usual ECEF to ENU conversion, by its Taylor series about the origin,
+/// of third order in latitude and fifth in longitude: exact to a centimetre and 1e-5 of the distance, in both
 /// directions and across the antimeridian.
 ///
 /// ```
@@ -117,7 +117,7 @@ impl LocalPlane {
 
     /// Closer to a pole the series in longitude is too short.
     const MAX_LATITUDE_E7: i32 = 850_000_000;
-    /// A degree of latitude, in radians, is longer than the range.
+    /// Larger than the range, which spans 0.9 degrees of latitude.
     const MAX_LATITUDE_STEP_RAD: f32 = 0.02;
     /// Where the parallel is shortest the range spans 0.22 rad of longitude.
     const MAX_LONGITUDE_STEP_RAD: f32 = 0.25;
@@ -232,8 +232,8 @@ impl Value for LocalPlane {
 
 by_value!(Geodetic, LocalPlane);
 
-/// Sine and cosine of a latitude. Towards the poles by the angle from the pole, whose integer is exact: the
-/// cosine keeps its relative accuracy.
+/// Sine and cosine of a latitude. Beyond 45 degrees they are computed from the angle to the pole, whose integer is exact, so
+/// that the cosine keeps its relative accuracy.
 fn sin_cos_latitude(latitude_e7: i32) -> (f32, f32) {
     let magnitude = latitude_e7.abs();
     let (sin, cos) = if magnitude <= QUARTER_TURN_E7 / 2 {
@@ -245,7 +245,7 @@ fn sin_cos_latitude(latitude_e7: i32) -> (f32, f32) {
     (if latitude_e7 < 0 { -sin } else { sin }, cos)
 }
 
-/// The same longitude within half a turn either way.
+/// The same longitude, from -180 to 180 degrees.
 fn wrap_e7(longitude_e7: i64) -> i32 {
     const HALF: i64 = HALF_TURN_E7 as i64;
     let wrapped = if longitude_e7 > HALF {
@@ -273,8 +273,8 @@ fn round(x: f32) -> i32 {
     (if x < 0.0 { x - 0.5 } else { x + 0.5 }) as i32
 }
 
-// Series for angles within a quarter of a radian, exact to an f32: `math::sin_cos` errs by 1e-6 whatever the
-// angle, metres on the ground.
+// Series for angles within a quarter of a radian, exact to an f32. `math::sin_cos` has an error of 1e-6 at any angle, which
+// is metres on the ground.
 
 fn sin(x: f32) -> f32 {
     let q = x * x;
@@ -377,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn a_centimetre_and_a_hundred_thousandth() {
+    fn the_error_is_within_a_centimetre_and_1e_5_of_the_distance() {
         for reach in [0.05, 3.0, 50.0, 1_000.0, 7_000.0, 20_000.0, 95_000.0] {
             let (to_local, to_geodetic) = worst(reach);
             std::println!("{reach} m: {to_local:.3} and {to_geodetic:.3} of the allowance");
@@ -386,7 +386,7 @@ mod tests {
     }
 
     #[test]
-    fn out_of_range() {
+    fn places_out_of_range_are_refused() {
         assert_eq!(Geodetic::new(900_000_001, 0), Err(GeodesyError::Latitude));
         assert_eq!(Geodetic::new(i32::MIN, 0), Err(GeodesyError::Latitude));
         assert_eq!(Geodetic::new(0, i32::MAX), Err(GeodesyError::Longitude));
@@ -415,7 +415,7 @@ mod tests {
     }
 
     #[test]
-    fn every_place_near_the_origin_comes_back() {
+    fn conversion_to_metres_and_back_restores_every_place() {
         let origin = Geodetic::new(522_296_000, 210_122_000).unwrap();
         let plane = LocalPlane::new(origin).unwrap();
         for step in -2_000..2_000 {

@@ -22,8 +22,8 @@ pub struct BearingLikelihood {
     peak: f32,
 }
 
-/// Added to a distance: keeps the ratio finite for a particle that sits on the receiver, which then has an
-/// error of zero. Four of its powers, and of the largest distances, still are normal numbers.
+/// Added to a distance: the ratio is finite for a particle at the receiver, too, and its error is zero. The product of four
+/// of these, and that of four of the largest distances, is still a normal number.
 const TINY_M: f32 = 1e-7;
 
 impl BearingLikelihood {
@@ -107,7 +107,7 @@ impl<const D: usize> Likelihood<D> for BearingLikelihood {
             let (d01, d23) = (d0 * d1, d2 * d3);
             let inverse = 1.0 / (d01 * d23);
             if !(inverse > 0.0 && inverse <= f32::MAX) {
-                // One that is infinite or NaN would take the others with it.
+                // One that is infinite or NaN would make the others infinite or NaN, too.
                 self.one_by_one(x, y, out);
                 continue;
             }
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn the_error_is_that_of_atan2_and_wrapping() {
+    fn the_log_likelihood_is_that_of_atan2_and_wrapping() {
         for degrees in [-180.0, -91.0, 0.0, 33.0, 90.0, 135.0, 179.9] {
             for sigma in [0.01f32, 0.05, 1.0] {
                 let likelihood = likelihood([3.0, -2.0], degrees, sigma);
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_give_the_likelihood_of_each_particle() {
+    fn columns_get_the_likelihood_of_each_particle() {
         let likelihood = likelihood([3.0, -2.0], 33.0, 0.05);
         let places = places();
         let x: Vec<f32> = places.iter().map(|p| p[0]).collect();
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_particle_on_the_receiver_or_far_away_has_a_likelihood() {
+    fn a_particle_at_the_receiver_or_far_away_has_a_finite_likelihood() {
         let likelihood = likelihood([3.0, -2.0], 33.0, 0.05);
         let (x, y) = ([3.0, 3.0, 1e9, 3.0, 3.0], [-2.0, -2.0, -1e9, -2.0, -2.0]);
         let mut out = [f32::NAN; 5];

@@ -202,13 +202,11 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
 
     /// What is known before there is a fix, which may be the first one.
     fn first_answer<R: Rng + ?Sized>(&mut self, config: &Config<M>, rng: &mut R) -> Answer {
-        match self.observe(config, rng) {
-            Err(reason) => Answer::NotObservable(reason),
-            Ok(start) => {
-                self.start(start, config, rng);
-                Answer::Fix(self.cloud_fix())
-            }
-        }
+        let fix = self.observe(config, rng).map(|mode| {
+            self.start(mode, config, rng);
+            self.cloud_fix()
+        });
+        fix.into()
     }
 
     /// Whether the bearings make a fix: the normal distribution about their intersection, or the reason why not.

@@ -77,7 +77,14 @@ impl<const B: usize> Candidates<B> {
             let density = self.evidence.density(&terms, config);
             log_odds_of_source(&density, mode, &config.errors.rates) > log_odds
         };
-        found.then(|| self.evidence.candidate(mode, &self.modes, &config.errors))
+        found.then(|| Candidate {
+            entries: self.evidence.entries(),
+            latest: self.evidence.bearings.latest(),
+            source: self.evidence.source,
+            mode,
+            modes: &self.modes,
+            errors: &config.errors,
+        })
     }
 
     /// Forgets the bearings of a candidate.

@@ -1,7 +1,6 @@
 //! What all bearings and the priors say of a state.
 
 use super::term::{State, Term};
-use crate::aoa::Mixture;
 use crate::aoa::core::{BLOCK, Block, Target, square_of_distance};
 use crate::math::ln;
 
@@ -52,23 +51,6 @@ impl Density<'_> {
         let bias = self.bias_sigma_rad * state[2];
         let one = |term: &Term| term.log_likelihood(state, bias);
         self.terms.iter().map(one).sum::<f32>() + self.region.log_density(state)
-    }
-
-    /// Adds, `weight` times, how many bearings are direct, mirrored and outliers if the source is at `state`.
-    ///
-    /// Of bearings that exclude each other, whose `portions` are a whole, the sum is one, whichever fits.
-    pub(super) fn count(
-        &self,
-        state: &State,
-        weight: f32,
-        portions: impl Iterator<Item = f32>,
-        counts: &mut Mixture,
-    ) {
-        for (term, portion) in self.terms.iter().zip(portions) {
-            let reading = term.read(state, self.bias_sigma_rad * state[2]);
-            reading.count(counts, weight);
-            counts.outlier -= weight * (1.0 - portion);
-        }
     }
 }
 

@@ -21,7 +21,7 @@ pub(super) struct Evidence<const B: usize> {
     /// Its range; zero for that of the configuration.
     range_m: f32,
     /// Where the source was when the particles last moved; before the first fix, the best hypothesis.
-    source: Option<[f32; 2]>,
+    pub(super) source: Option<[f32; 2]>,
 }
 
 persist!(impl[const B: usize] Evidence<B> as "robust::Evidence"(B) {
@@ -102,30 +102,9 @@ impl<const B: usize> Evidence<B> {
         errors.variance(&entry.observation, entry.worth, self.source)
     }
 
-    /// What a bearing says that is not in the buffer.
-    pub(super) fn single(&self, observation: &Observation, errors: &Errors) -> Term {
-        self.term(&Entry::new(*observation, 1.0), errors)
-    }
-
-    fn term(&self, entry: &Entry, errors: &Errors) -> Term {
+    /// What a bearing says, be it in the buffer or not.
+    pub(super) fn term(&self, entry: &Entry, errors: &Errors) -> Term {
         Term::of(entry, errors, self.source)
-    }
-
-    /// The bearings in which a mode of all may be looked for.
-    pub(super) fn candidate<'a>(
-        &'a self,
-        mode: &'a Mode,
-        modes: &'a Modes,
-        errors: &'a Errors,
-    ) -> Candidate<'a> {
-        Candidate {
-            entries: self.entries(),
-            latest: self.bearings.latest(),
-            source: self.source,
-            mode,
-            modes,
-            errors,
-        }
     }
 
     /// Forgets its own bearings, and takes those of a candidate.
@@ -266,13 +245,13 @@ impl<const B: usize> Evidence<B> {
 /// Bearings that are likely to be one source's, and where it may be: what a track of it starts from.
 #[derive(Debug, Clone, Copy)]
 pub struct Candidate<'a> {
-    entries: &'a [Entry],
-    latest: Option<&'a Observation>,
+    pub(super) entries: &'a [Entry],
+    pub(super) latest: Option<&'a Observation>,
     /// What the range of errors of places is counted by.
-    source: Option<[f32; 2]>,
-    mode: &'a Mode,
+    pub(super) source: Option<[f32; 2]>,
+    pub(super) mode: &'a Mode,
     pub(super) modes: &'a Modes,
-    errors: &'a Errors,
+    pub(super) errors: &'a Errors,
 }
 
 impl Candidate<'_> {

@@ -39,7 +39,7 @@ mod track;
 
 use core::f32::consts::LN_2;
 
-use super::core::{Proposal, is_depleted, is_narrow, sweep};
+use super::core::{Entry, Proposal, is_depleted, is_narrow, sweep};
 use super::words::Belief;
 use super::{
     Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
@@ -57,7 +57,7 @@ pub use config::Config;
 pub use errors::{Correlation, Errors, Tails};
 pub(super) use evidence::Candidate;
 use evidence::{Change, Evidence};
-use mode::{Modes, hypotheses, plane, position};
+use mode::{Mode, Modes, hypotheses, plane, position};
 use proposal::MixtureProposal;
 use search::search;
 use term::{State, Term};
@@ -217,9 +217,8 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
     #[inline(never)]
     fn classify(&self, observation: &Observation, config: &Config) -> Option<Mixture> {
         self.answer.fix()?;
-        let term = self
-            .evidence
-            .single(observation, &self.believed(config).errors);
+        let new = Entry::new(*observation, 1.0);
+        let term = self.evidence.term(&new, &self.believed(config).errors);
         let particles = self.filter.particles().columns();
         let scale = config.errors.bias_sigma_rad;
         let mut probabilities = Mixture::ZERO;
@@ -342,10 +341,13 @@ impl<const N: usize, const B: usize> Robust<N, B> {
     /// other bearings are outliers.
     fn learn(&mut self, terms: &[Term], config: &Config) {
         let mut counts = Mixture::ZERO;
-        let density = self.evidence.density(terms, config);
-        for mode in &self.modes {
-            let portions = (self.evidence.entries().iter()).map(|entry| entry.probability);
-            density.count(&mode.mean, mode.weight, portions, &mut counts);
+        for Mode { mean, weight, .. } in &self.modes {
+            let bias = config.errors.bias_sigma_rad * mean[2];
+            for (term, entry) in terms.iter().zip(self.evidence.entries()) {
+                term.read(mean, bias).count(&mut counts, *weight);
+                // The portions of bearings that exclude each other sum to one, whichever fits.
+                counts.outlier -= weight * (1.0 - entry.probability);
+            }
         }
         // The alternative of a bearing that fits may have been forgotten.
         if counts.outlier < 0.0 {

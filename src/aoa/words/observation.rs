@@ -310,7 +310,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn compass_degrees_come_back() {
+    fn compass_degrees_are_restored() {
         for tenth in 0..3600 {
             let degrees = tenth as f32 * 0.1;
             let back = Bearing::from_compass_degrees(degrees).compass_degrees();

@@ -378,6 +378,40 @@ fn bearings_are_told_apart_once_there_is_a_fix() {
 }
 
 #[test]
+fn refused_readings_change_nothing() {
+    let mut rng = generator(3);
+    let mut locator = crate::aoa::Locator::<Robust<128, 8>>::new(Config::DEFAULT).unwrap();
+    let reading = |time_ms, station| {
+        let place = [0.1 * time_ms as f32, 0.0];
+        at(time_ms, &towards(place, SOURCE, 0.0, SIGMA)).from_station(station)
+    };
+    for time_ms in [5_000, 9_000] {
+        locator.push(&reading(time_ms, 0), &mut rng).unwrap();
+    }
+    let before = (std::format!("{:?}", locator.state()), rng.clone());
+    for (time_ms, reason) in [
+        (9_000, PushError::Duplicate),
+        (5_000, PushError::Duplicate),
+        (4_999, PushError::TooOld),
+    ] {
+        let refused = locator.push(&reading(time_ms, 0), &mut rng);
+        assert_eq!(refused, Err(reason), "{time_ms}");
+        let several = [Alternative::new(reading(time_ms, 0), 0.5).unwrap(); 2];
+        let refused = locator.push_alternatives(&several, &mut rng);
+        assert_eq!(refused, Err(reason), "{time_ms}");
+    }
+    let refused = locator.push_alternatives(&[], &mut rng);
+    assert_eq!(refused, Err(PushError::Empty));
+    assert_eq!((std::format!("{:?}", locator.state()), rng.clone()), before);
+
+    // A late one that is no older than those in the buffer, and one of another station.
+    for (time_ms, station) in [(7_000, 0), (9_000, 1)] {
+        locator.push(&reading(time_ms, station), &mut rng).unwrap();
+    }
+    assert_eq!(locator.fix().unwrap().bearings, 4);
+}
+
+#[test]
 fn a_configuration_is_checked() {
     let field = |errors| with(errors).check().map_err(|error| error.field());
     let errors = Errors::DEFAULT;
