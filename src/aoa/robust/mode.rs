@@ -37,7 +37,8 @@ impl Mode {
     /// Squared distance of a state from the mean, in sigmas.
     pub(super) fn distance(&self, state: &State) -> f32 {
         let offset = core::array::from_fn(|d| state[d] - self.mean[d]);
-        dot(&self.covariance.whiten(offset), &[1.0; 3], |w, _| w * w)
+        let white = self.covariance.whiten(offset);
+        dot(&white, &white)
     }
 
     /// The same of the position alone.
@@ -62,10 +63,9 @@ impl Mode {
         // Levenberg's, as a fraction of the diagonal.
         let mut damping = 0.0;
         for _ in 0..steps {
-            let inverse = InverseFactor::of(here.matrix, damping)?;
-            let step = inverse.solve(here.gradient);
+            let step = inverse(here.matrix, damping)?.map(|row| dot(&row, &here.gradient));
             let next = core::array::from_fn(|d| mean[d] + step[d]);
-            let decrement = dot(&step, &here.gradient, |s, g| s * g);
+            let decrement = dot(&step, &here.gradient);
             let there = Normal::at(density, &next);
             if there.log_density >= here.log_density {
                 (mean, here) = (next, there);
@@ -78,7 +78,7 @@ impl Mode {
                 break;
             }
         }
-        let covariance = Covariance::new(&InverseFactor::of(here.matrix, 0.0)?.square())?;
+        let covariance = Covariance::new(&inverse(here.matrix, 0.0)?)?;
         let log_mass = here.log_density + covariance.half_ln_determinant();
         log_mass.is_finite().then_some(Self {
             mean,
@@ -118,34 +118,30 @@ pub(super) fn largest(modes: &[Mode]) -> f32 {
     masses.fold(f32::NEG_INFINITY, |a, b| if b > a { b } else { a })
 }
 
-fn dot(a: &State, b: &State, product: impl Fn(f32, f32) -> f32) -> f32 {
-    product(a[0], b[0]) + product(a[1], b[1]) + product(a[2], b[2])
+fn dot(a: &State, b: &State) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Sums over all bearings at one state.
 struct Normal {
-    matrix: [[f32; 3]; 3],
+    matrix: [State; 3],
     gradient: State,
     log_density: f32,
 }
 
 impl Normal {
     fn at(density: &Density<'_>, state: &State) -> Self {
-        let Density {
-            terms,
-            region,
-            bias_sigma_rad,
-        } = density;
+        let (region, bias_sigma_rad) = (&density.region, density.bias_sigma_rad);
         let pull = region.information(state);
         let mut matrix = [[pull, 0.0, 0.0], [0.0, pull, 0.0], [0.0, 0.0, 1.0]];
         let [cx, cy] = region.centre;
         let mut gradient = [pull * (cx - state[0]), pull * (cy - state[1]), -state[2]];
         let mut log_density = region.log_density(state);
-        for term in *terms {
-            let reading = term.read(state, *bias_sigma_rad * state[2]);
+        for term in density.terms {
+            let reading = term.read(state, bias_sigma_rad * state[2]);
             log_density += ln(1.0 + reading.odds);
             let [gx, gy] = term.gradient(state);
-            let derivative = [gx, gy, *bias_sigma_rad];
+            let derivative = [gx, gy, bias_sigma_rad];
             for ((row, total), a) in matrix.iter_mut().zip(&mut gradient).zip(derivative) {
                 let pull = reading.information * a;
                 for (entry, b) in row.iter_mut().zip(derivative) {
@@ -162,34 +158,20 @@ impl Normal {
     }
 }
 
-/// The columns of the inverse of a matrix's Cholesky factor.
-struct InverseFactor([State; 3]);
-
-impl InverseFactor {
-    /// `None` where the matrix is not positive definite as far as f32 can tell.
-    fn of(mut matrix: [[f32; 3]; 3], damping: f32) -> Option<Self> {
-        for (d, row) in matrix.iter_mut().enumerate() {
-            if let Some(entry) = row.get_mut(d) {
-                *entry *= 1.0 + damping;
-            }
+/// The inverse of a matrix whose diagonal is larger by the fraction `damping`; `None` where that is not positive definite as
+/// far as f32 can tell.
+fn inverse(mut matrix: [State; 3], damping: f32) -> Option<[State; 3]> {
+    for (d, row) in matrix.iter_mut().enumerate() {
+        if let Some(entry) = row.get_mut(d) {
+            *entry *= 1.0 + damping;
         }
-        let factor = Covariance::new(&matrix)?;
-        let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let columns = columns.map(|unit| factor.whiten(unit));
-        let finite = columns.iter().flatten().all(|entry| entry.is_finite());
-        finite.then_some(Self(columns))
     }
-
-    /// The inverse of the matrix times a vector.
-    fn solve(&self, vector: State) -> State {
-        let inverse = self.square();
-        inverse.map(|row| dot(&row, &vector, |a, b| a * b))
-    }
-
-    /// The inverse of the matrix.
-    fn square(&self) -> [[f32; 3]; 3] {
-        self.0.map(|a| self.0.map(|b| dot(&a, &b, |a, b| a * b)))
-    }
+    let factor = Covariance::new(&matrix)?;
+    // The columns of the inverse of the factor.
+    let units = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let columns = units.map(|unit| factor.whiten(unit));
+    let finite = columns.iter().flatten().all(|entry| entry.is_finite());
+    finite.then(|| columns.map(|a| columns.map(|b| dot(&a, &b))))
 }
 
 /// The modes as hypotheses.

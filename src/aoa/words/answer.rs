@@ -236,17 +236,11 @@ impl Value for NotObservable {
 
     fn write(&self, to: &mut Writer<'_>) {
         match self {
-            Self::TooFewBearings { have } => {
-                0u8.write(to);
-                have.write(to);
-            }
+            Self::TooFewBearings { have } => (0u8, *have).write(to),
             Self::CrossingAngle {
                 have_rad,
                 needed_rad,
-            } => {
-                1u8.write(to);
-                [*have_rad, *needed_rad].write(to);
-            }
+            } => (1u8, [*have_rad, *needed_rad]).write(to),
             Self::NoIntersection => 2u8.write(to),
         }
     }

@@ -283,20 +283,16 @@ impl From<Observation> for Alternative {
 }
 
 impl Value for Observation {
-    const SIZE: usize = u32::SIZE + <[f32; 2]>::SIZE + Bearing::SIZE + f32::SIZE + u8::SIZE;
+    const SIZE: usize = <((u32, [f32; 2]), ((Bearing, f32), u8))>::SIZE;
 
     fn write(&self, to: &mut Writer<'_>) {
-        self.time_ms.write(to);
-        self.position.write(to);
-        self.bearing.write(to);
-        self.sigma_rad.write(to);
-        self.station.write(to);
+        let taken = (self.time_ms, self.position);
+        let read = (self.bearing, self.sigma_rad);
+        (taken, (read, self.station)).write(to);
     }
 
     fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
-        let (time_ms, position) = <(u32, [f32; 2])>::read(from)?;
-        let (bearing, sigma_rad) = <(Bearing, f32)>::read(from)?;
-        let station = Value::read(from)?;
+        let ((time_ms, position), ((bearing, sigma_rad), station)) = Value::read(from)?;
         Self::new(time_ms, position, bearing, sigma_rad)
             .map(|observation| observation.from_station(station))
             .map_err(|_| Error::Malformed)
