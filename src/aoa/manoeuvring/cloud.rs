@@ -200,36 +200,51 @@ impl Cloud {
         mass
     }
 
-    fn iter(&self) -> impl Iterator<Item = (&Component, f32)> + Clone {
+    fn iter(&self) -> impl Iterator<Item = (&Component, f32)> {
         (self.components.iter()).zip(self.weights.weights().iter().copied())
     }
 
     /// Mean and covariance of the position.
     pub(super) fn position(&self) -> ([f32; 2], Symmetric2) {
-        let of = |(component, weight): (&Component, f32)| {
-            (component.position, component.position_covariance, weight)
-        };
-        moments(self.iter().map(of))
+        self.moments(|component| Some((component.position, component.position_covariance)))
     }
 
     /// Mean and variance, of either component, of the velocity of those that move.
     pub(super) fn velocity(&self) -> ([f32; 2], f32) {
-        let moving = (self.iter()).filter(|(component, _)| !component.is_stationary());
-        let of = |(component, weight): (&Component, f32)| {
-            (component.velocity, component.velocity_covariance, weight)
-        };
-        let (mean, covariance) = moments(moving.map(of));
+        let (mean, covariance) = self.moments(|component| {
+            let velocity = (component.velocity, component.velocity_covariance);
+            (!component.is_stationary()).then_some(velocity)
+        });
         (mean, 0.5 * (covariance.xx + covariance.yy))
+    }
+
+    /// Mean and covariance of the mixture of what is normally distributed in some of the components.
+    fn moments(
+        &self,
+        of: impl Fn(&Component) -> Option<([f32; 2], Symmetric2)>,
+    ) -> ([f32; 2], Symmetric2) {
+        let parts =
+            || (self.iter()).filter_map(|(component, weight)| Some((of(component)?, weight)));
+        let (mut mass, mut x, mut y) = (1e-9, 0.0, 0.0);
+        for (([a, b], _), weight) in parts() {
+            mass += weight;
+            x += weight * a;
+            y += weight * b;
+        }
+        let (x, y) = (x / mass, y / mass);
+        let mut sum = Symmetric2::ZERO;
+        for (([a, b], covariance), weight) in parts() {
+            sum = (sum.plus(&covariance.scaled(weight))).plus_outer(weight, [a - x, b - y]);
+        }
+        ([x, y], sum.scaled(1.0 / mass))
     }
 
     pub(super) fn stopped(&self) -> Stopped {
         let (mut probability, mut sum, mut squares) = (0.0, 0.0, 0.0);
-        for (component, weight) in self.iter() {
-            if component.is_stationary() {
-                probability += weight;
-                sum += weight * component.stationary_s;
-                squares += weight * component.stationary_s * component.stationary_s;
-            }
+        for (component, weight) in self.iter().filter(|(it, _)| it.is_stationary()) {
+            probability += weight;
+            sum += weight * component.stationary_s;
+            squares += weight * component.stationary_s * component.stationary_s;
         }
         let mass = if probability > 1e-9 {
             probability
@@ -244,22 +259,4 @@ impl Cloud {
             variance: if variance > 0.0 { variance } else { 0.0 },
         }
     }
-}
-
-/// Mean and covariance of a mixture of normal distributions.
-fn moments(
-    parts: impl Iterator<Item = ([f32; 2], Symmetric2, f32)> + Clone,
-) -> ([f32; 2], Symmetric2) {
-    let (mut mass, mut x, mut y) = (1e-9, 0.0, 0.0);
-    for ([a, b], _, weight) in parts.clone() {
-        mass += weight;
-        x += weight * a;
-        y += weight * b;
-    }
-    let (x, y) = (x / mass, y / mass);
-    let mut sum = Symmetric2::ZERO;
-    for ([a, b], covariance, weight) in parts {
-        sum = (sum.plus(&covariance.scaled(weight))).plus_outer(weight, [a - x, b - y]);
-    }
-    ([x, y], sum.scaled(1.0 / mass))
 }
