@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use foxhunt::aoa::{Bearing, Clean, Locator, Observation, clean};
-use foxhunt::estimate::Symmetric2;
+use foxhunt::aoa::{Clean, Locator, clean};
 use foxhunt::filter::ParticleFilter;
 use foxhunt::model::ConstantVelocity;
 use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 use foxhunt::resample::Scheme;
+use foxhunt_host::Sight;
 use foxhunt_host::measured::Measured;
-use foxhunt_host::reference::{Kalman, Posterior, growth, mahalanobis};
+use foxhunt_host::reference::{Kalman, Maximum, Posterior, growth, mahalanobis, von_mises};
 use foxhunt_host::replay::Replay;
 use foxhunt_host::simulate;
 use foxhunt_host::tracks::Track;
@@ -258,4 +258,65 @@ fn measured_bearings_are_located_as_exactly() {
         // At most 0.25 for 200 seeds of the gateway.
         assert!(off < 0.3);
     }
+}
+
+#[test]
+fn lenths_bearings_give_his_estimates() {
+    let Some(data) = data("Lenth's bearings") else {
+        return;
+    };
+    let read = |name: &str| csv::Reader::from_path(data.join("lenth").join(name)).unwrap();
+    let all: Vec<Sight> = read("bearings.csv")
+        .deserialize::<[f64; 3]>()
+        .zip(0..)
+        .map(|(row, time_ms)| {
+            let [x, y, degrees] = row.unwrap();
+            Sight {
+                time_ms,
+                position: [x, y],
+                bearing: (90.0 - degrees).to_radians(),
+                sigma: 0.1,
+            }
+        })
+        .collect();
+    let without_sixth: Vec<Sight> = all
+        .iter()
+        .enumerate()
+        .filter(|(row, _)| *row != 5)
+        .map(|(_, sight)| *sight)
+        .collect();
+
+    let mut compared = 0;
+    for row in read("results.csv").records() {
+        let row = row.unwrap();
+        let sights = match &row[0] {
+            "7" => &without_sixth,
+            _ => &all,
+        };
+        if &row[1] != "MLE" {
+            continue;
+        }
+        let Maximum {
+            place: [x, y],
+            covariance,
+        } = von_mises(sights, [7.0, 2.0]).unwrap();
+        let [sx, sy] = [0, 1].map(|d| covariance[(d, d)].sqrt());
+        let correlation = covariance[(0, 1)] / (sx * sy);
+        let columns = [(2, x), (3, y), (5, sx), (6, sy), (7, correlation)];
+        for (column, value) in columns {
+            let printed = &row[column];
+            let decimals = printed
+                .split_once('.')
+                .map_or(0, |(_, decimals)| decimals.len());
+            // 0.156 is printed as .156.
+            let ours = format!("{value:.decimals$}");
+            assert_eq!(
+                ours.trim_start_matches('0'),
+                printed.trim_start_matches('0'),
+                "{row:?}"
+            );
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 10);
 }

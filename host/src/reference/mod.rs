@@ -8,12 +8,14 @@ mod gauss_newton;
 pub mod growth;
 mod kalman;
 mod posterior;
+mod von_mises;
 
 pub use bound::cramer_rao;
 pub use faulty::cramer_rao_of_biased;
 pub use gauss_newton::{Maximum, gauss_newton};
 pub use kalman::Kalman;
 pub use posterior::Posterior;
+pub use von_mises::von_mises;
 
 use nalgebra::{Matrix2, Vector2};
 

@@ -4,4 +4,5 @@
 //! the firmware `studies` has one that counts their instructions.
 
 pub mod bearings;
+pub mod correction;
 pub mod scalar;
