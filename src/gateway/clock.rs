@@ -11,8 +11,13 @@ const DAY: i32 = 86_400_000;
 pub struct TimeOfDay(i32);
 
 impl TimeOfDay {
-    /// From the NMEA form `hhmmss.sss`. The leap second counts with the one before it.
+    /// From the NMEA form: six digits `hhmmss`, and a point and decimals if there are any. The leap second counts with the
+    /// one before it.
     pub fn from_nmea(text: &[u8]) -> Option<Self> {
+        let (digits, rest) = text.split_at_checked(6)?;
+        if !digits.iter().all(u8::is_ascii_digit) || !matches!(rest, [] | [b'.', ..]) {
+            return None;
+        }
         let value = i32::try_from(super::decimal::fixed(text, 3)?).ok()?;
         let (hours, minutes, milliseconds) =
             (value / 10_000_000, value / 100_000 % 100, value % 100_000);
@@ -163,7 +168,21 @@ mod tests {
             (14, 35, 19_250)
         );
         for text in [
-            "", "240000", "126000", "120061", "-10000", "12:35:19", "1e5",
+            "",
+            "240000",
+            "126000",
+            "120061",
+            "-10000",
+            "12:35:19",
+            "1e5",
+            "-005930",
+            "+005930",
+            "5930",
+            "0059301",
+            "12351.9",
+            "123519.-1",
+            "123519-1",
+            "123519.1.2",
         ] {
             assert_eq!(TimeOfDay::from_nmea(text.as_bytes()), None, "{text}");
         }

@@ -60,6 +60,12 @@ pub struct Config<C> {
     pub min_speed_m_s: f32,
     /// Rate of turn of the course, in degrees a second, above which it is not taken for the heading.
     pub max_turn_rate_deg_s: f32,
+    /// Speed that the vehicle never exceeds: a position that is further away, or the first one after a start or an outage,
+    /// waits for a later one that agrees. Infinity believes every position.
+    pub max_speed_m_s: f32,
+    /// Variation of magnetic north from true north, in degrees clockwise (east), in place of what sentences state of it;
+    /// magnetic headings need one or the other.
+    pub variation_deg: Option<f32>,
     /// Shortest time between two reports; 0 reports on every bearing.
     pub report_interval_ms: u32,
 }
@@ -69,7 +75,7 @@ impl<C> Config<C> {
 
     /// For a car: relative bearings of quality 40 or better, with a standard deviation of 2 to 10 degrees, positions and
     /// headings up to 2 s old or 20 bearings without a time, a course that holds from 1.5 m/s and up to 10 degrees
-    /// a second, a report a second.
+    /// a second, no more than 100 m/s, a report a second.
     pub const fn new(locator: C) -> Self {
         const DEGREE: f32 = core::f32::consts::PI / 180.0;
         Self {
@@ -84,6 +90,8 @@ impl<C> Config<C> {
             undated_bearings: 20,
             min_speed_m_s: 1.5,
             max_turn_rate_deg_s: 10.0,
+            max_speed_m_s: 100.0,
+            variation_deg: None,
             report_interval_ms: 1_000,
         }
     }
@@ -119,6 +127,14 @@ impl<C> Config<C> {
             self.max_turn_rate_deg_s > 0.0 && self.max_turn_rate_deg_s <= 360.0,
             "max_turn_rate_deg_s is not within 0 and 360"
         );
+        require!(self.max_speed_m_s > 0.0, "max_speed_m_s is not above zero");
+        require!(
+            match self.variation_deg {
+                Some(degrees) => degrees >= -180.0 && degrees <= 180.0,
+                None => true,
+            },
+            "variation_deg is not within -180 and 180"
+        );
         require!(
             self.report_interval_ms <= Self::LONGEST_MS,
             "report_interval_ms is more than an hour"
@@ -143,7 +159,7 @@ mod tests {
     #[test]
     fn refuses_fields_out_of_range() {
         type Change = fn(&mut Config<()>);
-        let changes: [(&str, Change); 11] = [
+        let changes: [(&str, Change); 13] = [
             ("min_quality", |c| c.min_quality = 101.0),
             ("min_quality", |c| c.min_quality = f32::NAN),
             ("best_sigma_rad", |c| c.best_sigma_rad = 0.0),
@@ -151,6 +167,8 @@ mod tests {
             ("worst_sigma_rad", |c| c.worst_sigma_rad = f32::NAN),
             ("min_speed_m_s", |c| c.min_speed_m_s = -1.0),
             ("max_turn_rate_deg_s", |c| c.max_turn_rate_deg_s = 0.0),
+            ("max_speed_m_s", |c| c.max_speed_m_s = f32::NAN),
+            ("variation_deg", |c| c.variation_deg = Some(181.0)),
             ("max_age_ms", |c| c.max_age_ms = u32::MAX),
             ("report_interval_ms", |c| c.report_interval_ms = 3_600_001),
             ("frequency_hz", |c| c.formats.kraken.frequency_hz = Some(0)),

@@ -101,6 +101,11 @@ impl<T: Between> History<T> {
         self.times[0].is_none()
     }
 
+    /// The last sample, with its time.
+    pub fn last(&self) -> Option<(TimeOfDay, T)> {
+        Some((self.times[0]?, self.values[0]?))
+    }
+
     /// The last sample, and its age at a time.
     pub fn newest(&self, now: TimeOfDay) -> Option<Aged<T>> {
         let age = now.since(self.times[0]?);

@@ -55,7 +55,13 @@ impl<F: Set> LineReader<F> {
                 return Some(Err(Rejected::Unparsable));
             }
             _ if self.length == 0 => self.begin(byte),
-            _ => self.extend(byte),
+            _ => {
+                if self.length == 1 && !F::continues(self.which, byte) {
+                    let first = self.bytes.first().copied().unwrap_or_default();
+                    self.begin_as(F::which(first, self.which), first);
+                }
+                self.extend(byte);
+            }
         }
         None
     }
@@ -72,12 +78,16 @@ impl<F: Set> LineReader<F> {
 
     /// Whether a byte within this line begins another.
     fn is_interrupted_by(&self, byte: u8) -> bool {
-        let holds = F::layout(self.which).map_or(&b""[..], |layout| layout.holds);
-        F::layout(F::which(byte)).is_some_and(|next| next.interrupts) && !holds.contains(&byte)
+        F::layout(F::which(byte, 0)).is_some_and(|next| next.interrupts)
+            && !F::layout(self.which).is_some_and(|layout| (layout.holds)(&self.bytes, byte))
     }
 
     fn begin(&mut self, byte: u8) {
-        self.which = F::which(byte);
+        self.begin_as(F::which(byte, 0), byte);
+    }
+
+    fn begin_as(&mut self, which: u8, byte: u8) {
+        self.which = which;
         self.bytes.clear();
         self.length = 0;
         self.commas = 0;
@@ -94,7 +104,8 @@ impl<F: Set> LineReader<F> {
         let Some(layout) = F::layout(self.which) else {
             return;
         };
-        if self.length > layout.longest {
+        // Blanks at the end do not count.
+        if self.length > layout.longest && byte != b' ' {
             self.overlong = true;
         }
         if layout.fields < u8::MAX {
@@ -119,6 +130,9 @@ impl<F: Set> LineReader<F> {
             return None;
         }
         self.length = 0;
+        while self.bytes.last() == Some(&b' ') {
+            self.bytes.pop();
+        }
         Some(match self.which {
             _ if self.overlong => Err(Rejected::Overlong),
             0 => Err(Rejected::Unparsable),

@@ -2,7 +2,7 @@
 
 use super::clock::{Clock, TimeOfDay};
 use super::config::{BearingReference, Config};
-use super::formats::{Motion, Pose, Reading, Sentence};
+use super::formats::{Heading, Motion, Pose, Reading, Sentence, Statement};
 use super::history::{Aged, Compass, History};
 use super::outcome::Rejected;
 use crate::aoa::Bearing;
@@ -19,6 +19,8 @@ pub struct Receiver {
     /// Course over ground, in degrees clockwise from true north; `None` while the vehicle is slower than
     /// [`Config::min_speed_m_s`].
     pub course_deg: Option<Aged<f32>>,
+    /// Speed over ground, in metres per second.
+    pub speed_m_s: Option<Aged<f32>>,
     /// True heading of the bow, in degrees clockwise from north.
     pub heading_deg: Option<Aged<f32>>,
 }
@@ -27,9 +29,18 @@ pub struct Receiver {
 #[derive(Debug)]
 pub(super) struct Navigation {
     clock: Clock,
+    /// The last sentence that should have stated a time was refused: what follows without a time has none.
+    is_lost: bool,
+    /// The last place that was stated, believed or not.
+    heard: Option<(TimeOfDay, Geodetic)>,
+    /// Milliseconds between the last two such places; 0 if they are of one time.
+    heard_every: i32,
     places: History<Geodetic>,
     headings: History<Compass>,
     courses: History<Compass>,
+    speed: Option<(TimeOfDay, f32)>,
+    /// Of magnetic north from true north, as stated last, in degrees clockwise.
+    variation: Option<f32>,
     /// The last place, with its time, by which the direction finder was judged to move or stand.
     own_place: Option<(TimeOfDay, Geodetic)>,
     own_stands: bool,
@@ -62,12 +73,27 @@ pub(super) fn was_set(elapsed_ms: i32, max_age_ms: u32) -> bool {
     elapsed_ms < 0 && elapsed_ms.unsigned_abs() > 2 * max_age_ms
 }
 
+/// Metres that positions of a receiver may jump by: more lets wrong ones pass, less has right ones wait among houses.
+const POSITION_NOISE_M: f32 = 50.0;
+
+/// Whether two places are less than so many metres apart.
+#[inline(never)]
+fn is_within(from: Geodetic, to: Geodetic, metres: f32) -> bool {
+    let moved = LocalPlane::new(from).and_then(|plane| plane.to_local(to));
+    moved.is_ok_and(|[east, north]| east * east + north * north < metres * metres)
+}
+
 impl Navigation {
     pub const EMPTY: Self = Self {
         clock: Clock::EMPTY,
+        is_lost: false,
+        heard: None,
+        heard_every: 0,
         places: History::EMPTY,
         headings: History::EMPTY,
         courses: History::EMPTY,
+        speed: None,
+        variation: None,
         own_place: None,
         own_stands: false,
     };
@@ -86,6 +112,10 @@ impl Navigation {
             time_ms: now.map(TimeOfDay::milliseconds),
             place: now.and_then(|now| self.places.newest(now)),
             course_deg: degrees(&self.courses),
+            speed_m_s: self.speed.and_then(|(time, value)| {
+                let age_ms = now?.since(time).max(0).unsigned_abs();
+                Some(Aged { value, age_ms })
+            }),
             heading_deg: degrees(&self.headings),
         }
     }
@@ -98,33 +128,111 @@ impl Navigation {
 
     /// Takes what the receiver says.
     #[inline(never)]
-    pub fn sentence(&mut self, sentence: Sentence, min_speed_m_s: f32) -> Result<(), Rejected> {
+    pub fn sentence<C>(&mut self, sentence: Sentence, config: &Config<C>) -> Result<(), Rejected> {
         match sentence {
-            Sentence::Position(time, place, motion) => {
-                self.clock.advance(time)?;
-                self.places.push(time, place);
-                if let Some(motion) = motion {
-                    self.motion(time, motion, min_speed_m_s);
-                }
-            }
-            Sentence::Motion(motion) => {
-                let now = self.clock.now().ok_or(Rejected::NoFix)?;
-                self.motion(now, motion, min_speed_m_s);
-            }
-            Sentence::Heading(degrees) => {
-                let now = self.clock.now().ok_or(Rejected::NoFix)?;
-                self.headings.push(now, Compass(degrees));
-            }
+            Sentence::Statement(stated) => self.statement(&stated, config),
             Sentence::NoFix(Some(time)) => {
-                self.clock.advance(time)?;
-                return Err(Rejected::NoFix);
+                self.advance(time)?;
+                Err(Rejected::NoFix)
             }
-            _ => return Err(Rejected::NoFix),
+            Sentence::Lost(reason) => {
+                self.is_lost = true;
+                Err(reason)
+            }
+            _ => Err(Rejected::NoFix),
+        }
+    }
+
+    fn advance(&mut self, time: TimeOfDay) -> Result<(), Rejected> {
+        let advanced = self.clock.advance(time);
+        self.is_lost = advanced.is_err();
+        advanced
+    }
+
+    fn statement<C>(&mut self, stated: &Statement, config: &Config<C>) -> Result<(), Rejected> {
+        let time = match stated.time {
+            Some(time) => {
+                if let Some(place) = stated.place {
+                    self.confirm((time, place), config)?;
+                }
+                self.advance(time)?;
+                time
+            }
+            None if self.is_lost => return Err(Rejected::NoFix),
+            None => self.clock.now().ok_or(Rejected::NoFix)?,
+        };
+        if let Some(place) = stated.place {
+            self.places.push(time, place);
+        }
+        self.variation = stated.variation.or(self.variation);
+        if let Some(motion) = stated.motion {
+            self.motion(time, motion, config.min_speed_m_s);
+        }
+        if let Some(heading) = stated.heading {
+            let degrees = self.true_heading(heading, config.variation_deg)?;
+            self.headings.push(time, Compass(degrees));
         }
         Ok(())
     }
 
+    /// Whether a place is to be believed: the vehicle can have got there from the last one believed, if that is no older than
+    /// a bearing's may be, or from the last one stated, if that is of another time. Otherwise it waits for the next.
+    #[inline(never)]
+    fn confirm<C>(
+        &mut self,
+        (time, place): (TimeOfDay, Geodetic),
+        config: &Config<C>,
+    ) -> Result<(), Rejected> {
+        if config.max_speed_m_s == f32::INFINITY {
+            return Ok(());
+        }
+        let is_near = |(then, there): (TimeOfDay, Geodetic), longest_ms: i32| {
+            let elapsed = time.since(then);
+            let way = POSITION_NOISE_M + config.max_speed_m_s * (1e-3 * elapsed as f32);
+            (0..=longest_ms).contains(&elapsed) && is_within(there, place, way)
+        };
+        let longest_ms = config.max_age_ms as i32;
+        let is_believed = self
+            .places
+            .last()
+            .is_some_and(|last| is_near(last, longest_ms));
+        let heard = self.heard.replace((time, place));
+        let before = self.heard_every;
+        self.heard_every = heard.map_or(0, |(then, _)| time.since(then));
+        // A receiver may be slower than bearings ask for.
+        let confirming = heard.filter(|heard| {
+            self.heard_every > 0 && is_near(*heard, longest_ms.max(before.saturating_mul(2)))
+        });
+        match (is_believed, confirming) {
+            (true, _) => {}
+            (false, Some((then, there))) => self.places.push(then, there),
+            (false, None) => {
+                self.is_lost = true;
+                return Err(Rejected::Unconfirmed);
+            }
+        }
+        Ok(())
+    }
+
+    /// Degrees clockwise from true north, within 0 and 360, by the variation that the configuration tells, or that was stated
+    /// last.
+    fn true_heading(&self, heading: Heading, told: Option<f32>) -> Result<f32, Rejected> {
+        if !heading.is_magnetic {
+            return Ok(heading.degrees);
+        }
+        let variation = told.or(self.variation).ok_or(Rejected::NoVariation)?;
+        let mut degrees = heading.degrees + variation;
+        while degrees < 0.0 {
+            degrees += 360.0;
+        }
+        while degrees > 360.0 {
+            degrees -= 360.0;
+        }
+        Ok(degrees)
+    }
+
     fn motion(&mut self, time: TimeOfDay, motion: Motion, min_speed_m_s: f32) {
+        self.speed = Some((time, motion.speed));
         let moves = motion.speed >= min_speed_m_s;
         match motion.course.filter(|_| moves) {
             Some(degrees) => self.courses.push(time, Compass(degrees)),
@@ -175,11 +283,8 @@ impl Navigation {
         let (last_time, last_place) = *self.own_place.get_or_insert((time, pose.place));
         let elapsed = time.since(last_time);
         if elapsed >= SOON {
-            let plane = LocalPlane::new(last_place);
-            let moved = plane.and_then(|plane| plane.to_local(pose.place));
             let way = config.min_speed_m_s * (1e-3 * elapsed as f32);
-            self.own_stands =
-                moved.is_ok_and(|[east, north]| east * east + north * north < way * way);
+            self.own_stands = is_within(last_place, pose.place, way);
             self.own_place = Some((time, pose.place));
         } else if was_set(elapsed, config.max_age_ms) {
             self.own_stands = true;

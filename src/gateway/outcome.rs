@@ -71,11 +71,20 @@ pub enum Rejected {
     TooOld,
     /// A bearing of a port and time of which one has been used already.
     Duplicate,
+    /// A position that is simulated or was entered by hand: see
+    /// [`nmea::Config::simulated`](super::formats::nmea::Config::simulated).
+    Simulated,
+    /// The first position after a start or an outage, or one to which no vehicle can have got so soon: it waits for a
+    /// later one that agrees. See [`Config::max_speed_m_s`](super::Config::max_speed_m_s).
+    Unconfirmed,
+    /// A heading from magnetic north, where neither a sentence nor
+    /// [`Config::variation_deg`](super::Config::variation_deg) says how far that is from true north.
+    NoVariation,
 }
 
 impl Rejected {
     /// Every reason, in the order of the status sentence.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 20] = [
         Self::Checksum,
         Self::Overlong,
         Self::Unparsable,
@@ -93,6 +102,9 @@ impl Rejected {
         Self::OtherFinder,
         Self::TooOld,
         Self::Duplicate,
+        Self::Simulated,
+        Self::Unconfirmed,
+        Self::NoVariation,
     ];
 }
 
@@ -116,6 +128,9 @@ impl fmt::Display for Rejected {
             Self::OtherFinder => "unexpected direction finder",
             Self::TooOld => "bearing is older than all that are kept",
             Self::Duplicate => "bearing was used already",
+            Self::Simulated => "position is simulated or entered by hand",
+            Self::Unconfirmed => "position waits for a later one that agrees",
+            Self::NoVariation => "magnetic variation is unknown",
         })
     }
 }

@@ -2,9 +2,9 @@
 
 use heapless::String;
 
-/// What stands between `$` and `*hh`, if its exclusive or is `hh`.
+/// What stands between `$` or `!` and `*hh`, if its exclusive or is `hh`.
 pub(super) fn checked(line: &[u8]) -> Option<&[u8]> {
-    let [b'$', payload @ .., b'*', high, low] = line else {
+    let [b'$' | b'!', payload @ .., b'*', high, low] = line else {
         return None;
     };
     let digit = |byte: u8| char::from(byte).to_digit(16);

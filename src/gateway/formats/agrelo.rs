@@ -60,7 +60,7 @@ impl Format for Agrelo {
         longest: 6,
         fields: u8::MAX,
         interrupts: true,
-        holds: b"",
+        holds: |_, _| false,
     };
     const EMPTY: Self = Self;
 

@@ -10,14 +10,12 @@ use crate::gateway::sigma::SigmaTable;
 /// What a line says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sentence {
-    /// Where the vehicle is, and how it moves if the sentence tells.
-    Position(TimeOfDay, Geodetic, Option<Motion>),
-    /// The receiver has no position at this time.
+    /// What a receiver or a compass says.
+    Statement(Statement),
+    /// The receiver has no position at this time, or its sentence states nothing.
     NoFix(Option<TimeOfDay>),
-    /// How the vehicle moves.
-    Motion(Motion),
-    /// Where the bow points: degrees clockwise from true north.
-    Heading(f32),
+    /// A sentence that should have stated a time is of no use for this reason: what follows and states none has none.
+    Lost(Rejected),
     /// A bearing.
     Reading(Reading),
     /// The host asks for a report.
@@ -26,6 +24,36 @@ pub enum Sentence {
     Restart,
     /// A sentence for others.
     Other,
+}
+
+/// What a receiver or a compass states of the vehicle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Statement {
+    pub time: Option<TimeOfDay>,
+    pub place: Option<Geodetic>,
+    pub motion: Option<Motion>,
+    pub heading: Option<Heading>,
+    /// Of magnetic north from true north: degrees clockwise.
+    pub variation: Option<f32>,
+}
+
+impl Statement {
+    pub const NOTHING: Self = Self {
+        time: None,
+        place: None,
+        motion: None,
+        heading: None,
+        variation: None,
+    };
+}
+
+/// Where the bow points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Heading {
+    /// Clockwise.
+    pub degrees: f32,
+    /// They count from magnetic north, not from true north.
+    pub is_magnetic: bool,
 }
 
 /// How a vehicle moves over ground.
@@ -98,8 +126,8 @@ pub struct Layout {
     pub fields: u8,
     /// Whether the first byte of a line begins one also in the middle of another, whose end was lost,
     pub interrupts: bool,
-    /// unless it is one of these: bytes that such lines hold and that begin others.
-    pub holds: &'static [u8],
+    /// unless that other line, of which these bytes are kept so far, may hold this byte.
+    pub holds: fn(&[u8], u8) -> bool,
 }
 
 /// The most peaks of a spectrum, the largest first.
@@ -118,6 +146,11 @@ pub trait Format {
 
     /// Whether a line begins with this byte.
     fn begins(byte: u8) -> bool;
+
+    /// Whether this may be the second byte of a line: if not, the line is of the next format that begins as it does.
+    fn continues(_byte: u8) -> bool {
+        true
+    }
 
     /// A line begins.
     fn begin(&mut self) {}
@@ -149,8 +182,11 @@ pub trait Set {
     /// Whether any reads spectra.
     const SPECTRA: bool;
 
-    /// The format of a line that begins with this byte.
-    fn which(byte: u8) -> u8;
+    /// The format of a line that begins with this byte, among those after another.
+    fn which(byte: u8, after: u8) -> u8;
+
+    /// See [`Format::continues`].
+    fn continues(which: u8, byte: u8) -> bool;
 
     /// How its lines are found.
     fn layout(which: u8) -> Option<&'static Layout>;
@@ -177,11 +213,18 @@ macro_rules! sets {
             const EMPTY: Self = ($($format::EMPTY,)+);
             const SPECTRA: bool = false $(|| $format::SPECTRA)+;
 
-            fn which(byte: u8) -> u8 {
-                $(if $format::begins(byte) {
+            fn which(byte: u8, after: u8) -> u8 {
+                $(if $number > after && $format::begins(byte) {
                     return $number;
                 })+
                 0
+            }
+
+            fn continues(which: u8, byte: u8) -> bool {
+                match which {
+                    $($number => $format::continues(byte),)+
+                    _ => true,
+                }
             }
 
             fn layout(which: u8) -> Option<&'static Layout> {

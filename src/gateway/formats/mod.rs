@@ -6,12 +6,12 @@
 pub mod agrelo;
 mod format;
 pub mod kraken;
-mod nmea;
+pub mod nmea;
 pub mod ublox;
 
 pub use agrelo::Agrelo;
 pub use format::Formats;
-pub(super) use format::{Motion, Peaks, Pose, Reading, Sentence, Set};
+pub(super) use format::{Heading, Motion, Peaks, Pose, Reading, Sentence, Set, Statement};
 pub use kraken::{Kraken, KrakenSpectrum};
 pub use nmea::Nmea;
 pub use ublox::Ublox;
@@ -67,6 +67,8 @@ macro_rules! finders {
         pub struct Config {
             /// The only direction finder that is heard, where others are on the line, too; `None` for every one.
             pub finder: Option<Finder>,
+            /// Receivers and compasses.
+            pub nmea: nmea::Config,
             $($(#[$doc])* pub $module: $module::Config,)+
         }
 
@@ -74,6 +76,7 @@ macro_rules! finders {
             /// Every direction finder is heard.
             pub const DEFAULT: Self = Self {
                 finder: None,
+                nmea: nmea::Config::DEFAULT,
                 $($module: $module::Config::DEFAULT,)+
             };
 

@@ -1,12 +1,38 @@
-//! Sentences of the navigation receiver.
+//! Sentences of navigation receivers and compasses: NMEA 0183, and two of their makers' own.
 //!
-//! The fields stay bytes until they are exact integers: an f32 would lose half a metre of a longitude.
+//! | sentence | field | unit, sense | taken as |
+//! |---|---|---|---|
+//! | `$--RMC` | 1 time | `hhmmss`, decimals | UTC |
+//! | | 2 status, 12 mode | `A`; not `N`; `M`, `S` if [configured](Config::simulated) | whether there is a position |
+//! | | 3 to 6 place | `ddmm.m`, `N` or `S`, `dddmm.m`, `E` or `W` | latitude, longitude, to 1e-7 degree |
+//! | | 7 speed | knots | speed over ground |
+//! | | 8 course | degrees clockwise from true north | course over ground |
+//! | | 10, 11 variation | degrees, `E` (clockwise) or `W` | what magnetic headings lack |
+//! | `$--GGA` | 1 time, 2 to 5 place | as RMC | the same |
+//! | | 6 quality | 1 to 6 and 9; 7 manual, 8 simulated if configured | whether there is a position |
+//! | `$--VTG` | 1 course, 5 speed, 9 mode | as RMC | course and speed over ground, at the time of the sentences before |
+//! | `$--HDT` | 1 heading | degrees clockwise from true north | true heading |
+//! | `$--THS` | 1 heading, 2 mode | the same; `A`, `E`; `M`, `S` if configured; not `V` | true heading |
+//! | `$--HDG` | 1 heading | degrees clockwise from north as the sensor has it | magnetic heading, with the next |
+//! | | 2, 3 deviation; 4, 5 variation | degrees, `E` or `W` | added; without a variation, that of RMC holds |
+//! | `$--HDM` | 1 heading | degrees clockwise from magnetic north | magnetic heading |
+//! | `$PASHR` | 1 time, 2 heading, 3 `T` | as RMC; degrees clockwise from true north | true heading at its own time |
+//! | `$PTNTHTM` | 1 heading, 2 status | degrees clockwise from true north (the compass is told deviation and variation); `M`, `N`, `O` | true heading |
+//! | `$PFOXQ`, `$PFOXR` | | | the host's own: see [`gateway`](crate::gateway) |
+//!
+//! All others, and AIS, which begins with `!`, are left to others. Sources: NMEA 0183 as "NMEA Revealed" of gpsd describes
+//! it, and for `$PTNTHTM` gpsd's `driver_nmea0183.c`; for `$PASHR` the manual of the OxTS RT3000.
+//!
+//! The fields stay bytes until they are exact integers: an f32 would lose half a metre of a longitude. A time has exactly
+//! six digits before its point, a latitude four and a longitude five: an eight-bit checksum alone lets one in 256 damaged
+//! sentences pass, and where a byte is lost every digit has another place.
 //!
 //! Read here and not by a crate, because every `no_std` parser of NMEA leaves panics in the firmware that links
 //! it (float parsing, slices of strings). The tests hold this one to what the `nmea` crate reads.
 
-use super::format::{Format, Layout, Motion, Sentence};
-use super::{Config, Finder};
+use super::format::{Format, Heading, Layout, Motion, Sentence, Statement};
+use super::{Config as All, Finder};
+use crate::ConfigError;
 use crate::aoa::geodesy::Geodetic;
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::decimal::{decimal, fixed};
@@ -19,6 +45,44 @@ const METRES_PER_SECOND_PER_KNOT: f32 = 1852.0 / 3600.0;
 #[derive(Debug)]
 pub struct Nmea;
 
+/// What the format is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Config {
+    /// Whether places, courses and headings are used that a simulator made or that were entered by hand, as the receiver of
+    /// a fixed station may send them: GGA of quality 7 or 8; RMC, VTG and THS of mode `M` or `S`.
+    pub simulated: bool,
+}
+
+impl Config {
+    /// Only what was measured.
+    pub const DEFAULT: Self = Self { simulated: false };
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl Config {
+    /// Checks all fields.
+    ///
+    /// # Errors
+    /// None: every value is right.
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        Ok(())
+    }
+
+    /// Refuses what was not measured, by the mode that a sentence states.
+    fn measured(self, mode: Option<&[u8]>) -> Result<(), Rejected> {
+        match mode {
+            Some(b"M" | b"S") if !self.simulated => Err(Rejected::Simulated),
+            _ => Ok(()),
+        }
+    }
+}
+
 impl Format for Nmea {
     const FINDER: Option<Finder> = None;
     /// The standard says 82 bytes, receivers send up to 102.
@@ -26,23 +90,29 @@ impl Format for Nmea {
         longest: 120,
         fields: u8::MAX,
         interrupts: true,
-        holds: b"%",
+        holds: |_, byte| matches!(byte, b'%' | b'!'),
     };
     const EMPTY: Self = Self;
 
     fn begins(byte: u8) -> bool {
-        byte == b'$'
+        matches!(byte, b'$' | b'!')
     }
 
-    fn parse(&mut self, line: &[u8], _config: &Config) -> Result<Sentence, Rejected> {
-        parse(line)
+    fn continues(byte: u8) -> bool {
+        byte.is_ascii_uppercase()
+    }
+
+    fn parse(&mut self, line: &[u8], config: &All) -> Result<Sentence, Rejected> {
+        parse(line, config.nmea)
     }
 }
 
 /// Checks the sentence `$payload*hh` and reads it.
 #[inline(never)]
-fn parse(line: &[u8]) -> Result<Sentence, Rejected> {
-    let payload = sentence::checked(line).ok_or(Rejected::Checksum)?;
+fn parse(line: &[u8], config: Config) -> Result<Sentence, Rejected> {
+    let Some(payload) = sentence::checked(line) else {
+        return refused(line.get(1..7), Rejected::Checksum);
+    };
     match payload {
         b"PFOXQ" => return Ok(Sentence::Query),
         b"PFOXR" => return Ok(Sentence::Restart),
@@ -52,19 +122,35 @@ fn parse(line: &[u8]) -> Result<Sentence, Rejected> {
     let Some((address, fields)) = payload.split_at_checked(6) else {
         return Ok(Sentence::Other);
     };
-    match address {
+    let stated = match address {
+        b"PASHR," => pashr(fields),
+        b"PTNTHT" => ptnthtm(fields),
+        _ if line.starts_with(b"!") => Ok(Sentence::Other),
         [b'P', ..] => Ok(Sentence::Other),
-        [_, _, b'R', b'M', b'C', b','] => rmc(fields),
-        [_, _, b'G', b'G', b'A', b','] => gga(fields),
-        [_, _, b'V', b'T', b'G', b','] => vtg(fields),
-        [_, _, b'H', b'D', b'T', b','] => heading(fields, b"T"),
-        [_, _, b'T', b'H', b'S', b','] => heading(fields, b"AEMS"),
+        [_, _, b'R', b'M', b'C', b','] => rmc(fields, config),
+        [_, _, b'G', b'G', b'A', b','] => gga(fields, config),
+        [_, _, b'V', b'T', b'G', b','] => vtg(fields, config),
+        [_, _, b'H', b'D', b'T', b','] => hdt(fields),
+        [_, _, b'T', b'H', b'S', b','] => ths(fields, config),
+        [_, _, b'H', b'D', b'G', b','] => hdg(fields),
+        [_, _, b'H', b'D', b'M', b','] => hdm(fields),
         _ => Ok(Sentence::Other),
+    };
+    stated.or_else(|reason| refused(Some(address), reason))
+}
+
+/// A sentence that is refused for a reason: one that states times leaves those after it without one.
+fn refused(address: Option<&[u8]>, reason: Rejected) -> Result<Sentence, Rejected> {
+    match address {
+        Some([_, _, b'R', b'M', b'C', b','] | [_, _, b'G', b'G', b'A', b',']) => {
+            Ok(Sentence::Lost(reason))
+        }
+        _ => Err(reason),
     }
 }
 
 #[inline(never)]
-fn rmc(fields: &[u8]) -> Result<Sentence, Rejected> {
+fn rmc(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
     let [
         clock,
         status,
@@ -76,19 +162,24 @@ fn rmc(fields: &[u8]) -> Result<Sentence, Rejected> {
         course,
     ] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
     let time = time(clock)?;
-    let mode = fields.split(|byte| *byte == b',').nth(11);
-    let void = status != b"A" || mode == Some(b"N");
-    match (time, void) {
-        (Some(time), false) => {
-            let place = place(latitude, latitude_side, longitude, longitude_side)?;
-            Ok(Sentence::Position(time, place, motion(course, speed)?))
-        }
-        _ => Ok(Sentence::NoFix(time)),
+    let mut rest = fields.split(|byte| *byte == b',').skip(9);
+    let variation = [rest.next(), rest.next()].map(Option::unwrap_or_default);
+    let mode = rest.next();
+    if time.is_none() || status != b"A" || mode == Some(b"N") {
+        return no_fix(time);
     }
+    config.measured(mode)?;
+    Ok(Sentence::Statement(Statement {
+        time,
+        place: Some(place(latitude, latitude_side, longitude, longitude_side)?),
+        motion: motion(course, speed)?,
+        variation: eastward(variation)?,
+        heading: None,
+    }))
 }
 
 #[inline(never)]
-fn gga(fields: &[u8]) -> Result<Sentence, Rejected> {
+fn gga(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
     let [
         clock,
         latitude,
@@ -98,35 +189,138 @@ fn gga(fields: &[u8]) -> Result<Sentence, Rejected> {
         quality,
     ] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
     let time = time(clock)?;
-    match (time, quality) {
-        (Some(time), [b'1'..=b'9']) => {
-            let place = place(latitude, latitude_side, longitude, longitude_side)?;
-            Ok(Sentence::Position(time, place, None))
-        }
-        (_, b"0" | b"") | (None, _) => Ok(Sentence::NoFix(time)),
-        _ => Err(Rejected::Unparsable),
+    match quality {
+        _ if time.is_none() => return no_fix(time),
+        b"0" | b"" => return no_fix(time),
+        b"7" | b"8" if !config.simulated => return Err(Rejected::Simulated),
+        [b'1'..=b'9'] => {}
+        _ => return Err(Rejected::Unparsable),
+    }
+    Ok(Sentence::Statement(Statement {
+        time,
+        place: Some(place(latitude, latitude_side, longitude, longitude_side)?),
+        ..Statement::NOTHING
+    }))
+}
+
+/// A sentence that should have stated a position.
+fn no_fix(time: Option<TimeOfDay>) -> Result<Sentence, Rejected> {
+    if time.is_some() {
+        Ok(Sentence::NoFix(time))
+    } else {
+        Err(Rejected::NoFix)
     }
 }
 
 #[inline(never)]
-fn vtg(fields: &[u8]) -> Result<Sentence, Rejected> {
+fn vtg(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
     let [course, _, _, _, speed] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
     let mode = fields.split(|byte| *byte == b',').nth(8);
-    match motion(course, speed)? {
-        Some(motion) if mode != Some(b"N") => Ok(Sentence::Motion(motion)),
-        _ => Ok(Sentence::NoFix(None)),
+    let motion = motion(course, speed)?;
+    if motion.is_none() || mode == Some(b"N") {
+        return Ok(Sentence::NoFix(None));
+    }
+    config.measured(mode)?;
+    Ok(Sentence::Statement(Statement {
+        motion,
+        ..Statement::NOTHING
+    }))
+}
+
+/// `heading,T`
+fn hdt(fields: &[u8]) -> Result<Sentence, Rejected> {
+    match sentence::columns(fields) {
+        Some([degrees, b"T"]) => heading(degrees, None, false),
+        _ => Err(Rejected::Unparsable),
     }
 }
 
-/// `heading,mode` with one of the `valid` modes: HDT and THS.
-fn heading(fields: &[u8], valid: &[u8]) -> Result<Sentence, Rejected> {
-    let mut parts = fields.split(|byte| *byte == b',');
-    match (parts.next(), parts.next()) {
-        (Some([]), _) => Ok(Sentence::NoFix(None)),
-        (Some(degrees), Some([mode])) if valid.contains(mode) => {
-            Ok(Sentence::Heading(angle(degrees)?))
+/// `heading,mode`
+fn ths(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
+    match sentence::columns(fields) {
+        Some([_, b"V"]) => Ok(Sentence::NoFix(None)),
+        Some([degrees, mode @ [b'A' | b'E' | b'M' | b'S']]) => {
+            config.measured(Some(mode))?;
+            heading(degrees, None, false)
         }
-        (_, Some([b'V'])) => Ok(Sentence::NoFix(None)),
+        _ => Err(Rejected::Unparsable),
+    }
+}
+
+/// `heading,M`
+fn hdm(fields: &[u8]) -> Result<Sentence, Rejected> {
+    match sentence::columns(fields) {
+        Some([degrees, b"M"]) => heading(degrees, None, true),
+        _ => Err(Rejected::Unparsable),
+    }
+}
+
+/// `heading,deviation,side,variation,side`
+fn hdg(fields: &[u8]) -> Result<Sentence, Rejected> {
+    let [degrees, deviation, side, variation, variation_side] =
+        sentence::columns(fields).ok_or(Rejected::Unparsable)?;
+    let deviation = eastward([deviation, side])?;
+    let variation = eastward([variation, variation_side])?;
+    let mut stated = heading(degrees, None, true)?;
+    if let Sentence::Statement(Statement {
+        heading: Some(heading),
+        variation: stated,
+        ..
+    }) = &mut stated
+    {
+        heading.degrees += deviation.unwrap_or(0.0);
+        *stated = variation;
+    }
+    Ok(stated)
+}
+
+/// `time,heading,T,...`; other sentences of this name begin with letters.
+fn pashr(fields: &[u8]) -> Result<Sentence, Rejected> {
+    match sentence::columns(fields) {
+        Some([clock, degrees, b"T"]) => match time(clock)? {
+            None => Ok(Sentence::NoFix(None)),
+            time => heading(degrees, time, false),
+        },
+        _ => Ok(Sentence::Other),
+    }
+}
+
+/// The last letter of its name, and `heading,status,...`, of which alarms are no heading.
+fn ptnthtm(fields: &[u8]) -> Result<Sentence, Rejected> {
+    match sentence::columns(fields) {
+        Some([b"M", degrees, [b'M'..=b'O']]) => heading(degrees, None, false),
+        Some([b"M", ..]) => Ok(Sentence::NoFix(None)),
+        _ => Ok(Sentence::Other),
+    }
+}
+
+/// Nothing where no degrees are stated.
+#[inline(never)]
+fn heading(
+    degrees: &[u8],
+    time: Option<TimeOfDay>,
+    is_magnetic: bool,
+) -> Result<Sentence, Rejected> {
+    if degrees.is_empty() {
+        return Ok(Sentence::NoFix(None));
+    }
+    Ok(Sentence::Statement(Statement {
+        time,
+        heading: Some(Heading {
+            degrees: angle(degrees)?,
+            is_magnetic,
+        }),
+        ..Statement::NOTHING
+    }))
+}
+
+/// Degrees to the east, from degrees and `E` or `W`; neither is stated by a receiver that does not know.
+#[inline(never)]
+fn eastward([degrees, side]: [&[u8]; 2]) -> Result<Option<f32>, Rejected> {
+    match side {
+        _ if degrees.is_empty() => Ok(None),
+        b"E" => angle(degrees).map(Some),
+        b"W" => angle(degrees).map(|degrees| Some(-degrees)),
         _ => Err(Rejected::Unparsable),
     }
 }
@@ -174,19 +368,21 @@ fn place(
     longitude: &[u8],
     longitude_side: &[u8],
 ) -> Result<Geodetic, Rejected> {
-    let latitude = degrees_e7(latitude, latitude_side, *b"NS")?;
-    let longitude = degrees_e7(longitude, longitude_side, *b"EW")?;
+    let latitude = degrees_e7(latitude, 4, latitude_side, *b"NS")?;
+    let longitude = degrees_e7(longitude, 5, longitude_side, *b"EW")?;
     if latitude == 0 && longitude == 0 {
         return Err(Rejected::NullPosition);
     }
     Geodetic::new(latitude, longitude).map_err(|_| Rejected::OutOfRange)
 }
 
-/// From `dddmm.mmmm` and one of the two `sides`, of which the second is negative.
+/// From `dddmm.mmmm`, with so many digits before the point, and one of the two `sides`, of which the second is negative.
 #[inline(never)]
-fn degrees_e7(text: &[u8], side: &[u8], sides: [u8; 2]) -> Result<i32, Rejected> {
+fn degrees_e7(text: &[u8], digits: usize, side: &[u8], sides: [u8; 2]) -> Result<i32, Rejected> {
+    let are_so_many = text.iter().take_while(|byte| byte.is_ascii_digit()).count() == digits
+        && text.get(digits) == Some(&b'.');
     let value = fixed(text, 7)
-        .filter(|v| *v >= 0)
+        .filter(|_| are_so_many)
         .ok_or(Rejected::Unparsable)?;
     let (degrees, minutes_e7) = (value / 1_000_000_000, value % 1_000_000_000);
     if minutes_e7 >= 600_000_000 || degrees > 180 {
@@ -201,251 +397,4 @@ fn degrees_e7(text: &[u8], side: &[u8], sides: [u8; 2]) -> Result<i32, Rejected>
 }
 
 #[cfg(test)]
-mod tests {
-    extern crate std;
-    use super::*;
-    use std::format;
-
-    fn read(payload: &str) -> Result<Sentence, Rejected> {
-        parse(format!("${payload}*{:02X}", sentence::checksum(payload.as_bytes())).as_bytes())
-    }
-
-    fn at(time: &str) -> TimeOfDay {
-        TimeOfDay::from_nmea(time.as_bytes()).unwrap()
-    }
-
-    #[test]
-    fn rmc_tells_position_and_motion() {
-        let munich = Geodetic::new(481_173_000, 115_166_667).unwrap();
-        let Ok(Sentence::Position(time, place, Some(motion))) =
-            parse(b"$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A")
-        else {
-            panic!("not a position");
-        };
-        assert_eq!(
-            (time, place, motion.course),
-            (at("123519"), munich, Some(84.4))
-        );
-        assert!((motion.speed - 11.523_556).abs() < 1e-5);
-
-        // NMEA 4.1, seven decimals of a minute, standing: no course.
-        let standing = Motion {
-            course: None,
-            speed: 0.0,
-        };
-        assert_eq!(
-            read("GNRMC,000000.10,A,3352.1234567,S,15112.7654321,W,0.000,,221126,,,A,V"),
-            Ok(Sentence::Position(
-                at("000000.10"),
-                Geodetic::new(-338_687_243, -1_512_127_572).unwrap(),
-                Some(standing)
-            ))
-        );
-    }
-
-    #[test]
-    fn other_sentences() {
-        let munich = Geodetic::new(481_173_000, 115_166_667).unwrap();
-        assert_eq!(
-            parse(b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47"),
-            Ok(Sentence::Position(at("123519"), munich, None))
-        );
-        let Ok(Sentence::Motion(motion)) = parse(b"$GPVTG,054.7,T,034.4,M,005.5,N,010.2,K*48")
-        else {
-            panic!("not a motion");
-        };
-        assert_eq!(motion.course, Some(54.7));
-        assert!((motion.speed - 2.829_444).abs() < 1e-6);
-        assert_eq!(read("HEHDT,274.07,T"), Ok(Sentence::Heading(274.07)));
-        assert_eq!(read("GNTHS,77.5,A"), Ok(Sentence::Heading(77.5)));
-        assert_eq!(read("PFOXQ"), Ok(Sentence::Query));
-        assert_eq!(parse(b"$PFOXR*53"), Ok(Sentence::Restart));
-        for payload in [
-            "GPGSV,1,1,00",
-            "GPTXT,01,01,02,ANTSTATUS=OK",
-            "PUBX,00",
-            "X",
-            "",
-        ] {
-            assert_eq!(read(payload), Ok(Sentence::Other), "{payload}");
-        }
-    }
-
-    #[test]
-    fn no_fix() {
-        let time = Some(at("123519.00"));
-        for (payload, time) in [
-            ("GPRMC,123519.00,V,,,,,,,230394,,,N", time),
-            ("GPRMC,,V,,,,,,,,,,N", None),
-            (
-                "GPRMC,123519.00,A,4807.038,N,01131.000,E,0,,230394,,,N",
-                time,
-            ),
-            ("GPGGA,123519.00,,,,,0,00,99.99,,,,,,", time),
-            ("GPVTG,,,,,,,,,N", None),
-            ("GPHDT,,T", None),
-            ("GPTHS,,V", None),
-            ("GPTHS,10.0,V", None),
-        ] {
-            assert_eq!(read(payload), Ok(Sentence::NoFix(time)), "{payload}");
-        }
-    }
-
-    #[test]
-    fn rejected() {
-        for (line, reason) in [
-            ("$GPHDT,274.07,T*04", Rejected::Checksum),
-            ("$GPHDT,274.07,T", Rejected::Checksum),
-            ("$GPHDT,274.07,T*0", Rejected::Checksum),
-            ("$GPHDT,274.07,T*+3", Rejected::Checksum),
-            ("$", Rejected::Checksum),
-        ] {
-            assert_eq!(parse(line.as_bytes()), Err(reason), "{line}");
-        }
-        for (payload, reason) in [
-            (
-                "GPRMC,123519,A,0000.000,N,00000.000,E,0.0,,230394,,",
-                Rejected::NullPosition,
-            ),
-            (
-                "GPRMC,123519,A,4860.000,N,01131.000,E,0.0,,230394,,",
-                Rejected::OutOfRange,
-            ),
-            (
-                "GPRMC,123519,A,9000.001,N,01131.000,E,0.0,,230394,,",
-                Rejected::OutOfRange,
-            ),
-            (
-                "GPRMC,123519,A,4807.038,N,18000.001,E,0.0,,230394,,",
-                Rejected::OutOfRange,
-            ),
-            (
-                "GPRMC,123519,A,4807.038,X,01131.000,E,0.0,,230394,,",
-                Rejected::Unparsable,
-            ),
-            (
-                "GPRMC,123519,A,4807.038,E,01131.000,N,0.0,,230394,,",
-                Rejected::Unparsable,
-            ),
-            (
-                "GPRMC,123519,A,-4807.038,N,01131.000,E,0.0,,230394,,",
-                Rejected::Unparsable,
-            ),
-            ("GPRMC,123519,A,,,,,0.0,,230394,,", Rejected::Unparsable),
-            ("GPRMC,123519,A,4807.038,N", Rejected::Unparsable),
-            (
-                "GPRMC,253519,A,4807.038,N,01131.000,E,0.0,,230394,,",
-                Rejected::Unparsable,
-            ),
-            (
-                "GPRMC,123519,A,4807.038,N,01131.000,E,0.0,361,230394,,",
-                Rejected::OutOfRange,
-            ),
-            (
-                "GPGGA,123519,4807.038,N,01131.000,E,x,08,0.9,545.4,M,46.9,M,,",
-                Rejected::Unparsable,
-            ),
-            ("HEHDT,274.07", Rejected::Unparsable),
-            ("HEHDT,-1,T", Rejected::OutOfRange),
-        ] {
-            assert_eq!(read(payload), Err(reason), "{payload}");
-        }
-    }
-
-    /// Thousands of sentences over all hemispheres and precisions, read by an established parser as well.
-    #[test]
-    fn the_nmea_crate_reads_the_same() {
-        use crate::random::{Rng, SeedableRng, Xoshiro128PlusPlus};
-        let mut rng = Xoshiro128PlusPlus::seed_from_u64(71);
-        let mut below = |limit: u32| rng.next_u32() % limit;
-        for _ in 0..5_000 {
-            let minute = |minutes: u32, decimals: usize, fraction: u32| {
-                format!(
-                    "{minutes:02}.{:0decimals$}",
-                    fraction % 10u32.pow(decimals as u32)
-                )
-            };
-            let decimals = 3 + below(5) as usize;
-            let latitude = format!(
-                "{:02}{}",
-                below(90),
-                minute(below(60), decimals, below(u32::MAX))
-            );
-            let longitude = format!(
-                "{:03}{}",
-                below(180),
-                minute(below(60), decimals, below(u32::MAX))
-            );
-            let north = ["N", "S"][below(2) as usize];
-            let east = ["E", "W"][below(2) as usize];
-            let time = format!(
-                "{:02}{:02}{:02}.{:02}",
-                below(24),
-                below(60),
-                below(60),
-                below(100)
-            );
-            let (speed, course) = (below(2_000) as f32 / 10.0, below(3_600) as f32 / 10.0);
-
-            let rmc = format!(
-                "GPRMC,{time},A,{latitude},{north},{longitude},{east},{speed:.1},{course:.1},221126,,,A"
-            );
-            let gga = format!(
-                "GNGGA,{time},{latitude},{north},{longitude},{east},1,08,0.9,545.4,M,46.9,M,,"
-            );
-            let vtg = format!("GPVTG,{course:.1},T,,M,{speed:.1},N,,K");
-            let hdt = format!("HEHDT,{course:.1},T");
-            for payload in [rmc, gga, vtg, hdt] {
-                let line = format!("${payload}*{:02X}", sentence::checksum(payload.as_bytes()));
-                assert_agree(
-                    &line,
-                    &parse(line.as_bytes()).unwrap(),
-                    &::nmea::parse_str(&line).unwrap(),
-                );
-            }
-        }
-    }
-
-    fn assert_agree(line: &str, ours: &Sentence, theirs: &::nmea::ParseResult) {
-        use ::nmea::ParseResult;
-        let near = |a: f64, b: f64, limit: f64| assert!((a - b).abs() <= limit, "{line}: {a} {b}");
-        let same_place = |place: &Geodetic, latitude: Option<f64>, longitude: Option<f64>| {
-            // Half of the last digit, and the rounding of theirs.
-            near(
-                f64::from(place.latitude_e7()),
-                latitude.unwrap() * 1e7,
-                0.51,
-            );
-            near(
-                f64::from(place.longitude_e7()),
-                longitude.unwrap() * 1e7,
-                0.51,
-            );
-        };
-        let same_motion = |motion: &Motion, knots: Option<f32>, course: Option<f32>| {
-            let knots = knots.unwrap() * METRES_PER_SECOND_PER_KNOT;
-            near(f64::from(motion.speed), f64::from(knots), 1e-5);
-            near(
-                f64::from(motion.course.unwrap()),
-                f64::from(course.unwrap()),
-                1e-4,
-            );
-        };
-        match (ours, theirs) {
-            (Sentence::Position(_, place, Some(motion)), ParseResult::RMC(rmc)) => {
-                same_place(place, rmc.lat, rmc.lon);
-                same_motion(motion, rmc.speed_over_ground, rmc.true_course);
-            }
-            (Sentence::Position(_, place, None), ParseResult::GGA(gga)) => {
-                same_place(place, gga.latitude, gga.longitude);
-            }
-            (Sentence::Motion(motion), ParseResult::VTG(vtg)) => {
-                same_motion(motion, vtg.speed_over_ground, vtg.true_course);
-            }
-            (Sentence::Heading(degrees), ParseResult::HDT(hdt)) => {
-                near(f64::from(*degrees), f64::from(hdt.heading.unwrap()), 1e-4);
-            }
-            _ => panic!("{line}: {ours:?} is not {theirs:?}"),
-        }
-    }
-}
+mod tests;

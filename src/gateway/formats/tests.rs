@@ -19,7 +19,7 @@ pub fn read<F: Format>(line: &str, config: &Config) -> Result<Reading, Rejected>
 fn every_finder_has_a_name_and_an_example_that_only_it_reads() {
     for &finder in Finder::ALL {
         let line = finder.example().as_bytes();
-        let which = All::which(line[0]);
+        let which = All::which(line[0], 0);
         let read = |heard| {
             let config = Config {
                 finder: heard,
@@ -43,8 +43,8 @@ fn formats_that_are_not_named_are_not_read() {
     type Some = (Nmea, Agrelo);
     for &finder in Finder::ALL {
         let first = finder.example().as_bytes()[0];
-        assert_eq!(Some::which(first) != 0, finder == Finder::Agrelo);
+        assert_eq!(Some::which(first, 0) != 0, finder == Finder::Agrelo);
     }
-    assert_eq!(All::which(b'?'), 0);
+    assert_eq!(All::which(b'?', 0), 0);
     assert!(All::layout(0).is_none());
 }

@@ -86,7 +86,7 @@ impl Format for Ublox {
         longest: 160,
         fields: u8::MAX,
         interrupts: false,
-        holds: b"$%",
+        holds: |_, byte| byte == b'%',
     };
     const EMPTY: Self = Self;
 

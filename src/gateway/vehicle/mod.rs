@@ -176,8 +176,7 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
             }
             Sentence::Other => Event::Other,
             of_receiver => {
-                self.navigation
-                    .sentence(of_receiver, config.min_speed_m_s)?;
+                self.navigation.sentence(of_receiver, config)?;
                 Event::Used
             }
         })

@@ -120,13 +120,18 @@ pub const SIGMAS_BY_DECIBELS: SigmaTable = sigma::preset(&[
 /// The quality that stands for a decibel.
 const PER_DECIBEL: f32 = 100.0 / LARGEST_DECIBELS;
 
-/// Lines hold the name of a station, with whatever is in it.
 const LAYOUT: Layout = Layout {
     longest: 8_192,
     fields: 17,
     interrupts: false,
-    holds: b"$%",
+    holds: is_in_station,
 };
+
+/// Whether the line that begins with these bytes has come to the name of its station, which may be anything.
+fn is_in_station(line: &[u8], _byte: u8) -> bool {
+    let commas = line.iter().filter(|byte| **byte == b',').count();
+    commas == 7 && columns(line).is_some_and(|[time]| time.iter().all(u8::is_ascii_digit))
+}
 
 impl Format for Kraken {
     const FINDER: Option<Finder> = Some(Finder::Kraken);
@@ -134,6 +139,10 @@ impl Format for Kraken {
     const EMPTY: Self = Self;
 
     fn begins(byte: u8) -> bool {
+        byte.is_ascii_digit()
+    }
+
+    fn continues(byte: u8) -> bool {
         byte.is_ascii_digit()
     }
 
@@ -149,6 +158,10 @@ impl Format for KrakenSpectrum {
     const SPECTRA: bool = true;
 
     fn begins(byte: u8) -> bool {
+        byte.is_ascii_digit()
+    }
+
+    fn continues(byte: u8) -> bool {
         byte.is_ascii_digit()
     }
 
