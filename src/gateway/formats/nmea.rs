@@ -173,7 +173,8 @@ fn rmc(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
         time,
         place: Some(place(latitude, latitude_side, longitude, longitude_side)?),
         motion: motion(course, speed)?,
-        variation: eastward(variation)?,
+        // Some state one that is none, such as 999.9.
+        variation: eastward(variation).unwrap_or_default(),
         heading: None,
     }))
 }
@@ -317,10 +318,14 @@ fn heading(
 /// Degrees to the east, from degrees and `E` or `W`; neither is stated by a receiver that does not know.
 #[inline(never)]
 fn eastward([degrees, side]: [&[u8]; 2]) -> Result<Option<f32>, Rejected> {
+    if degrees.is_empty() {
+        return Ok(None);
+    }
+    let degrees = angle(degrees)?;
     match side {
-        _ if degrees.is_empty() => Ok(None),
-        b"E" => angle(degrees).map(Some),
-        b"W" => angle(degrees).map(|degrees| Some(-degrees)),
+        _ if degrees > 180.0 => Err(Rejected::OutOfRange),
+        b"E" => Ok(Some(degrees)),
+        b"W" => Ok(Some(-degrees)),
         _ => Err(Rejected::Unparsable),
     }
 }
@@ -381,14 +386,15 @@ fn place(
 fn degrees_e7(text: &[u8], digits: usize, side: &[u8], sides: [u8; 2]) -> Result<i32, Rejected> {
     let are_so_many = text.iter().take_while(|byte| byte.is_ascii_digit()).count() == digits
         && text.get(digits) == Some(&b'.');
-    let value = fixed(text, 7)
+    // Finer than the result, so that it is rounded once.
+    let value = fixed(text, 9)
         .filter(|_| are_so_many)
         .ok_or(Rejected::Unparsable)?;
-    let (degrees, minutes_e7) = (value / 1_000_000_000, value % 1_000_000_000);
-    if minutes_e7 >= 600_000_000 || degrees > 180 {
+    let (degrees, minutes_e9) = (value / 100_000_000_000, value % 100_000_000_000);
+    if minutes_e9 >= 60_000_000_000 || degrees > 180 {
         return Err(Rejected::OutOfRange);
     }
-    let degrees_e7 = (degrees * 10_000_000 + (minutes_e7 + 30) / 60) as i32;
+    let degrees_e7 = (degrees * 10_000_000 + (minutes_e9 + 3_000) / 6_000) as i32;
     match sides.map(|s| side == [s]) {
         [true, _] => Ok(degrees_e7),
         [_, true] => Ok(-degrees_e7),

@@ -49,6 +49,7 @@ pub struct Vehicle<L, F = All, R = ShortReport, const PORTS: usize = 1> {
 #[derive(Debug)]
 struct Port<F> {
     line: LineReader<F>,
+    counters: Counters,
     /// The clock of its direction finder.
     clock: Clock,
 }
@@ -66,6 +67,7 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
         ports: [const {
             Port {
                 line: LineReader::EMPTY,
+                counters: Counters::EMPTY,
                 clock: Clock::EMPTY,
             }
         }; PORTS],
@@ -95,6 +97,9 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
             .and_then(|sentence| self.take(port, sentence, config))
             .unwrap_or_else(Event::Rejected);
         self.counters.count(&event);
+        if let Some(port) = self.ports.get_mut(port) {
+            port.counters.count(&event);
+        }
         match event {
             Event::Queried => {
                 self.write_answer(config);
@@ -127,6 +132,11 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
     /// What became of the lines so far.
     pub fn counters(&self) -> &Counters {
         &self.counters
+    }
+
+    /// What became of the lines of one port since the start: which of several receivers is ill, and of what.
+    pub fn port_counters(&self, port: usize) -> Option<&Counters> {
+        Some(&self.ports.get(port)?.counters)
     }
 
     /// The plane of the particles and fixes; its origin is where the first bearing was taken. Unless that was a wrong
