@@ -18,7 +18,8 @@ fn sentence(payload: &str) -> String {
 
 /// A drive east at 25 m/s past a source 800 m to the north: RMC, a heading, one bearing of each kind a second.
 fn drive() -> Vec<u8> {
-    let mut text = String::new();
+    // The first position waits for the second.
+    let mut text = sentence("GPRMC,115959.00,A,4807.038,N,01131.000000,E,48.6,090.0,221126,,,A");
     for second in 0..20 {
         let east = 25.0 * f64::from(second);
         // A minute of longitude is 1,240 m there.

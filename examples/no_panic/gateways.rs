@@ -33,6 +33,9 @@ fn config<C>(locator: C) -> Config<C> {
     Config {
         formats: formats::Config {
             finder: any(Some(Finder::Agrelo)),
+            nmea: formats::nmea::Config {
+                simulated: any(false),
+            },
             agrelo: formats::agrelo::Config { sigmas },
             kraken: formats::kraken::Config {
                 sense: any(Sense::Clockwise),
@@ -57,6 +60,8 @@ fn config<C>(locator: C) -> Config<C> {
         undated_bearings: any(0),
         min_speed_m_s: any(0.0),
         max_turn_rate_deg_s: any(0.0),
+        max_speed_m_s: any(0.0),
+        variation_deg: any(None),
         report_interval_ms: any(0),
         ..Config::new(locator)
     }

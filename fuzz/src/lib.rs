@@ -20,7 +20,10 @@ use foxhunt::{
 };
 
 /// A receiver's first words, so that bearings have a place, a time and a heading.
-const START: &str = "GPRMC,120000,A,4807.038,N,01131.000,E,50.0,090.0,221126,,,A";
+const START: [&str; 2] = [
+    "GPRMC,115959,A,4807.038,N,01131.000,E,50.0,090.0,221126,,,A",
+    "GPRMC,120000,A,4807.038,N,01131.000,E,50.0,090.0,221126,,,A",
+];
 
 /// The most lines of one input: a vehicle with few particles works on so many in a moment.
 const LINES: usize = 64;
@@ -83,7 +86,9 @@ fn lines<L: Locate, F: Formats>(
         let events = bytes.iter().filter_map(|byte| gateway.push(0, *byte));
         events.collect()
     };
-    push(&mut gateway, &sentence(START.as_bytes()));
+    for payload in START {
+        push(&mut gateway, &sentence(payload.as_bytes()));
+    }
     for text in data.split(|byte| *byte == b'\n').take(LINES) {
         let state = |gateway: &Gateway<L, F, FullReport>| {
             let locator = gateway.vehicle().locator();

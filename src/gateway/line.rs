@@ -199,8 +199,53 @@ mod tests {
             assert_eq!(lines.last(), Some(&bearing()), "{lost}");
             assert!(lines[..lines.len() - 1].iter().all(Result::is_err));
         }
-        for text in ["$GPTXT,01,01,02,5%*00", "17,2,fox % $"] {
+        for text in [
+            "$GPTXT,01,01,02,5% up!*00",
+            "1756823719250, 297, 87.8, -32, 43, UCA, 1, fox % $",
+        ] {
             assert!(matches!(&read(&format!("{text}\r"))[..], [Ok(line)] if line == text));
+        }
+    }
+
+    #[test]
+    fn a_dollar_begins_a_sentence_anywhere_but_in_the_name_of_a_station() {
+        let sentence = || Ok(String::from("$GPHDT,1*00"));
+        for before in [
+            "8\u{4}\0\0fc",
+            "17,2,",
+            "1756823719250, 297, 87.8",
+            "1756823719250, 297, 87.8, -32, 43, UCA, 1, fox, 48",
+            "x1756823719250, 297, 87.8, -32, 43, UCA, 1, fox",
+            "1756823719250x, 297, 87.8, -32, 43, UCA, 1, fox",
+            "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"",
+            "!AIVDM,1,1,,A,15RT",
+            "1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,0.5, 0.25",
+        ] {
+            let lines = read(&format!("{before}$GPHDT,1*00\r"));
+            assert_eq!(lines, [Err(Rejected::Unparsable), sentence()], "{before}");
+        }
+    }
+
+    #[test]
+    fn blanks_at_the_end_are_no_part_of_a_line() {
+        let line = |text| Ok(String::from(text));
+        assert_eq!(
+            read("%143/7 \r%143/7   \n$GPHDT,1*47 \r\n   \r17,2 , \n"),
+            [
+                line("%143/7"),
+                line("%143/7"),
+                line("$GPHDT,1*47"),
+                Err(Rejected::Unparsable),
+                line("17,2 ,"),
+            ]
+        );
+        assert_eq!(read("%143/7 x\r"), [Err(Rejected::Overlong)]);
+    }
+
+    #[test]
+    fn a_second_byte_may_tell_that_it_is_no_line() {
+        for text in ["$1", "!48", "8\u{4}", "1,"] {
+            assert_eq!(read(&format!("{text}\r")), [Err(Rejected::Unparsable)]);
         }
     }
 
@@ -215,15 +260,15 @@ mod tests {
 
     #[test]
     fn every_format_has_its_longest_line() {
-        let nmea = |n: usize| format!("${}\r\n", "x".repeat(n - 1));
+        let nmea = |n: usize| format!("${}\r\n", "X".repeat(n - 1));
         assert!(read(&nmea(120))[0].is_ok());
         assert_eq!(read(&nmea(121)), [Err(Rejected::Overlong)]);
         assert_eq!(read("%045/77\r"), [Err(Rejected::Overlong)]);
 
-        let kraken = |spectrum: usize| format!("{}{}\n", "1,".repeat(17), "2".repeat(spectrum));
-        let kept = read(&kraken(8_192 - 34));
-        assert_eq!(kept, [Ok(format!("{}1", "1,".repeat(16)))]);
-        assert_eq!(read(&kraken(8_193 - 34)), [Err(Rejected::Overlong)]);
+        let kraken = |spectrum: usize| format!("1{}{}\n", "1,".repeat(17), "2".repeat(spectrum));
+        let kept = read(&kraken(8_192 - 35));
+        assert_eq!(kept, [Ok(format!("1{}1", "1,".repeat(16)))]);
+        assert_eq!(read(&kraken(8_193 - 35)), [Err(Rejected::Overlong)]);
         assert_eq!(read(&kraken(100_000)), [Err(Rejected::Overlong)]);
         assert_eq!(
             read(&format!("{}\n", "1".repeat(241))),

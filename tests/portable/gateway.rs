@@ -36,6 +36,7 @@ const DRIVE: [(&str, &str); 6] = [
 fn a_drive_leads_to_a_fix() -> Digest {
     let config = Config {
         reference: BearingReference::TrueNorth,
+        max_speed_m_s: f32::INFINITY,
         ..Config::new(clean::Config::DEFAULT)
     };
     let gateway: Result<Gateway<Clean<100, 32>>, _> = Gateway::new(config);

@@ -121,7 +121,7 @@ fn rejected_with_the_reason() {
             String::from("$PFOXB,10000,0,1,-60*00\r"),
             Rejected::Checksum,
         ),
-        (format!("${}\r", "x".repeat(200)), Rejected::Overlong),
+        (format!("${}\r", "X".repeat(200)), Rejected::Overlong),
     ] {
         let before = gateway.state.counters().rejected(reason);
         let (events, output) = run(&mut gateway, message.as_bytes());

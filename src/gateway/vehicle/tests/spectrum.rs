@@ -10,6 +10,7 @@ type Whole<L> = Gateway<L, (Nmea, Agrelo, KrakenSpectrum), FullReport>;
 
 const BY_NORTH: Config<robust::Config> = Config {
     reference: BearingReference::TrueNorth,
+    max_speed_m_s: f32::INFINITY,
     ..Config::new(robust::Config {
         errors: Errors {
             correlation: Correlation {

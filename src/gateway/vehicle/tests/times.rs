@@ -210,8 +210,16 @@ impl Locate for Times {
     }
 }
 
+/// Every position is believed at once.
+fn believing<C>(locator: C) -> Config<C> {
+    Config {
+        max_speed_m_s: f32::INFINITY,
+        ..Config::new(locator)
+    }
+}
+
 fn times_of(text: &str) -> Vec<u32> {
-    let mut gateway: Gateway<Times> = Gateway::new(Config::new(None)).unwrap();
+    let mut gateway: Gateway<Times> = Gateway::new(believing(None)).unwrap();
     for byte in text.bytes() {
         gateway.push(0, byte);
     }
@@ -263,7 +271,7 @@ fn what_the_locator_refuses_is_rejected() {
         (PushError::TooOld, Rejected::TooOld),
         (PushError::Duplicate, Rejected::Duplicate),
     ] {
-        let mut gateway: Gateway<Times> = Gateway::new(Config::new(Some(error))).unwrap();
+        let mut gateway: Gateway<Times> = Gateway::new(believing(Some(error))).unwrap();
         let text = rmc("120000") + "%010/9\r";
         let events: Vec<Event> = (text.bytes())
             .filter_map(|byte| gateway.push(0, byte))
