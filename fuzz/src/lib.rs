@@ -137,6 +137,37 @@ pub fn nmea(text: &[u8]) -> Vec<u8> {
     [sentence(text), text.to_vec(), b"\r\n".to_vec()].concat()
 }
 
+/// A frame of UBX with a right checksum, a `NAV-PVT` of the text's bytes, a sentence, and the text itself.
+pub fn ubx(text: &[u8]) -> Vec<u8> {
+    let (header, payload) = text.split_at(text.len().min(2));
+    let other = match header {
+        [class, identifier] => framed(*class, *identifier, payload),
+        _ => Vec::new(),
+    };
+    // A good fix in space at a valid time, unless the text says otherwise.
+    let mut pvt = [0; 92];
+    pvt[11] = 0x0f;
+    pvt[20..22].copy_from_slice(&[3, 0x21]);
+    for (byte, said) in pvt.iter_mut().zip(text) {
+        *byte ^= said;
+    }
+    let pvt = framed(1, 7, &pvt);
+    [other, pvt, sentence(b"HEHDT,90.0,T"), text.to_vec(), b"\r\n".to_vec()].concat()
+}
+
+fn framed(class: u8, identifier: u8, payload: &[u8]) -> Vec<u8> {
+    let mut frame = vec![0xb5, 0x62, class, identifier];
+    frame.extend((payload.len() as u16).to_le_bytes());
+    frame.extend(payload);
+    let mut sums = [0u8; 2];
+    for byte in &frame[2..] {
+        sums[0] = sums[0].wrapping_add(*byte);
+        sums[1] = sums[1].wrapping_add(sums[0]);
+    }
+    frame.extend(sums);
+    frame
+}
+
 /// A map of three points and two beacons.
 fn small_map() -> Vec<u8> {
     let mut bytes = b"FXRM\x01\x01\x02\x00\x03\x00\x01\x00".to_vec();

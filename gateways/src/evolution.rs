@@ -6,8 +6,10 @@ use foxhunt::{
     refine::DifferentialEvolution,
 };
 
+use crate::plain::Formats;
+
 /// Two hundred particles, a memory of 64 bearings.
-pub type Gateway = Vehicle<Clean<200, 64, DifferentialEvolution>>;
+pub type Gateway = Vehicle<Clean<200, 64, DifferentialEvolution>, Formats>;
 
 /// Four generations move the particles.
 const MOVES: DifferentialEvolution = DifferentialEvolution::METROPOLIS;

@@ -6,8 +6,10 @@ use foxhunt::{
     refine::Firefly,
 };
 
+use crate::plain::Formats;
+
 /// Two hundred fireflies, a memory of 64 bearings.
-pub type Gateway = Vehicle<Clean<200, 64, Firefly>>;
+pub type Gateway = Vehicle<Clean<200, 64, Firefly>, Formats>;
 
 /// Each firefly is offered four places, towards the brightest of the other half or away from it.
 const MOVES: Firefly = Firefly::METROPOLIS;

@@ -6,8 +6,10 @@ use foxhunt::{
     refine::FishSchool,
 };
 
+use crate::plain::Formats;
+
 /// Two hundred fish, a memory of 64 bearings.
-pub type Gateway = Vehicle<Clean<200, 64, FishSchool>>;
+pub type Gateway = Vehicle<Clean<200, 64, FishSchool>, Formats>;
 
 /// Each fish is offered four places: steps of up to three sigmas of the cloud, and past the centre of four mates.
 const MOVES: FishSchool = FishSchool::METROPOLIS;

@@ -2,14 +2,20 @@
 
 use foxhunt::{
     aoa::{Clean, clean},
-    gateway::{Config, Vehicle},
+    gateway::{
+        Config, Vehicle,
+        formats::{Agrelo, Kraken, Nmea},
+    },
 };
 
 /// Two hundred particles, a memory of 64 bearings.
 pub type Locator = Clean<200, 64>;
 
+/// What the firmware reads; it links no other formats.
+pub type Formats = (Nmea, Agrelo, Kraken);
+
 /// The gateway.
-pub type Gateway = Vehicle<Locator>;
+pub type Gateway = Vehicle<Locator, Formats>;
 
 /// The defaults, for a car.
 pub const CONFIG: Config<clean::Config> = Config::new(clean::Config::DEFAULT);

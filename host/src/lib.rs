@@ -15,11 +15,13 @@
 //! - [`measured`]: bearings from the field, turned into such bytes;
 //! - [`replay`]: those bytes through the library's gateway, as the firmware does it;
 //! - [`packets`]: what the radios of a tunnel hear, as bytes on their line, and through the library's gateway;
+//! - [`damage`]: damaged lines of real receivers, and what is believed of them;
 //! - [`geodesy`]: places on the ellipsoid;
 //! - [`picture`]: all of it in one picture; [`figures`]: what was measured, with its limit.
 
 pub mod accuracy;
 pub mod archive;
+pub mod damage;
 pub mod density;
 pub mod drive;
 pub mod faults;

@@ -32,6 +32,16 @@ impl TimeOfDay {
         Some(Self((hours * 60 + minutes) * 60_000 + milliseconds))
     }
 
+    /// From hours, minutes, seconds, and nanoseconds that are rounded to milliseconds and may be negative.
+    pub fn from_parts([hours, minutes, seconds]: [u8; 3], nanoseconds: i32) -> Option<Self> {
+        if hours >= 24 || minutes >= 60 || seconds > 60 {
+            return None;
+        }
+        let whole = (i32::from(hours) * 60 + i32::from(minutes)) * 60 + i32::from(seconds);
+        let milliseconds = (nanoseconds / 500_000 + nanoseconds.signum()) / 2;
+        Some(Self((1_000 * whole + milliseconds).rem_euclid(DAY)))
+    }
+
     /// From milliseconds since 1970.
     pub fn from_epoch(milliseconds: i64) -> Self {
         Self((milliseconds % i64::from(DAY)) as i32)
@@ -186,6 +196,31 @@ mod tests {
         ] {
             assert_eq!(TimeOfDay::from_nmea(text.as_bytes()), None, "{text}");
         }
+    }
+
+    #[test]
+    fn times_in_parts() {
+        let parts = |hours, nanoseconds| TimeOfDay::from_parts([hours, 59, 59], nanoseconds);
+        for (nanoseconds, milliseconds) in [
+            (0, 0),
+            (99_999_987, 100),
+            (499_999, 0),
+            (500_000, 1),
+            (-499_999, 0),
+            (-500_000, -1),
+            (-370_000_000, -370),
+            (999_999_999, 1_000),
+        ] {
+            let time = parts(22, nanoseconds).unwrap();
+            assert_eq!(time.since(at("225959")), milliseconds, "{nanoseconds}");
+        }
+        assert_eq!(parts(23, 999_999_999), Some(TimeOfDay(0)));
+        assert_eq!(
+            TimeOfDay::from_parts([0, 0, 0], -1_000_000),
+            Some(TimeOfDay(DAY - 1))
+        );
+        assert_eq!(TimeOfDay::from_parts([24, 0, 0], 0), None);
+        assert_eq!(TimeOfDay::from_parts([0, 60, 0], 0), None);
     }
 
     #[test]

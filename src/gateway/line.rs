@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use super::formats::{self, Peaks, Sentence, Set};
+use super::formats::{self, Framing, Peaks, Sentence, Set};
 use super::outcome::Rejected;
 
 /// The most bytes of a line that are kept: those of a KrakenSDR before its spectrum.
@@ -45,6 +45,18 @@ impl<F: Set> LineReader<F> {
 
     /// Takes a byte; says whether a line has ended with it, and if so whether it can be parsed. Empty lines end nothing.
     pub fn push(&mut self, byte: u8) -> Option<Result<(), Rejected>> {
+        if F::FRAMED && self.length > 0 && F::is_framed(self.which) {
+            let framing = if self.length > 1 || F::continues(self.which, byte) {
+                self.formats.frame(self.which, byte)
+            } else {
+                Framing::None
+            };
+            if framing != Framing::None {
+                return self.push_framed(byte, framing);
+            }
+            // The rest is as good as text of no kind, in which others may begin.
+            self.which = 0;
+        }
         match byte {
             b'\r' | b'\n' => return self.end(),
             // What an idle or unplugged line sounds like.
@@ -56,7 +68,7 @@ impl<F: Set> LineReader<F> {
             }
             _ if self.length == 0 => self.begin(byte),
             _ => {
-                if self.length == 1 && !F::continues(self.which, byte) {
+                while self.length == 1 && !F::continues(self.which, byte) {
                     let first = self.bytes.first().copied().unwrap_or_default();
                     self.begin_as(F::which(first, self.which), first);
                 }
@@ -64,6 +76,37 @@ impl<F: Set> LineReader<F> {
             }
         }
         None
+    }
+
+    /// Takes a byte of a binary frame, of which as many bytes are kept as there is room for.
+    #[inline(never)]
+    fn push_framed(&mut self, byte: u8, framing: Framing) -> Option<Result<(), Rejected>> {
+        let Framing::Interrupted((recent, count)) = framing else {
+            self.length = self.length.saturating_add(1);
+            let _ = self.bytes.push(byte);
+            return (framing == Framing::End).then(|| {
+                self.length = 0;
+                Ok(())
+            });
+        };
+        let recent = recent.to_be_bytes();
+        let mut begun = recent.iter().rev().take(usize::from(count)).rev();
+        self.begin(begun.next().copied().unwrap_or_default());
+        for byte in begun {
+            self.extend_framed(*byte);
+        }
+        Some(Err(Rejected::Checksum))
+    }
+
+    /// Takes a byte of a line that has begun within a frame.
+    fn extend_framed(&mut self, byte: u8) {
+        if F::is_framed(self.which) {
+            self.length = self.length.saturating_add(1);
+            let _ = self.bytes.push(byte);
+            self.formats.frame(self.which, byte);
+        } else {
+            self.extend(byte);
+        }
     }
 
     /// What the line that has just ended says.
@@ -92,7 +135,7 @@ impl<F: Set> LineReader<F> {
         self.length = 0;
         self.commas = 0;
         self.overlong = false;
-        if F::SPECTRA {
+        if F::SPECTRA || F::FRAMED {
             self.formats.begin(self.which);
         }
         self.extend(byte);

@@ -28,8 +28,9 @@ pub struct Options {
 }
 
 /// All that comes from outside.
-const FORMATS: [&str; 7] = [
+const FORMATS: [&str; 8] = [
     "nmea",
+    "ubx",
     "finders",
     "spectra",
     "beacon_lines",

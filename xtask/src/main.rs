@@ -9,6 +9,7 @@ mod board;
 mod book;
 mod constants;
 mod cost;
+mod damage;
 mod demo;
 mod drive;
 mod expected;
@@ -51,6 +52,8 @@ enum Task {
     Replay(replay::Options),
     /// Make a radio map of a survey, for the flash of a tunnel's gateway.
     Map(map::Options),
+    /// Damage sentences of real receivers, and count the wrong positions that a vehicle's gateway believes.
+    Damage(damage::Options),
     /// Look for faults of the gateways and the map reader with random input.
     Fuzz(fuzz::Options),
     /// Simulate the drive of the demo again, from its seed, or one on which something happens, and write its file.
@@ -83,6 +86,7 @@ fn run(task: Task) -> Result<()> {
         Task::Tunnel => tunnel::run(),
         Task::Replay(options) => replay::run(&options),
         Task::Map(options) => map::run(&options),
+        Task::Damage(options) => damage::run(&options),
         Task::Fuzz(options) => fuzz::run(&options),
         Task::Papers(options) => papers::run(&options),
     }

@@ -130,6 +130,19 @@ pub struct Layout {
     pub holds: fn(&[u8], u8) -> bool,
 }
 
+/// What a byte means to a binary frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Framing {
+    /// The frame goes on.
+    More,
+    /// It has ended.
+    End,
+    /// It is none.
+    None,
+    /// Another line has begun in it: with so many of these bytes, of which the lowest is the last.
+    Interrupted((u64, u8)),
+}
+
 /// The most peaks of a spectrum, the largest first.
 pub type Peaks = [Option<Peak>; 3];
 
@@ -143,6 +156,8 @@ pub trait Format {
     const EMPTY: Self;
     /// Whether lines hold spectra that are read.
     const SPECTRA: bool = false;
+    /// Whether lines are binary frames, which no line end ends.
+    const FRAMED: bool = false;
 
     /// Whether a line begins with this byte.
     fn begins(byte: u8) -> bool;
@@ -157,6 +172,11 @@ pub trait Format {
 
     /// Takes a byte after the fields that are kept.
     fn rest(&mut self, _byte: u8) {}
+
+    /// Takes a byte of a binary frame after the first.
+    fn frame(&mut self, _byte: u8) -> Framing {
+        Framing::None
+    }
 
     /// Reads the kept bytes of a line that has ended.
     ///
@@ -181,6 +201,8 @@ pub trait Set {
     const EMPTY: Self;
     /// Whether any reads spectra.
     const SPECTRA: bool;
+    /// Whether any has binary frames.
+    const FRAMED: bool;
 
     /// The format of a line that begins with this byte, among those after another.
     fn which(byte: u8, after: u8) -> u8;
@@ -197,6 +219,12 @@ pub trait Set {
     /// See [`Format::rest`].
     fn rest(&mut self, which: u8, byte: u8);
 
+    /// See [`Format::FRAMED`].
+    fn is_framed(which: u8) -> bool;
+
+    /// See [`Format::frame`].
+    fn frame(&mut self, which: u8, byte: u8) -> Framing;
+
     /// See [`Format::parse`].
     ///
     /// # Errors
@@ -212,6 +240,7 @@ macro_rules! sets {
         impl<$($format: Format),+> Set for ($($format,)+) {
             const EMPTY: Self = ($($format::EMPTY,)+);
             const SPECTRA: bool = false $(|| $format::SPECTRA)+;
+            const FRAMED: bool = false $(|| $format::FRAMED)+;
 
             fn which(byte: u8, after: u8) -> u8 {
                 $(if $number > after && $format::begins(byte) {
@@ -245,6 +274,20 @@ macro_rules! sets {
                 match which {
                     $($number => self.$place.rest(byte),)+
                     _ => {}
+                }
+            }
+
+            fn is_framed(which: u8) -> bool {
+                match which {
+                    $($number => $format::FRAMED,)+
+                    _ => false,
+                }
+            }
+
+            fn frame(&mut self, which: u8, byte: u8) -> Framing {
+                match which {
+                    $($number => self.$place.frame(byte),)+
+                    _ => Framing::None,
                 }
             }
 

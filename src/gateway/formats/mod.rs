@@ -1,20 +1,26 @@
 //! The forms of lines that a gateway reads: each is a small type in a file of its own.
 //!
 //! Firmware names its formats as a tuple, such as `(Nmea, Agrelo)`, and links no others; [`All`] is the default. The first
-//! byte of a line says which format it has. A line of a direction finder that is not in the tuple is unparsable.
+//! byte of a line, or where two begin alike the second, says which format it has. A line of a direction finder that is not in the tuple is unparsable.
 
 pub mod agrelo;
+pub mod aprs;
 mod format;
+pub mod kn5r;
 pub mod kraken;
 pub mod nmea;
 pub mod ublox;
+mod ubx;
 
 pub use agrelo::Agrelo;
+pub use aprs::Aprs;
 pub use format::Formats;
-pub(super) use format::{Heading, Motion, Peaks, Pose, Reading, Sentence, Set, Statement};
+pub(super) use format::{Framing, Heading, Motion, Peaks, Pose, Reading, Sentence, Set, Statement};
+pub use kn5r::Kn5r;
 pub use kraken::{Kraken, KrakenSpectrum};
 pub use nmea::Nmea;
 pub use ublox::Ublox;
+pub use ubx::Ubx;
 
 use crate::ConfigError;
 use crate::config::require_all;
@@ -91,7 +97,7 @@ macro_rules! finders {
         }
 
         /// Every format.
-        pub type All = (Nmea, $($format),+);
+        pub type All = (Nmea, Ubx, $($format),+);
     };
 }
 
@@ -102,6 +108,10 @@ finders! {
     kraken: Kraken,
     /// A u-blox board: `+UUDF:`.
     ublox: Ublox,
+    /// A KN5R-RDF: `C` and 25 digits.
+    kn5r: Kn5r,
+    /// A station of APRS: `/BRG/NRQ` in the report of its position.
+    aprs: Aprs,
 }
 
 impl Default for Config {

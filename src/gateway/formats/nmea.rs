@@ -366,8 +366,9 @@ fn angle(degrees: &[u8]) -> Result<f32, Rejected> {
     }
 }
 
+/// From `ddmm.m`, `N` or `S`, `dddmm.m`, `E` or `W`.
 #[inline(never)]
-fn place(
+pub(super) fn place(
     latitude: &[u8],
     latitude_side: &[u8],
     longitude: &[u8],
