@@ -18,7 +18,7 @@ impl TimeOfDay {
         if !digits.iter().all(u8::is_ascii_digit) || !matches!(rest, [] | [b'.', ..]) {
             return None;
         }
-        let value = i32::try_from(super::decimal::fixed(text, 3)?).ok()?;
+        let value = i32::try_from(super::sentence::fixed(text, 3)?).ok()?;
         let (hours, minutes, milliseconds) =
             (value / 10_000_000, value / 100_000 % 100, value % 100_000);
         if !(0..24).contains(&hours) || minutes >= 60 || milliseconds >= 61_000 {

@@ -80,7 +80,6 @@
 pub mod beacon;
 mod clock;
 mod config;
-mod decimal;
 pub mod formats;
 mod history;
 mod line;
@@ -90,7 +89,6 @@ mod report;
 mod search;
 mod sentence;
 mod sigma;
-mod tally;
 mod vehicle;
 
 pub use config::{BearingReference, Config};

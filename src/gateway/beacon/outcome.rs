@@ -3,7 +3,7 @@
 use core::fmt;
 
 use crate::fingerprint::tracker::Fix;
-use crate::gateway::tally::Tally;
+use crate::gateway::outcome::Tally;
 use crate::snapshot::value;
 
 /// What a message led to.

@@ -1,8 +1,7 @@
 //! A packet of a tag, as a radio reports it.
 
 use crate::checksum::crc32;
-use crate::gateway::decimal::fixed;
-use crate::gateway::sentence::columns;
+use crate::gateway::sentence::{columns, fixed};
 use crate::snapshot::{Reader, Value, Writer, value};
 
 use super::Rejected;

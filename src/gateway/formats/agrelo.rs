@@ -3,8 +3,8 @@
 use super::format::{Format, Layout, Reading, Sentence};
 use super::{Config as All, Finder};
 use crate::ConfigError;
-use crate::gateway::decimal::decimal;
 use crate::gateway::outcome::Rejected;
+use crate::gateway::sentence::decimal;
 use crate::gateway::sigma::{self, SigmaTable};
 
 pub(super) const EXAMPLE: &str = "%270/9";

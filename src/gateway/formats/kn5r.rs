@@ -17,8 +17,8 @@ use super::format::{Format, Layout, Reading, Sentence};
 use super::{Config as All, Finder};
 use crate::ConfigError;
 use crate::gateway::clock::TimeOfDay;
-use crate::gateway::decimal::fixed;
 use crate::gateway::outcome::Rejected;
+use crate::gateway::sentence::fixed;
 use crate::gateway::sigma::{self, SigmaTable};
 
 /// 346.9 degrees, magnitude 960, tone 84.

@@ -35,9 +35,8 @@ use super::{Config as All, Finder};
 use crate::ConfigError;
 use crate::aoa::geodesy::Geodetic;
 use crate::gateway::clock::TimeOfDay;
-use crate::gateway::decimal::{decimal, fixed};
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence;
+use crate::gateway::sentence::{self, decimal, fixed};
 
 const METRES_PER_SECOND_PER_KNOT: f32 = 1852.0 / 3600.0;
 

@@ -3,9 +3,8 @@
 use super::format::{Format, Layout, Reading, Sentence};
 use super::{Config as All, Finder, Sense};
 use crate::ConfigError;
-use crate::gateway::decimal::fixed;
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence::columns;
+use crate::gateway::sentence::{columns, fixed};
 use crate::gateway::sigma::{self, SigmaTable};
 
 pub(super) const EXAMPLE: &str = "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"CCF9579B21AE\",\"\",1129320";

@@ -9,9 +9,8 @@ use crate::aoa::geodesy::Geodetic;
 use crate::aoa::spectrum::{Spectrum, Temper};
 use crate::config::{require, require_all};
 use crate::gateway::clock::TimeOfDay;
-use crate::gateway::decimal::{decimal, fixed};
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence::columns;
+use crate::gateway::sentence::{columns, decimal, fixed};
 use crate::gateway::sigma::{self, SigmaTable};
 use spectrum::SpectrumReader;
 
