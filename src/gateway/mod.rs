@@ -11,21 +11,32 @@
 //!
 //! | line | format | what is taken from it |
 //! |---|---|---|
-//! | `$--RMC` `$--GGA` | [`Nmea`](formats::Nmea) | time and position; RMC also speed and course over ground |
+//! | `$--RMC` `$--GGA` | [`Nmea`](formats::Nmea) | time and position; RMC also speed and course over ground, and variation |
 //! | `$--VTG` | | speed and course over ground |
-//! | `$--HDT` `$--THS` | | true heading |
+//! | `$--HDT` `$--THS` `$PASHR` `$PTNTHTM` | | true heading |
+//! | `$--HDG` `$--HDM` | | magnetic heading, HDG with deviation and variation |
 //! | `$PFOXQ*50` | | a query: the answer and the status are sent whenever they were sent last |
 //! | `$PFOXR*53` | | a restart, to look for another source: [`Vehicle::restart`] |
+//! | `B5 62 01 07 ...` | [`Ubx`](formats::Ubx) | a binary frame `NAV-PVT` of a u-blox receiver: time, position, speed, course; heading and variation if valid |
 //! | `%BBB/Q` | [`Agrelo`](formats::Agrelo) | bearing in degrees, quality 0 to 9 |
 //! | `1756823719250, 297, 87.8, ...` | [`Kraken`](formats::Kraken) | KrakenSDR's app format: time, bearing, confidence, frequency, and unless it is zero its own position and heading; the spectrum is skipped, or read by [`KrakenSpectrum`](formats::KrakenSpectrum) |
 //! | `+UUDF:6C1DEBA4241B,-65,26,...` | [`Ublox`](formats::Ublox) | tag and azimuth within a quarter turn of where the board faces; nine fields or ten |
+//! | `C3469960084001663117493011` | [`Kn5r`](formats::Kn5r) | KN5R-RDF: bearing, quality, time |
+//! | `N0CALL>APRS:=4903.50N/07201.75W\088/036/270/729` | [`Aprs`](formats::Aprs) | a direction finder that reports by APRS: its place, bearing from north, quality, time if stated |
 //!
 //! [`formats::All`] reads them all. Firmware that names fewer, such as `Vehicle<L, (Nmea, Agrelo)>`, links no others.
 //! What a format can be told is in its `Config`: the builds of the KrakenSDR's software do not agree on the sense of a
 //! bearing and the scale of its confidence, and of several frequencies or tags one may be the source's.
 //!
-//! Every NMEA sentence must carry its checksum. Correct sentences of other kinds are left to others, by [`Event::Other`];
+//! Every NMEA sentence must carry its checksum. `$` begins one anywhere, so that what comes before costs none; blanks at the
+//! end of a line do not count. Correct sentences of other kinds are left to others, by [`Event::Other`];
 //! everything else that is not used is counted by its reason, [`Rejected`], and has no effect on the locator.
+//!
+//! A position is believed if the vehicle can have got there from the last one by [`Config::max_speed_m_s`]. The first after
+//! a start or an outage and one that is too far away wait for the next of another time that agrees: a checksum of eight bits
+//! lets one in 256 damaged sentences pass. A sentence that states no time has that of the last one that does; after one
+//! that was refused it has none. Magnetic headings need a variation: [`Config::variation_deg`], else that which HDG, RMC or
+//! `NAV-PVT` states.
 //!
 //! A bearing belongs to where the vehicle was when it was taken: the time of a KrakenSDR's line less the latency that it
 //! states. Place and heading are those between the two samples about that time, or as they went on from the last two,
