@@ -50,6 +50,11 @@ fn config<C>(locator: C) -> Config<C> {
                 quality: any(formats::ublox::Quality::Best),
                 sigmas,
             },
+            kn5r: formats::kn5r::Config { sigmas },
+            aprs: formats::aprs::Config {
+                station: any(None),
+                sigmas,
+            },
         },
         reference: any(BearingReference::Relative),
         seed: any(0),

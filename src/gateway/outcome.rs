@@ -31,14 +31,14 @@ pub enum Event {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Rejected {
-    /// A sentence whose checksum is wrong or missing.
+    /// A sentence or frame whose checksum is wrong or missing.
     Checksum,
     /// The line is longer than any of its kind.
     Overlong,
     /// The line is of no known kind, or a field of it is missing or malformed.
     Unparsable,
     /// The receiver says that it has no position, or that its heading is void; or it says how the vehicle heads
-    /// or moves before it has stated any time.
+    /// or moves before it has stated any time, or after a sentence with a time that was refused.
     NoFix,
     /// The receiver reports 0 degrees north and east: what many send before their first fix.
     NullPosition,
