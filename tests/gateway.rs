@@ -113,7 +113,7 @@ proptest! {
     /// Sentences of every kind, some damaged, some interrupted, and junk.
     #[test]
     fn every_line_is_counted_once(lines in prop::collection::vec(
-        (0usize..10, any::<prop::sample::Index>(), any::<bool>()), 0..60)
+        (0usize..15, any::<prop::sample::Index>(), any::<bool>()), 0..60)
     ) {
         let time = 1_795_348_800_100_i64;
         let kinds = [
@@ -127,11 +127,19 @@ proptest! {
             format!("{time}, 45, 90.0, -30, 433920000, UCA, 112, fox, 0, 0, 0, 0, GPS, R, R, R, R, 1\n"),
             "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"\",\"\",1\r\n".into(),
             "?\n".into(),
+            sentence("HCHDG,98.3,0.0,E,12.6,W"),
+            "!AIVDM,1,1,,A,15RTgt0PAso;90TKcjM8h6g208CQ,0*4A\r\n".into(),
+            format!("C0450999084{time:015}\r\n"),
+            "N0CALL>APRS:=4807.04N/01131.00E\\088/036/045/729\r\n".into(),
+            "".into(),
         ];
+        // An acknowledgement, of which no byte is the end of a line.
+        let frame = [0xB5, 0x62, 0x05, 0x01, 0x02, 0x00, 0x06, 0x41, 0x4F, 0x78];
         let mut gateway = gateway();
         let mut events = 0;
         for (kind, cut, is_cut) in lines {
             let line = kinds[kind].as_bytes();
+            let line = if line.is_empty() { &frame[..] } else { line };
             let line = if is_cut { &line[..cut.index(line.len())] } else { line };
             events += line.iter().filter(|byte| gateway.push(0, **byte).is_some()).count();
         }

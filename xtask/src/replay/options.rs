@@ -10,7 +10,7 @@ use foxhunt::{
     },
     gateway::{
         self, BearingReference,
-        formats::{Finder, Sense as Turn, agrelo, kraken, ublox},
+        formats::{Finder, Sense as Turn, agrelo, kn5r, kraken, ublox},
     },
 };
 
@@ -109,6 +109,20 @@ pub struct Input {
         allow_negative_numbers = true
     )]
     minimum_speed: f32,
+    /// Positions that are further from the last, and the first one, wait for another that agrees; `inf` believes all.
+    #[arg(
+        long,
+        value_name = "METRES PER SECOND",
+        default_value_t = 100.0,
+        allow_negative_numbers = true
+    )]
+    maximum_speed: f32,
+    /// Variation of magnetic north, to the east, for compasses that state none, in place of what sentences state.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    variation: Option<f32>,
+    /// Positions that a simulator made or somebody entered are used, too.
+    #[arg(long)]
+    simulated: bool,
     /// Seeds the particles.
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
@@ -131,7 +145,8 @@ impl Input {
     fn ensure_of_use(&self) -> Result<()> {
         let (by_device, finder) = (self.sigmas == Sigmas::Devices, self.finder);
         let only = |device| finder.is_some_and(|finder| finder != device);
-        let no_angle_of_choice = finder == Some(Finder::Agrelo);
+        let no_angle_of_choice =
+            matches!(finder, Some(Finder::Agrelo | Finder::Kn5r | Finder::Aprs));
         for (name, given, idle, other) in [
             (
                 "--best-sigma",
@@ -167,7 +182,7 @@ impl Input {
                 "--sense counter-clockwise",
                 self.sense == Sense::CounterClockwise,
                 no_angle_of_choice,
-                "--finder agrelo",
+                "this --finder",
             ),
         ] {
             ensure!(!(given && idle), "{name} is of no use with {other}");
@@ -202,10 +217,15 @@ impl Input {
             worst_sigma_rad: self.worst_sigma.unwrap_or(10.0).to_radians(),
             max_age_ms: self.maximum_age,
             min_speed_m_s: self.minimum_speed,
+            max_speed_m_s: self.maximum_speed,
+            variation_deg: self.variation,
             ..gateway::Config::new(locator)
         };
         let formats = &mut config.formats;
         formats.finder = self.finder;
+        formats.nmea.simulated = self.simulated;
+        formats.kn5r.sigmas = by_device.then_some(&kn5r::SIGMAS);
+        formats.aprs.sigmas = by_device.then_some(&agrelo::SIGMAS);
         formats.agrelo.sigmas = by_device.then_some(&agrelo::SIGMAS);
         formats.kraken = kraken::Config {
             sense,

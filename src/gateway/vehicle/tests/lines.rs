@@ -13,6 +13,11 @@ fn only_the_configured_direction_finder_is_heard() {
             Finder::Ublox,
             String::from("+UUDF:6C1DEBA4241B,-65,10,0,0,37,\"\",\"\",1\r"),
         ),
+        (Finder::Kn5r, format!("C0100999084{NOON:015}\r")),
+        (
+            Finder::Aprs,
+            String::from("N0CALL>APRS:=4807.04N/01131.00E\\088/036/010/729\r"),
+        ),
     ];
     for (finder, line) in &lines {
         assert!(last_bearing(CONFIG, &format!("{fix}{line}")).is_ok());
