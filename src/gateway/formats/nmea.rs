@@ -161,9 +161,8 @@ fn rmc(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
         course,
     ] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
     let time = time(clock)?;
-    let mut rest = fields.split(|byte| *byte == b',').skip(9);
-    let variation = [rest.next(), rest.next()].map(Option::unwrap_or_default);
-    let mode = rest.next();
+    let variation = [9, 10].map(|place| field(fields, place).unwrap_or_default());
+    let mode = field(fields, 11);
     if time.is_none() || status != b"A" || mode == Some(b"N") {
         return no_fix(time);
     }
@@ -203,6 +202,13 @@ fn gga(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
     }))
 }
 
+/// A field that older receivers leave out, by its place.
+// Not unrolled at every call.
+#[inline(never)]
+fn field(fields: &[u8], place: usize) -> Option<&[u8]> {
+    fields.split(|byte| *byte == b',').nth(place)
+}
+
 /// A sentence that should have stated a position.
 fn no_fix(time: Option<TimeOfDay>) -> Result<Sentence, Rejected> {
     if time.is_some() {
@@ -215,7 +221,7 @@ fn no_fix(time: Option<TimeOfDay>) -> Result<Sentence, Rejected> {
 #[inline(never)]
 fn vtg(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
     let [course, _, _, _, speed] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
-    let mode = fields.split(|byte| *byte == b',').nth(8);
+    let mode = field(fields, 8);
     let motion = motion(course, speed)?;
     if motion.is_none() || mode == Some(b"N") {
         return Ok(Sentence::NoFix(None));
