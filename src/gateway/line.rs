@@ -92,21 +92,14 @@ impl<F: Set> LineReader<F> {
         let recent = recent.to_be_bytes();
         let mut begun = recent.iter().rev().take(usize::from(count)).rev();
         self.begin(begun.next().copied().unwrap_or_default());
+        let is_framed = F::is_framed(self.which);
         for byte in begun {
-            self.extend_framed(*byte);
+            self.extend(*byte);
+            if is_framed {
+                self.formats.frame(self.which, *byte);
+            }
         }
         Some(Err(Rejected::Checksum))
-    }
-
-    /// Takes a byte of a line that has begun within a frame.
-    fn extend_framed(&mut self, byte: u8) {
-        if F::is_framed(self.which) {
-            self.length = self.length.saturating_add(1);
-            let _ = self.bytes.push(byte);
-            self.formats.frame(self.which, byte);
-        } else {
-            self.extend(byte);
-        }
     }
 
     /// What the line that has just ended says.
@@ -129,6 +122,8 @@ impl<F: Set> LineReader<F> {
         self.begin_as(F::which(byte, 0), byte);
     }
 
+    // Once a line.
+    #[inline(never)]
     fn begin_as(&mut self, which: u8, byte: u8) {
         self.which = which;
         self.bytes.clear();
