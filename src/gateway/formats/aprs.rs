@@ -168,8 +168,11 @@ impl Format for Aprs {
     }
 }
 
-/// The time of a report of a position, and what follows it; `None` of other packets.
-fn dated(report: &[u8]) -> Result<Option<(Option<TimeOfDay>, &[u8])>, Rejected> {
+/// The time of a report of a position, if it states one, and what follows it.
+type Dated<'a> = (Option<TimeOfDay>, &'a [u8]);
+
+/// Takes the time off a report of a position; `None` of other packets.
+fn dated(report: &[u8]) -> Result<Option<Dated<'_>>, Rejected> {
     let time = |text: [u8; 6]| TimeOfDay::from_nmea(&text).ok_or(Rejected::Unparsable);
     let (time, rest) = match report {
         [b'!' | b'=', rest @ ..] => (None, rest),
