@@ -33,9 +33,15 @@ fn drive() -> Vec<u8> {
             .to_degrees()
             .rem_euclid(360.0);
         let time = 1_795_348_800_100_i64 + i64::from(second) * 1_000;
-        let spectrum = vec!["0.5"; 360].join(", ");
+        let spectrum: Vec<String> = (0..360)
+            .map(|degree| {
+                let off = (f64::from(degree) + relative + 180.0).rem_euclid(360.0) - 180.0;
+                format!("{:.2}", (20.0 - 0.05 * off * off).max(0.0))
+            })
+            .collect();
+        let spectrum = spectrum.join(", ");
         text += &format!(
-            "{time}, {relative:.1}, 90.0, -30, 433920000, UCA, 112, fox, 0, 0, 0, 0, GPS, R, R, R, R, {spectrum}\n"
+            "{time}, {relative:.1}, 9.0, -30, 433920000, UCA, 112, fox, 0, 0, 0, 0, GPS, R, R, R, R, {spectrum}\n"
         );
         text += &format!("%{:03}/7\r", relative as u32 % 360);
     }

@@ -38,8 +38,10 @@ fn config<C>(locator: C) -> Config<C> {
             },
             agrelo: formats::agrelo::Config { sigmas },
             kraken: formats::kraken::Config {
-                sense: any(Sense::Clockwise),
-                confidence: any(formats::kraken::Confidence::Percent),
+                sense: any(None),
+                confidence: any(None),
+                interval_ms: any(None),
+                heading: any(formats::kraken::Heading::Recognised),
                 frequency_hz: any(None),
                 sigmas,
                 temper: any(formats::kraken::Config::DEFAULT.temper),

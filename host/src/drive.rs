@@ -1,11 +1,15 @@
 //! A drive of a vehicle, as the bytes that its receiver and its direction finder put on the line.
 
-use std::fmt::{Display, Write};
+use std::{
+    f64::consts::TAU,
+    fmt::{Display, Write},
+};
 
-use foxhunt_gateways::plain;
+use foxhunt::gateway::formats::kraken;
 use rand::{Rng, RngExt};
 
 use crate::{
+    array,
     geodesy::Place,
     simulate::{generator, normal},
     tracks::along,
@@ -71,15 +75,17 @@ impl Drive {
         self.sentence(format_args!("GPHDT,{:.2},T", degrees.rem_euclid(360.0)));
     }
 
-    /// Appends a bearing in the form of KrakenSDR's app, without a place of its own.
+    /// Appends a bearing as krakensdr_doa since July 2024 writes it, with a spectrum, without a place of its own.
     pub fn kraken(&mut self, reading: Reading) {
-        /// Milliseconds from the antennas to the line.
-        const LATENCY: f64 = 95.0;
-        let milliseconds = ((DAY + reading.time) * 1e3 + LATENCY).round();
-        let degrees = reading.degrees.rem_euclid(360.0);
+        /// Milliseconds that a reading takes.
+        const INTERVAL: f64 = 96.0;
+        const BETWEEN: &str =
+            "-48.5, 433920000, UCA, 96, foxhunt, 0.0, 0.0, 0.0, 0.0, GPS, R, R, R, R";
+        let milliseconds = ((DAY + reading.time) * 1e3 + 0.5 * INTERVAL).round();
+        let spectrum = spectrum(reading.degrees, reading.quality);
         self.line(format_args!(
-            "{milliseconds}, {degrees:.2}, {:.2}, -48.5, 433920000, UCA, {LATENCY}, foxhunt, 0, 0, 0, 0, GPS, R, R, R, R",
-            reading.quality,
+            "{milliseconds}, {}",
+            array::fields(&spectrum, BETWEEN)
         ));
     }
 
@@ -106,6 +112,23 @@ pub fn truths(bytes: &[u8]) -> impl Iterator<Item = Place> {
         let (fields, _checksum) = line.strip_prefix("$PFOXT,")?.split_once('*')?;
         Place::from_nmea(fields)
     })
+}
+
+/// One peak on a floor, in decibels over the floor, of which the maximum is as far above the mean as the quality says.
+fn spectrum(degrees: f64, quality: f64) -> Vec<f64> {
+    /// Standard deviation of the power, of the widest peak.
+    const WIDEST: f64 = 20.0;
+    let area = TAU.sqrt();
+    // The degrees of a peak without flanks that is as high and holds as much.
+    let width = 3.6 * (100.0 - quality.clamp(1.0, 99.5));
+    let sigma = (width / area).min(WIDEST);
+    let floor = ((width - sigma * area) / (360.0 - sigma * area)).max(1e-4);
+    let level = |degree: u16| {
+        let off = (f64::from(degree) + degrees + 180.0).rem_euclid(360.0) - 180.0;
+        let power = floor + (1.0 - floor) * (-0.5 * (off / sigma).powi(2)).exp();
+        10.0 * (power / floor).log10()
+    };
+    (0..360).map(level).collect()
 }
 
 fn clock(time: f64) -> String {
@@ -187,7 +210,7 @@ fn quality(rng: &mut impl Rng) -> f64 {
 
 /// Standard deviation of a bearing of this quality, in degrees, as the gateway takes it to be.
 pub(crate) fn sigma_degrees(quality: f64) -> f64 {
-    f64::from(plain::CONFIG.sigma_rad(quality as f32)).to_degrees()
+    f64::from(kraken::SIGMAS.sigma_rad(quality as f32)).to_degrees()
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@
 //!   of a vehicle, as the bytes that its receiver and its direction finder put on the line;
 //! - [`accuracy`]: the largest error of each function of `foxhunt::math`;
 //! - [`mod@reference`]: exact answers, to measure the library against;
+//! - [`mod@array`]: an antenna array among reflections, and the spectra that a direction finder makes of it;
 //! - [`scripts`]: drives on which something happens;
 //! - [`measured`]: bearings from the field, turned into such bytes;
 //! - [`replay`]: those bytes through the library's gateway, as the firmware does it;
@@ -21,6 +22,7 @@
 
 pub mod accuracy;
 pub mod archive;
+pub mod array;
 pub mod damage;
 pub mod density;
 pub mod drive;

@@ -6,11 +6,10 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use foxhunt_gateways::plain;
 use serde::Deserialize;
 
 use crate::{
-    drive::{Drive, Reading},
+    drive::{self, Drive, Reading},
     geodesy::Place,
 };
 
@@ -99,14 +98,21 @@ impl Measured {
     }
 }
 
+/// The quality that stands for a standard deviation, halved in between.
 fn quality(sigma_degrees: f64) -> Result<f64> {
-    let config = plain::CONFIG;
-    let degrees = |quality| f64::from(config.sigma_rad(quality)).to_degrees();
-    let (best, worst) = (degrees(100.0), degrees(config.min_quality));
+    let (mut low, mut high) = (50.0, 100.0);
+    let (worst, best) = (drive::sigma_degrees(low), drive::sigma_degrees(high));
     ensure!(
         (best..=worst).contains(&sigma_degrees),
         "the gateway takes sigmas from {best:.1} to {worst:.1} degrees"
     );
-    let slope = (worst - best) / f64::from(100.0 - config.min_quality);
-    Ok(100.0 - (sigma_degrees - best) / slope)
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if drive::sigma_degrees(middle) > sigma_degrees {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok(high)
 }

@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use super::formats::{self, Framing, Peaks, Sentence, Set};
+use super::formats::{self, Framing, Sentence, Set};
 use super::outcome::Rejected;
 
 /// The most bytes of a line that are kept: those of a KrakenSDR before its spectrum.
@@ -107,11 +107,6 @@ impl<F: Set> LineReader<F> {
         self.formats.parse(self.which, &self.bytes, config)
     }
 
-    /// The peaks of its spectrum, the largest first, where spectra are read.
-    pub fn peaks(&self, config: &formats::Config) -> Option<Peaks> {
-        self.formats.peaks(self.which, config)
-    }
-
     /// Whether a byte within this line begins another.
     fn is_interrupted_by(&self, byte: u8) -> bool {
         F::layout(F::which(byte, 0)).is_some_and(|next| next.interrupts)
@@ -130,7 +125,7 @@ impl<F: Set> LineReader<F> {
         self.length = 0;
         self.commas = 0;
         self.overlong = false;
-        if F::SPECTRA || F::FRAMED {
+        if F::RESTS || F::FRAMED {
             self.formats.begin(self.which);
         }
         self.extend(byte);
@@ -148,7 +143,7 @@ impl<F: Set> LineReader<F> {
         }
         if layout.fields < u8::MAX {
             if self.commas >= layout.fields {
-                if F::SPECTRA {
+                if F::RESTS {
                     self.formats.rest(self.which, byte);
                 }
                 return;

@@ -99,13 +99,11 @@ mod outcome;
 mod report;
 mod search;
 mod sentence;
-mod sigma;
 mod vehicle;
 
-pub use config::{BearingReference, Config};
+pub use config::{BearingReference, Config, SigmaTable};
 pub use history::Aged;
 pub use navigation::Receiver;
 pub use outcome::{Counters, Event, Rejected};
 pub use report::{FullReport, ReportForm, ShortReport};
-pub use sigma::SigmaTable;
 pub use vehicle::{Gateway, Vehicle};

@@ -2,7 +2,7 @@
 
 use super::clock::{Clock, TimeOfDay};
 use super::config::{BearingReference, Config};
-use super::formats::{Heading, Motion, Pose, Reading, Sentence, Statement};
+use super::formats::{Heading, Motion, Reading, Sentence, Statement};
 use super::history::{Aged, Compass, History};
 use super::outcome::Rejected;
 use crate::aoa::Bearing;
@@ -41,9 +41,8 @@ pub(super) struct Navigation {
     speed: Option<(TimeOfDay, f32)>,
     /// Of magnetic north from true north, as stated last, in degrees clockwise.
     variation: Option<f32>,
-    /// The last place, with its time, by which the direction finder was judged to move or stand.
-    own_place: Option<(TimeOfDay, Geodetic)>,
-    own_stands: bool,
+    /// The last place that the direction finder has stated.
+    own_place: Option<Geodetic>,
 }
 
 /// How the bearings of a line become directions on the map.
@@ -95,7 +94,6 @@ impl Navigation {
         speed: None,
         variation: None,
         own_place: None,
-        own_stands: false,
     };
 
     /// What the receiver has stated last.
@@ -123,7 +121,7 @@ impl Navigation {
     /// The last place: by the direction finder, where no receiver has said it.
     pub fn place(&self) -> Option<Geodetic> {
         let stated = self.receiver().place.map(|place| place.value);
-        stated.or(self.own_place.map(|(_, place)| place))
+        stated.or(self.own_place)
     }
 
     /// Takes what the receiver says.
@@ -249,7 +247,10 @@ impl Navigation {
             None => self.clock.lend(config.undated_bearings)?,
         };
         let (place, own_heading) = match &reading.pose {
-            Some(pose) => (pose.place, self.own_heading(time, pose, config)),
+            Some(pose) => {
+                self.own_place = Some(pose.place);
+                (pose.place, pose.heading)
+            }
             None => (self.place_at(time, config.max_age_ms)?, None),
         };
         let heading = match config.reference {
@@ -273,24 +274,6 @@ impl Navigation {
         }
         let place = self.places.at(time, max_age_ms);
         place.ok_or(Rejected::StalePosition)
-    }
-
-    /// Heading by the direction finder, in degrees clockwise from true north: not the course of a vehicle that has hardly
-    /// moved, which is judged once a second at most, for its place may be as old.
-    fn own_heading<C>(&mut self, time: TimeOfDay, pose: &Pose, config: &Config<C>) -> Option<f32> {
-        /// In milliseconds.
-        const SOON: i32 = 1_000;
-        let (last_time, last_place) = *self.own_place.get_or_insert((time, pose.place));
-        let elapsed = time.since(last_time);
-        if elapsed >= SOON {
-            let way = config.min_speed_m_s * (1e-3 * elapsed as f32);
-            self.own_stands = is_within(last_place, pose.place, way);
-            self.own_place = Some((time, pose.place));
-        } else if was_set(elapsed, config.max_age_ms) {
-            self.own_stands = true;
-            self.own_place = Some((time, pose.place));
-        }
-        (!pose.heading_is_course || !self.own_stands).then_some(pose.heading)
     }
 
     /// Heading by the receiver, in degrees clockwise from true north.

@@ -68,7 +68,7 @@ pub enum Rejected {
     OtherFinder,
     /// A bearing that was taken before all that the locator still keeps.
     TooOld,
-    /// A bearing of a port and time of which one has been used already.
+    /// A bearing of a port and time of which one has been used already: the page of a direction finder was read twice.
     Duplicate,
     /// A position that is simulated or was entered by hand: see
     /// [`nmea::Config::simulated`](super::formats::nmea::Config::simulated).
@@ -79,11 +79,14 @@ pub enum Rejected {
     /// A heading from magnetic north, where neither a sentence nor
     /// [`Config::variation_deg`](super::Config::variation_deg) says how far that is from true north.
     NoVariation,
+    /// A bearing whose line has a new time, but the spectrum of one before: the direction finder hears nothing now, and
+    /// repeats what it last heard.
+    Frozen,
 }
 
 impl Rejected {
     /// Every reason, in the order of the status sentence.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Checksum,
         Self::Overlong,
         Self::Unparsable,
@@ -104,6 +107,7 @@ impl Rejected {
         Self::Simulated,
         Self::Unconfirmed,
         Self::NoVariation,
+        Self::Frozen,
     ];
 }
 
@@ -130,6 +134,7 @@ impl fmt::Display for Rejected {
             Self::Simulated => "position is simulated or entered by hand",
             Self::Unconfirmed => "position waits for a later one that agrees",
             Self::NoVariation => "magnetic variation is unknown",
+            Self::Frozen => "direction finder repeats its last spectrum: nothing is heard",
         })
     }
 }

@@ -73,6 +73,11 @@ impl<L: Locate> Search<L> {
         Some(self.newest?.0)
     }
 
+    /// How many bearings were used since the last restart.
+    pub const fn bearings(&self) -> u32 {
+        self.bearings
+    }
+
     /// What a report is about.
     pub fn context(&self) -> Context<'_> {
         Context {
@@ -122,12 +127,11 @@ impl<L: Locate> Search<L> {
         newest_ms.wrapping_add_signed(elapsed)
     }
 
-    /// Gives the locator one bearing, or several that exclude each other, of which `observation` is the best, taken at
-    /// `time` in a `plane`. Another plane than before begins a new search.
+    /// Gives the locator bearings that exclude each other, the most probable last, taken at `time` in a `plane`. Another
+    /// plane than before begins a new search.
     pub fn push(
         &mut self,
         (time, plane): (TimeOfDay, LocalPlane),
-        observation: &Observation,
         alternatives: &[Alternative],
         config: &Config<L::Config>,
     ) -> Result<Answer, Rejected> {
@@ -139,11 +143,7 @@ impl<L: Locate> Search<L> {
             .generator
             .get_or_insert_with(|| Xoshiro128PlusPlus::seed_from_u64(config.seed));
         let (locator, config_of) = (&mut self.locator, &config.locator);
-        let answer = if alternatives.is_empty() {
-            locator.push(observation, config_of, generator)
-        } else {
-            locator.push_alternatives(alternatives, config_of, generator)
-        };
+        let answer = locator.push_alternatives(alternatives, config_of, generator);
         let answer = answer.map_err(|error| match error {
             PushError::TooOld => Rejected::TooOld,
             PushError::Duplicate => Rejected::Duplicate,
@@ -157,7 +157,7 @@ impl<L: Locate> Search<L> {
             self.newest = Some((time, time_ms));
         }
         self.plane = Some(plane);
-        self.observation = Some(*observation);
+        self.observation = alternatives.last().map(|best| *best.observation());
         self.bearings = self.bearings.saturating_add(1);
         Ok(answer)
     }

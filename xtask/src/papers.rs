@@ -32,6 +32,8 @@ enum Paper {
     /// Locate a transmitter by bearings of which some are outliers, mirrored or biased: the robust locator, simulated and
     /// measured.
     Bearings(Run),
+    /// Whether the stated errors of a KrakenSDR's bearings hold the truth among reflections, by the method of its spectra.
+    Finders(Run),
     /// What each method of these is worth beside the bootstrap filter that costs as much.
     Cost(Run),
 }
@@ -58,6 +60,7 @@ pub fn run(options: &Options) -> Result<()> {
         Paper::Evolution(run) => (run, papers::evolution::run),
         Paper::Fingerprint(run) => (run, papers::fingerprint::run),
         Paper::Bearings(run) => (run, papers::outliers::run),
+        Paper::Finders(run) => (run, papers::finders::run),
         Paper::Cost(run) => (run, papers::cost::run),
     };
     let figures = paper(&Study {

@@ -10,10 +10,12 @@ use crate::math::{exp, sqrt, wrap};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Peak {
-    /// Radians counter-clockwise from the array's axis, within -pi and pi.
+    /// Radians counter-clockwise from the array's axis, within -pi and pi: between the points either side at which the
+    /// level has fallen by a decibel, or the next dip.
     pub angle_rad: f32,
     /// Standard deviation, in radians: that of the normal distribution whose logarithm is the parabola through the top
-    /// and the points either side at which the tempered spectrum has fallen to exp(-1/2) of it, or the next dip.
+    /// and the points either side at which the tempered spectrum has fallen to exp(-1/2) of it, or the next dip. Wider
+    /// where another peak is too near to be told apart.
     pub sigma_rad: f32,
     /// Fraction of the mass of the tempered spectrum, up to the dips either side, in that of all peaks returned.
     pub probability: f32,
@@ -24,6 +26,9 @@ pub(super) const PEAKS: usize = 3;
 
 /// A peak ends where the level rises again by so many hundredths of a decibel.
 const DIP: f32 = 100.0;
+/// Its direction is that of the points that are lower by so many hundredths of a decibel: nearer ones feel how the levels
+/// are rounded, those further away lean towards other peaks.
+const FALL: f32 = 100.0;
 /// Peaks with less of the mass are dropped: fewer alternatives to weigh, for the loss of faint sources.
 const LEAST_FRACTION: f32 = 0.02;
 /// Sigma of what is only known to a degree.
@@ -39,16 +44,25 @@ struct Hill {
 }
 
 impl Spectrum {
-    /// The peaks, that with the most mass first. Those less than three sigmas of their difference apart are one, with
-    /// the mean and the variance of both.
+    /// The peaks, that with the most mass first. Of two less than three sigmas of their difference apart that with less
+    /// mass is dropped, and the other is wider for it. Where a peak lies does not depend on the temper.
     ///
     /// There are none if the spectrum is flat, or as good as flat: if, tempered, a peak would be as wide as
     /// [`Observation::MAX_SIGMA_RAD`], more than half the circle. A bearing of it would tell more than the spectrum
     /// does. So every peak makes an [`Observation`].
     ///
     /// As bearings they exclude each other: [`Alternative`](crate::aoa::Alternative).
-    #[inline(never)]
     pub fn peaks(&self, temper: Temper) -> [Option<Peak>; PEAKS] {
+        self.peaks_of_sigma(temper, None)
+    }
+
+    /// The same with peaks of a known sigma, which is that of an observation; the highest first.
+    #[inline(never)]
+    pub(crate) fn peaks_of_sigma(
+        &self,
+        temper: Temper,
+        sigma_rad: Option<f32>,
+    ) -> [Option<Peak>; PEAKS] {
         let scale = temper.per_level();
         let highest = self.highest();
         let mut hills = [None; PEAKS];
@@ -58,12 +72,16 @@ impl Spectrum {
             let Some(hill) = self.next_hill(&hills) else {
                 break;
             };
-            let mass = self.mass(&hill, scale, highest);
+            let mass = match sigma_rad {
+                // Those of one sigma are as likely as they are high.
+                Some(_) => exp(scale * (self.level(hill.top) - highest)),
+                None => self.mass(&hill, scale, highest),
+            };
             if let (Some(kept), Some(peak)) = (hills.get_mut(place), peaks.get_mut(place)) {
                 *kept = Some(hill);
-                *peak = self
-                    .parabola(&hill, scale)
-                    .map(|(angle_rad, sigma_rad)| Peak {
+                let own_sigma_rad = sigma_rad.map_or_else(|| self.sigma_rad(&hill, scale), Some);
+                *peak =
+                    (self.angle_rad(&hill).zip(own_sigma_rad)).map(|(angle_rad, sigma_rad)| Peak {
                         angle_rad,
                         sigma_rad,
                         probability: mass,
@@ -131,8 +149,19 @@ impl Spectrum {
             .sum()
     }
 
-    /// Angle and sigma of the parabola through a top and a point either side.
-    fn parabola(&self, hill: &Hill, scale: f32) -> Option<(f32, f32)> {
+    fn angle_rad(&self, hill: &Hill) -> Option<f32> {
+        let (slope, curvature) = self.parabola(hill, 1.0, FALL)?;
+        Some(wrap((hill.top as f32 + slope / curvature) * DEGREE))
+    }
+
+    fn sigma_rad(&self, hill: &Hill, scale: f32) -> Option<f32> {
+        let (_, curvature) = self.parabola(hill, scale, 0.5)?;
+        Some(bounded(DEGREE / sqrt(curvature)))
+    }
+
+    /// The slope at the top and the curvature of the parabola through it and a point either side, where the scaled level
+    /// has fallen by so much.
+    fn parabola(&self, hill: &Hill, scale: f32, fall: f32) -> Option<(f32, f32)> {
         let top = self.level(hill.top);
         let fall = |most: usize, step: usize| {
             let mut degree = hill.top;
@@ -141,7 +170,7 @@ impl Spectrum {
                 degree = circle(degree + step);
                 let drop = scale * (top - self.level(degree));
                 found = (steps as f32, drop);
-                if drop >= 0.5 {
+                if drop >= fall {
                     break;
                 }
             }
@@ -153,12 +182,7 @@ impl Spectrum {
         let width = l * r * (l + r);
         let curvature = 2.0 * (drop_left * r + drop_right * l) / width;
         let slope = (drop_left * r * r - drop_right * l * l) / width;
-        if !(curvature > 0.0 && width > 0.0) {
-            return None;
-        }
-        let offset = slope / curvature;
-        let angle = wrap((hill.top as f32 + offset) * DEGREE);
-        Some((angle, bounded(DEGREE / sqrt(curvature))))
+        (curvature > 0.0 && width > 0.0).then_some((slope, curvature))
     }
 }
 
@@ -189,8 +213,8 @@ fn circle(mut degree: usize) -> usize {
     degree
 }
 
-/// Two peaks that a bearing could be of either become one, with the mean and the variance of both: what is taken for
-/// bearings that exclude each other must lie apart.
+/// Of two peaks that a bearing could be of either, the larger stays, and is wider for the other: what is taken for bearings
+/// that exclude each other must lie apart.
 fn merge(one: &mut Option<Peak>, other: &mut Option<Peak>) {
     let (Some(a), Some(b)) = (*one, *other) else {
         return;
@@ -201,12 +225,16 @@ fn merge(one: &mut Option<Peak>, other: &mut Option<Peak>) {
         return;
     }
     let mass = a.probability + b.probability;
-    let (p, q) = (a.probability / mass, b.probability / mass);
-    let variance = p * variances.0 + q * variances.1 + p * q * turn * turn;
+    let (larger, less) = if b.probability > a.probability {
+        (b, a.probability / mass)
+    } else {
+        (a, b.probability / mass)
+    };
+    let variance = variances.0 + less * (variances.1 - variances.0) + less * turn * turn;
     *one = Some(Peak {
-        angle_rad: wrap(a.angle_rad + q * turn),
         sigma_rad: bounded(sqrt(variance)),
         probability: mass,
+        ..larger
     });
     *other = None;
 }

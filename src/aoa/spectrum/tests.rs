@@ -65,7 +65,7 @@ fn a_peak_is_found_between_degrees_with_its_sigma_and_probability() {
 fn peaks_that_overlap_are_one() {
     // To the power of a quarter twice as wide: 12 degrees, and 51 are three sigmas of the difference.
     for (distance, count) in [(45.0, 1), (60.0, 2)] {
-        let spectrum = two(350.0, 350.0 + distance, 1.0, 6.0);
+        let spectrum = two(350.0, 350.0 + distance, 0.9, 6.0);
         let peaks = spectrum.peaks(temper(0.25));
         assert_eq!(peaks.iter().flatten().count(), count);
         let exponents = [10.0, 10.0].map(temper);
@@ -75,15 +75,27 @@ fn peaks_that_overlap_are_one() {
                 .all(|t| spectrum.peaks(*t).iter().flatten().count() == 2)
         );
         if let (1, Some(one)) = (count, peaks[0]) {
-            assert!(
-                apart(one.angle_rad.to_degrees(), 12.5).abs() < 0.5,
-                "{one:?}"
-            );
-            let exact = (12.0_f32.powi(2) + 22.5 * 22.5).sqrt();
-            assert!(
-                (one.sigma_rad.to_degrees() / exact - 1.0).abs() < 0.05,
-                "{one:?}"
-            );
+            assert!(apart(one.angle_rad.to_degrees(), 350.0).abs() < 0.5);
+            let exact = (12.0_f32.powi(2) + 0.49 * 45.0 * 45.0).sqrt();
+            let sigma = one.sigma_rad.to_degrees();
+            assert!((sigma / exact - 1.0).abs() < 0.05, "{sigma} {exact}");
+        }
+    }
+}
+
+#[test]
+fn where_a_peak_lies_does_not_depend_on_the_temper() {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(4);
+    for _ in 0..200 {
+        let a = 360.0 * uniform(&mut rng);
+        let (b, second) = (a + 60.0 + 90.0 * uniform(&mut rng), 0.7 * uniform(&mut rng));
+        let spectrum = two(a, b, second, 5.0 + 10.0 * uniform(&mut rng));
+        let angle = |exponent| spectrum.peaks(temper(exponent))[0].map(|peak| peak.angle_rad);
+        let sharp = angle(1.0);
+        assert!(apart(sharp.unwrap().to_degrees(), a).abs() < 1.0);
+        for exponent in [0.1, 0.2, 0.5] {
+            // One that is flat by its temper has none.
+            assert!(angle(exponent).is_none_or(|same| Some(same) == sharp));
         }
     }
 }

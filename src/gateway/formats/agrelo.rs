@@ -3,9 +3,9 @@
 use super::format::{Format, Layout, Reading, Sentence};
 use super::{Config as All, Finder};
 use crate::ConfigError;
+use crate::gateway::config::{SigmaTable, preset};
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sentence::decimal;
-use crate::gateway::sigma::{self, SigmaTable};
 
 pub(super) const EXAMPLE: &str = "%270/9";
 
@@ -44,7 +44,7 @@ impl Default for Config {
 /// Half of the beam width that the digit stands for in APRS, from which the form comes: less than 240 degrees for 1, 120
 /// for 2, 64 for 3 and half of the one before from there on (APRS Protocol Reference 1.0.1, chapter 7). No less than 2
 /// degrees, as nothing on a car is better.
-pub const SIGMAS: SigmaTable = sigma::preset(&[
+pub const SIGMAS: SigmaTable = preset(&[
     (100.0 / 9.0, 120.0),
     (200.0 / 9.0, 60.0),
     (300.0 / 9.0, 32.0),
@@ -91,7 +91,7 @@ mod tests {
     fn reads_bearing_and_quality() {
         let line = read::<Agrelo>("%270/9", &All::DEFAULT).unwrap();
         assert_eq!(
-            (line.degrees, line.quality, line.time),
+            (line.best.degrees, line.quality, line.time),
             (270.0, 100.0, None)
         );
         let quality = read::<Agrelo>("%000/0", &All::DEFAULT).map(|line| line.quality);

@@ -21,9 +21,9 @@ use super::format::{Format, Layout, Pose, Reading, Sentence};
 use super::{Config as All, Finder, agrelo, nmea};
 use crate::ConfigError;
 use crate::gateway::clock::TimeOfDay;
+use crate::gateway::config::SigmaTable;
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sentence::decimal;
-use crate::gateway::sigma::SigmaTable;
 
 pub(super) const EXAMPLE: &str = "N0CALL>APRS,WIDE1-1:@092345z4903.50N/07201.75W\\088/036/270/729";
 
@@ -160,8 +160,7 @@ impl Format for Aprs {
             // From north, which is where a vehicle that heads there has its bow.
             pose: Some(Pose {
                 place,
-                heading: 0.0,
-                heading_is_course: false,
+                heading: Some(0.0),
             }),
             ..Reading::new(degrees, f32::from(quality) * (100.0 / 9.0), config.sigmas)?
         }))
@@ -221,11 +220,11 @@ mod tests {
             ("!4903.50N/07201.75W\\PHG5132/270/729", None),
         ] {
             let found = reading(report);
-            assert_eq!((found.degrees, found.time), (270.0, time), "{report}");
+            assert_eq!((found.best.degrees, found.time), (270.0, time), "{report}");
             assert!((found.quality - 100.0).abs() < 1e-4);
             let pose = found.pose.unwrap();
             let place = Geodetic::new(490_583_333, -720_291_667).unwrap();
-            assert_eq!((pose.place, pose.heading), (place, 0.0));
+            assert_eq!((pose.place, pose.heading), (place, Some(0.0)));
         }
         // A beam of 32 degrees; and a report whose digits say nothing.
         let quality = |nrq| reading(&format!("=4903.50N/07201.75W\\088/036/270/{nrq}")).quality;

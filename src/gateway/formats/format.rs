@@ -2,10 +2,9 @@
 
 use super::{Config, Finder};
 use crate::aoa::geodesy::Geodetic;
-use crate::aoa::spectrum::Peak;
 use crate::gateway::clock::TimeOfDay;
+use crate::gateway::config::SigmaTable;
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sigma::SigmaTable;
 
 /// What a line says.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,35 +64,46 @@ pub struct Motion {
     pub speed: f32,
 }
 
-/// A bearing as its line gives it.
+/// A bearing as its line gives it, or several that exclude each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
     /// When, if the line says so.
     pub time: Option<TimeOfDay>,
     /// How long before that time it was taken.
     pub latency_ms: u32,
-    /// Clockwise from the bow or from north, in degrees within 0 and 360.
-    pub degrees: f32,
     /// 0 to 100.
     pub quality: f32,
-    /// Standard deviations by that quality, where the format is told.
-    pub sigmas: Option<&'static SigmaTable>,
+    /// The most probable bearing.
+    pub best: Ray,
+    /// The other ones.
+    pub others: [Option<Ray>; 2],
     /// Where, if the line says so.
     pub pose: Option<Pose>,
+    /// So many readings of this line so far stated a heading that was none.
+    pub retracted: u32,
+}
+
+/// One of the bearings of a reading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Clockwise from the bow or from north, within 0 and 360.
+    pub degrees: f32,
+    /// Standard deviation, where the format knows it.
+    pub sigma_rad: Option<f32>,
+    /// Of being the right one, if one of the reading's is.
+    pub probability: f32,
 }
 
 /// Where a direction finder says that it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     pub place: Geodetic,
-    /// Degrees clockwise from north.
-    pub heading: f32,
-    /// It is only known from where the vehicle goes.
-    pub heading_is_course: bool,
+    /// Degrees clockwise from north, within 0 and 360.
+    pub heading: Option<f32>,
 }
 
 impl Reading {
-    /// A bearing without time or place.
+    /// One bearing without time or place.
     ///
     /// # Errors
     /// When the angle is not within 0 and 360 degrees or the quality not within 0 and 100.
@@ -106,10 +116,15 @@ impl Reading {
             Ok(Self {
                 time: None,
                 latency_ms: 0,
-                degrees,
                 quality,
-                sigmas,
+                best: Ray {
+                    degrees,
+                    sigma_rad: sigmas.map(|table| table.sigma_rad(quality)),
+                    probability: 1.0,
+                },
+                others: [None; 2],
                 pose: None,
+                retracted: 0,
             })
         } else {
             Err(Rejected::OutOfRange)
@@ -143,9 +158,6 @@ pub enum Framing {
     Interrupted((u64, u8)),
 }
 
-/// The most peaks of a spectrum, the largest first.
-pub type Peaks = [Option<Peak>; 3];
-
 /// A form of lines. A value of the type is what is known of the line at hand beyond the bytes that are kept.
 pub trait Format {
     /// The direction finder that sends such lines, if it is one.
@@ -154,8 +166,8 @@ pub trait Format {
     const LAYOUT: Layout;
     /// Nothing is known; all bits are zero.
     const EMPTY: Self;
-    /// Whether lines hold spectra that are read.
-    const SPECTRA: bool = false;
+    /// Whether it reads what follows the fields that are kept.
+    const RESTS: bool = false;
     /// Whether lines are binary frames, which no line end ends.
     const FRAMED: bool = false;
 
@@ -183,11 +195,6 @@ pub trait Format {
     /// # Errors
     /// Why the line is of no use.
     fn parse(&mut self, line: &[u8], config: &Config) -> Result<Sentence, Rejected>;
-
-    /// The peaks of the spectrum of the last line, where one is read.
-    fn peaks(&self, _config: &Config) -> Option<Peaks> {
-        None
-    }
 }
 
 /// A set of formats: a tuple of up to eight, such as [`All`](super::All) or `(Nmea, Agrelo)`.
@@ -199,8 +206,8 @@ impl<S: Set> Formats for S {}
 pub trait Set {
     /// Nothing is known; all bits are zero.
     const EMPTY: Self;
-    /// Whether any reads spectra.
-    const SPECTRA: bool;
+    /// Whether any reads what follows the fields that are kept.
+    const RESTS: bool;
     /// Whether any has binary frames.
     const FRAMED: bool;
 
@@ -230,16 +237,13 @@ pub trait Set {
     /// # Errors
     /// Why the line is of no use.
     fn parse(&mut self, which: u8, line: &[u8], config: &Config) -> Result<Sentence, Rejected>;
-
-    /// See [`Format::peaks`].
-    fn peaks(&self, which: u8, config: &Config) -> Option<Peaks>;
 }
 
 macro_rules! sets {
     ($(($($format:ident $place:tt $number:literal),+))+) => {$(
         impl<$($format: Format),+> Set for ($($format,)+) {
             const EMPTY: Self = ($($format::EMPTY,)+);
-            const SPECTRA: bool = false $(|| $format::SPECTRA)+;
+            const RESTS: bool = false $(|| $format::RESTS)+;
             const FRAMED: bool = false $(|| $format::FRAMED)+;
 
             fn which(byte: u8, after: u8) -> u8 {
@@ -304,13 +308,6 @@ macro_rules! sets {
                     $($number if is_heard($format::FINDER) => self.$place.parse(line, config),)+
                     0 => Err(Rejected::Unparsable),
                     _ => Err(Rejected::OtherFinder),
-                }
-            }
-
-            fn peaks(&self, which: u8, config: &Config) -> Option<Peaks> {
-                match which {
-                    $($number => self.$place.peaks(config),)+
-                    _ => None,
                 }
             }
         }

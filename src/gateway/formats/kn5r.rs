@@ -17,9 +17,9 @@ use super::format::{Format, Layout, Reading, Sentence};
 use super::{Config as All, Finder};
 use crate::ConfigError;
 use crate::gateway::clock::TimeOfDay;
+use crate::gateway::config::{SigmaTable, preset};
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sentence::fixed;
-use crate::gateway::sigma::{self, SigmaTable};
 
 /// 346.9 degrees, magnitude 960, tone 84.
 pub(super) const EXAMPLE: &str = "C3469960084001663117493011";
@@ -60,7 +60,7 @@ impl Default for Config {
 
 /// The standard deviation of the single zero crossing, which follows from the mean's length R as sqrt(-2 ln R). That of the
 /// mean of many is less, but for reflections, which are common to all; no less than 3 degrees: an estimate.
-pub const SIGMAS: SigmaTable = sigma::preset(&[
+pub const SIGMAS: SigmaTable = preset(&[
     (20.0, 103.0),
     (40.0, 77.6),
     (60.0, 57.9),
@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn reads_bearing_magnitude_and_time() {
         let line = read::<Kn5r>(EXAMPLE, &All::DEFAULT).unwrap();
-        assert!((line.degrees - 346.9).abs() < 1e-3);
+        assert!((line.best.degrees - 346.9).abs() < 1e-3);
         assert!((line.quality - 96.096).abs() < 1e-3);
         // 1,663,117,493.011 s after 1970: 01:04:53.011 UTC.
         assert_eq!(line.time, TimeOfDay::from_nmea(b"010453.011"));

@@ -3,9 +3,9 @@
 use super::format::{Format, Layout, Reading, Sentence};
 use super::{Config as All, Finder, Sense};
 use crate::ConfigError;
+use crate::gateway::config::{SigmaTable, preset};
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sentence::{columns, fixed};
-use crate::gateway::sigma::{self, SigmaTable};
 
 pub(super) const EXAMPLE: &str = "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"CCF9579B21AE\",\"\",1129320";
 
@@ -69,7 +69,7 @@ impl Default for Config {
 
 /// By the [azimuth](Quality::Azimuth): 5 degrees straight ahead, an estimate, divided by the cosine of the azimuth, as a
 /// flat array has it.
-pub const SIGMAS: SigmaTable = sigma::preset(&[
+pub const SIGMAS: SigmaTable = preset(&[
     (100.0 / 9.0, 28.8),
     (200.0 / 9.0, 14.6),
     (300.0 / 9.0, 10.0),
@@ -160,7 +160,7 @@ mod tests {
     }
 
     fn degrees(line: &str) -> Result<f32, Rejected> {
-        read::<Ublox>(line, &All::DEFAULT).map(|line| line.degrees)
+        read::<Ublox>(line, &All::DEFAULT).map(|line| line.best.degrees)
     }
 
     #[test]
@@ -172,7 +172,10 @@ mod tests {
             ..Config::DEFAULT
         });
         let line = read::<Ublox>(TEN, &other_way).unwrap();
-        assert_eq!((line.degrees, line.quality, line.time), (12.0, 100.0, None));
+        assert_eq!(
+            (line.best.degrees, line.quality, line.time),
+            (12.0, 100.0, None)
+        );
     }
 
     #[test]

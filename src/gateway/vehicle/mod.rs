@@ -4,16 +4,14 @@ use heapless::Vec;
 
 use super::clock::{Clock, TimeOfDay};
 use super::config::Config;
-use super::formats::{All, Formats, Peaks, Reading, Sentence};
+use super::formats::{All, Formats, Reading, Sentence};
 use super::line::LineReader;
 use super::navigation::{Navigation, Receiver};
 use super::outcome::{Counters, Event, Rejected};
 use super::report::{ReportForm, ShortReport};
 use super::search::Search;
-use super::sentence::DEGREES;
 use crate::ConfigError;
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
-use crate::aoa::spectrum::Peak;
 use crate::aoa::{Alternative, Answer, Locate, Observation};
 use crate::snapshot::{self, Error, Persist};
 
@@ -206,16 +204,9 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
         if reading.quality < config.min_quality {
             return Err(Rejected::LowQuality);
         }
-        let peaks = if F::SPECTRA {
-            of.line.peaks(&config.formats)
-        } else {
-            None
-        };
-        let best = match peaks {
-            Some([None, ..]) => return Err(Rejected::LowQuality),
-            Some([best, ..]) => best,
-            None => None,
-        };
+        if reading.retracted > 0 && reading.retracted == self.search.bearings() {
+            self.search.restart();
+        }
         let frame = self.navigation.frame(reading, config)?;
         let plane = self.search.plane_for(frame.place)?;
         let position = plane
@@ -224,22 +215,17 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
         let time_ms = self.search.time_ms(frame.time, config.max_age_ms);
         // No two undated bearings are of one time.
         let time_ms = time_ms.wrapping_add(u32::from(frame.lent));
-        let observe = |degrees: f32, sigma_rad| {
-            Observation::new(time_ms, position, frame.bearing(degrees), sigma_rad)
-                .map(|observation| observation.from_station(port as u8))
-                .map_err(|_| Rejected::OutOfRange)
-        };
-        let of_peak = |peak: Peak| observe(-peak.angle_rad * DEGREES, peak.sigma_rad);
-        let observation = match best {
-            Some(peak) => of_peak(peak)?,
-            None => observe(reading.degrees, sigma_rad(reading, config))?,
-        };
-        let alternatives = match peaks {
-            Some(peaks) if F::SPECTRA => alternatives(peaks, of_peak),
-            _ => Vec::new(),
-        };
+        let mut alternatives: Vec<Alternative, 3> = Vec::new();
+        for ray in reading.others.iter().flatten().chain([&reading.best]) {
+            let sigma_rad = (ray.sigma_rad).unwrap_or_else(|| config.sigma_rad(reading.quality));
+            let observation =
+                Observation::new(time_ms, position, frame.bearing(ray.degrees), sigma_rad)
+                    .map(|observation| observation.from_station(port as u8));
+            let alternative = observation.and_then(|seen| Alternative::new(seen, ray.probability));
+            let _ = alternatives.push(alternative.map_err(|_| Rejected::OutOfRange)?);
+        }
         let at = (frame.time, plane);
-        let answer = self.search.push(at, &observation, &alternatives, config)?;
+        let answer = self.search.push(at, &alternatives, config)?;
         if self.search.is_due(frame.time, config) {
             self.write_answer(config);
         }
@@ -255,30 +241,6 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
         let search = &self.search;
         self.report
             .answer(&search.locator, &config.locator, search.context());
-    }
-}
-
-/// The peaks of a spectrum as bearings that exclude each other, the largest last.
-fn alternatives<E>(
-    [best, second, third]: Peaks,
-    observe: impl Fn(Peak) -> Result<Observation, E>,
-) -> Vec<Alternative, 3> {
-    let mut alternatives = Vec::new();
-    for peak in [second, third, best].into_iter().flatten() {
-        if let Ok(Ok(alternative)) =
-            observe(peak).map(|seen| Alternative::new(seen, peak.probability))
-        {
-            let _ = alternatives.push(alternative);
-        }
-    }
-    alternatives
-}
-
-/// By the table of the format, if it has one.
-fn sigma_rad<C>(reading: &Reading, config: &Config<C>) -> f32 {
-    match reading.sigmas {
-        Some(table) => table.sigma_rad(reading.quality),
-        None => config.sigma_rad(reading.quality),
     }
 }
 

@@ -5,6 +5,7 @@ mod bearings;
 pub mod cost;
 mod counted;
 pub mod evolution;
+pub mod finders;
 pub mod fingerprint;
 pub mod firefly;
 pub mod fish;

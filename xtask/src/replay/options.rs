@@ -36,14 +36,30 @@ enum Reference {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Sense {
+    /// Of a KrakenSDR by its spectra; clockwise of others.
+    Recognised,
     Clockwise,
     CounterClockwise,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Confidence {
-    Percent,
+    /// Up to 1 a fraction, decibels above.
+    Recognised,
     Decibels,
+    Fraction,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Heading {
+    /// By the label, and by whether the KrakenSDR moves.
+    Recognised,
+    /// By GPS only while the KrakenSDR moves.
+    Vehicle,
+    /// As stated, always.
+    Station,
+    /// The compass's, always.
+    Compass,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -65,11 +81,14 @@ pub struct Input {
     #[arg(long, value_enum, default_value_t = Reference::Relative)]
     reference: Reference,
     /// Which way the angles of a KrakenSDR or a u-blox board grow.
-    #[arg(long, value_enum, default_value_t = Sense::Clockwise)]
+    #[arg(long, value_enum, default_value_t = Sense::Recognised)]
     sense: Sense,
     /// What the confidence of a KrakenSDR is.
-    #[arg(long, value_enum, default_value_t = Confidence::Percent)]
+    #[arg(long, value_enum, default_value_t = Confidence::Recognised)]
     confidence: Confidence,
+    /// Which heading of a KrakenSDR holds, and when.
+    #[arg(long, value_enum, default_value_t = Heading::Recognised)]
+    heading: Heading,
     /// The frequency of the source: lines of others from a KrakenSDR are rejected.
     #[arg(long, value_name = "HERTZ", allow_negative_numbers = true)]
     frequency: Option<u32>,
@@ -173,8 +192,14 @@ impl Input {
                 "a --finder other than kraken",
             ),
             (
-                "--confidence decibels",
-                self.confidence == Confidence::Decibels,
+                "--confidence",
+                self.confidence != Confidence::Recognised,
+                only(Finder::Kraken),
+                "a --finder other than kraken",
+            ),
+            (
+                "--heading",
+                self.heading != Heading::Recognised,
                 only(Finder::Kraken),
                 "a --finder other than kraken",
             ),
@@ -198,14 +223,21 @@ impl Input {
         self.ensure_of_use()?;
         let by_device = self.sigmas == Sigmas::Devices;
         let sense = match self.sense {
-            Sense::Clockwise => Turn::Clockwise,
-            Sense::CounterClockwise => Turn::CounterClockwise,
+            Sense::Recognised => None,
+            Sense::Clockwise => Some(Turn::Clockwise),
+            Sense::CounterClockwise => Some(Turn::CounterClockwise),
         };
         let confidence = match self.confidence {
-            Confidence::Percent => kraken::Confidence::Percent,
-            Confidence::Decibels => kraken::Confidence::Decibels,
+            Confidence::Recognised => None,
+            Confidence::Decibels => Some(kraken::Confidence::Decibels),
+            Confidence::Fraction => Some(kraken::Confidence::Fraction),
         };
-        let in_decibels = self.confidence == Confidence::Decibels;
+        let heading = match self.heading {
+            Heading::Recognised => kraken::Heading::Recognised,
+            Heading::Vehicle => kraken::Heading::Vehicle,
+            Heading::Station => kraken::Heading::Station,
+            Heading::Compass => kraken::Heading::Compass,
+        };
         let mut config = gateway::Config {
             reference: match self.reference {
                 Reference::Relative => BearingReference::Relative,
@@ -230,11 +262,11 @@ impl Input {
         formats.kraken = kraken::Config {
             sense,
             confidence,
+            heading,
             frequency_hz: self.frequency,
-            sigmas: (by_device && in_decibels).then_some(&kraken::SIGMAS_BY_DECIBELS),
             ..kraken::Config::DEFAULT
         };
-        formats.ublox.sense = sense;
+        formats.ublox.sense = sense.unwrap_or_default();
         formats.ublox.tag = self.tag;
         if by_device {
             formats.ublox.sigmas = Some(&ublox::SIGMAS);

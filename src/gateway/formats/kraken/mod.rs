@@ -1,90 +1,163 @@
 //! Lines of a KrakenSDR, in its app format.
+//!
+//! Fields are separated by commas and blanks; the line ends with a blank and LF. Read from the sources of its software:
+//! krakenrf/krakensdr_doa (`kraken_sdr_signal_processor.py`) and krakenrf/krakensdr_suite (`doa_logger.cpp`,
+//! `music_processor.cpp`).
+//!
+//! | field | unit | what is made of it |
+//! |---|---|---|
+//! | time | milliseconds since 1970, 13 digits | the end of the interval that the reading was taken over |
+//! | bearing | degrees from the bow, either way round | see [`Sense`]; any turn, so -30 is 330 |
+//! | confidence | maximum over mean of the spectrum, on either scale | see [`Confidence`] |
+//! | power | decibels | nothing |
+//! | frequency | hertz | see [`Config::frequency_hz`] |
+//! | array | `UCA`, `ULA`, `Custom` | nothing |
+//! | latency | milliseconds | the length of that interval: the reading belongs to its middle |
+//! | station | any text, with commas and quotes | nothing |
+//! | latitude, longitude | degrees | the place, unless both are zero or one is `None` or `nan` |
+//! | GPS heading, compass heading | degrees clockwise from north, any turn | the heading, unless it is `None` or `nan` |
+//! | which of them | `GPS` or `Compass` | see [`Heading`] |
+//! | four times `R` | | nothing |
+//! | 360 values | decibels over the least, counter-clockwise from the bow, a degree apart | the sense, the width, whether it is new; by [`KrakenSpectrum`], the bearings |
+//!
+//! Numbers are as Python writes them: `-5e-05`, `433920000.0`. Builds differ:
+//!
+//! | build | sense of the bearing | confidence | latency | headings | |
+//! |---|---|---|---|---|---|
+//! | krakensdr_doa until May 2023 | clockwise, whole degrees | decibels | 100 or the interval | one, twice, by label `GPS` | [`Config::DOA_2022`] |
+//! | until July 2024; branches `wideband`, `development` | counter-clockwise | decibels | the interval | the same | [`Config::DOA_2023`] |
+//! | since then | clockwise | decibels | the interval | the same | [`Config::DOA_2024`] |
+//! | krakensdr_suite | clockwise, whole degrees | a fraction | 0 | of both | [`Config::SUITE_2026`] |
 
+mod line;
 mod spectrum;
 
-use super::format::{Format, Layout, Peaks, Pose, Reading, Sentence};
+use super::format::{Format, Layout, Ray, Reading, Sentence};
 use super::{Config as All, Finder, Sense};
 use crate::ConfigError;
-use crate::aoa::geodesy::Geodetic;
 use crate::aoa::spectrum::{Spectrum, Temper};
 use crate::config::{require, require_all};
 use crate::gateway::clock::TimeOfDay;
+use crate::gateway::config::{SigmaTable, preset};
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence::{columns, decimal, fixed};
-use crate::gateway::sigma::{self, SigmaTable};
-use spectrum::SpectrumReader;
+use crate::gateway::sentence::columns;
+use line::{Fields, Own};
+use spectrum::{Digest, SpectrumReader};
 
-pub(super) const EXAMPLE: &str = "1756823719250, 297, 87.80, -32.5, 433920000, UCA, 112, fox-1, \
-    52.2296756, -21.0122287, 12.5, 341.25, Compass, R, R, R, R";
+pub(super) const EXAMPLE: &str = "1756823719250, 297.0, 7.35, -32.5, 433920000, UCA, 437, fox-1, \
+    52.2296756, -21.0122287, 12.5, 12.5, GPS, R, R, R, R";
 
-/// The largest maximum over mean of a spectrum, in decibels: 360 values of which all but one are zero.
-const LARGEST_DECIBELS: f32 = 25.563_025;
-
-/// The CSV line of the app format, whose first 13 fields are: time in milliseconds since 1970, bearing, confidence, power,
-/// frequency, array, latency, station, latitude, longitude, GPS heading, compass heading, and which of the two is the main
-/// one. The spectrum at its end is skipped.
+/// The CSV line of the app format. Of its spectrum only is kept what tells of the whole: where its maximum is, how wide
+/// it is, and whether it is another than before.
 ///
-/// A latitude and longitude of zero mean that the receiver does not know where it is.
+/// A line whose spectrum is cut or malformed counts as one without, whose sense may not be known.
 #[derive(Debug)]
-pub struct Kraken;
+pub struct Kraken(Device);
 
-/// The same line as for [`Kraken`], with its spectrum read, in 736 bytes: a bearing is what the peaks are, each with its
+/// The same line as for [`Kraken`], with its spectrum read, in 800 bytes: a bearing is what the peaks are, each with its
 /// probability and standard deviation, in place of the one that the line states. A locator that takes no alternatives has
 /// the largest alone.
 ///
-/// The 360 values are decibels over the lowest, counter-clockwise from the array's axis, a degree apart. (So they are in
-/// every version of krakensdr_doa that writes this line, whichever way its bearing counts.) A line with more or fewer or
-/// with one that is no such number, or above [`Spectrum::MAX_DECIBELS`], is [`Rejected::Unparsable`]; one without a peak,
-/// flat or as good as flat, is [`Rejected::LowQuality`].
+/// A line with more or fewer than 360 values or with one that is no such number, or above [`Spectrum::MAX_DECIBELS`], is
+/// [`Rejected::Unparsable`]; one without a peak, flat or as good as flat, is [`Rejected::LowQuality`].
 #[derive(Debug)]
-pub struct KrakenSpectrum(SpectrumReader);
+pub struct KrakenSpectrum {
+    device: Device,
+    spectrum: Spectrum,
+}
 
 impl KrakenSpectrum {
     /// The spectrum of the last line, if [whole](Spectrum::is_whole).
     pub const fn spectrum(&self) -> &Spectrum {
-        self.0.spectrum()
+        &self.spectrum
     }
 }
 
-/// What the format is told. Builds of the KrakenSDR's software differ in the sense of a bearing and the scale of its
-/// confidence.
+/// What the format is told. The default recognises what a line leaves open from the lines themselves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Config {
-    /// Direction in which bearings grow.
-    pub sense: Sense,
-    /// Scale of the confidence.
-    pub confidence: Confidence,
+    /// Direction in which bearings grow. `None` compares them with the maxima of their spectra, which are
+    /// counter-clockwise in every build; a reading of which it cannot be told yet is two bearings that exclude each other.
+    pub sense: Option<Sense>,
+    /// Scale of the confidence, for lines without a whole spectrum. `None` takes up to 1 for a fraction and what is above
+    /// for decibels.
+    pub confidence: Option<Confidence>,
+    /// The interval that a reading is taken over, in place of the latency that the line states: krakensdr_suite states 0.
+    pub interval_ms: Option<u32>,
+    /// Which heading holds, and when.
+    pub heading: Heading,
     /// The frequency of the source: a KrakenSDR with several channels sends a line for each, and those of another
     /// frequency are rejected as [`Rejected::OtherFrequency`]. `None` reads lines of every frequency.
     pub frequency_hz: Option<u32>,
-    /// Standard deviations by the quality, such as [`SIGMAS_BY_DECIBELS`], in place of those of
-    /// [`gateway::Config`](crate::gateway::Config).
+    /// Standard deviations by the quality, which is how far the maximum of the spectrum is above its mean, in percent of
+    /// the maximum: 0 of a flat one, 99.7 of a needle. `None` takes those of [`gateway::Config`](crate::gateway::Config).
     pub sigmas: Option<&'static SigmaTable>,
-    /// The power to which a spectrum is raised to become a likelihood: see [`spectrum`](crate::aoa::spectrum).
+    /// The power to which a [spectrum](crate::aoa::spectrum) is raised for the probabilities of its peaks.
     pub temper: Temper,
 }
 
-/// Scale of the confidence of a KrakenSDR.
+/// Scale of the confidence of a KrakenSDR: of the maximum of the spectrum over its mean, `m`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Confidence {
-    /// 0 to 100, taken as the quality.
+    /// `10 log10(m)`, of at most 25.6.
     #[default]
-    Percent,
-    /// The maximum of the spectrum over its mean, in decibels. The most that its 360 values allow, 25.6, is
-    /// taken as quality 100 and 0 as quality 0, so that a minimum quality of 40 asks for 10.2.
     Decibels,
+    /// `(m - 1) / 3`, of at most 1, which says no more than that `m` is at least 4.
+    Fraction,
+}
+
+/// Which heading of a KrakenSDR's line holds, and when. The one by its GPS is a course or a number that somebody has
+/// entered, or that nobody has: it is zero then.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Heading {
+    /// The one that the line names. By GPS, it holds while the KrakenSDR moves; of one that has never moved, if it has
+    /// never changed and is not zero. Before a second has shown whether it moves, it holds, and if it then was none, what
+    /// rested on it is [taken back](crate::gateway::Vehicle::restart).
+    #[default]
+    Recognised,
+    /// The one that the line names; by GPS only while the KrakenSDR moves.
+    Vehicle,
+    /// The one that the line names, always: of a fixed station, or by a receiver with two antennas.
+    Station,
+    /// The compass's, always, whichever the line names.
+    Compass,
 }
 
 impl Config {
-    /// Clockwise, in percent, every frequency.
+    /// Recognises the build; every frequency.
     pub const DEFAULT: Self = Self {
-        sense: Sense::Clockwise,
-        confidence: Confidence::Percent,
+        sense: None,
+        confidence: None,
+        interval_ms: None,
+        heading: Heading::Recognised,
         frequency_hz: None,
-        sigmas: None,
-        temper: Temper::DEFAULT,
+        sigmas: Some(&SIGMAS),
+        temper: Temper { exponent: 0.5 },
+    };
+
+    /// krakensdr_doa of May 2022 to May 2023.
+    pub const DOA_2022: Self = Self {
+        sense: Some(Sense::Clockwise),
+        confidence: Some(Confidence::Decibels),
+        ..Self::DEFAULT
+    };
+
+    /// krakensdr_doa of May 2023 to July 2024, and its branches `wideband` and `development`.
+    pub const DOA_2023: Self = Self {
+        sense: Some(Sense::CounterClockwise),
+        ..Self::DOA_2022
+    };
+
+    /// krakensdr_doa since July 2024.
+    pub const DOA_2024: Self = Self::DOA_2022;
+
+    /// krakensdr_suite, which reads for about half a second.
+    pub const SUITE_2026: Self = Self {
+        confidence: Some(Confidence::Fraction),
+        ..Self::DOA_2022
     };
 
     /// Checks all fields.
@@ -95,6 +168,10 @@ impl Config {
         require!(
             !matches!(self.frequency_hz, Some(0)),
             "frequency_hz is not above zero"
+        );
+        require!(
+            !matches!(self.interval_ms, Some(60_001..)),
+            "interval_ms is more than a minute"
         );
         require_all!(self.temper);
         Ok(())
@@ -107,18 +184,20 @@ impl Default for Config {
     }
 }
 
-/// By a confidence in [decibels](Confidence::Decibels): users read 1 to 2 dB without any signal and 6 to 11 with one. A
-/// right angle up to 2 dB, then from 10 degrees at 6 to 3 at 11; these degrees are an estimate.
-pub const SIGMAS_BY_DECIBELS: SigmaTable = sigma::preset(&[
-    (2.0 * PER_DECIBEL, 90.0),
-    (4.0 * PER_DECIBEL, 25.0),
-    (6.0 * PER_DECIBEL, 10.0),
-    (11.0 * PER_DECIBEL, 3.0),
+/// By simulations of a circle of five antennas, 0.2 to 0.42 wavelengths in radius, of 10 to 30 dB, with one reflection of
+/// 0.2 to 0.6 from anywhere: the standard deviations that hold 95 % of the errors of MUSIC, Capon and Bartlett within
+/// 1.96 of them. No less than 2 degrees, as nothing on a car is better.
+pub const SIGMAS: SigmaTable = preset(&[
+    (50.0, 8.5),
+    (68.0, 7.5),
+    (80.0, 7.0),
+    (90.0, 6.0),
+    (95.8, 4.5),
+    (98.0, 3.0),
+    (99.7, 2.0),
 ]);
 
-/// The quality that stands for a decibel.
-const PER_DECIBEL: f32 = 100.0 / LARGEST_DECIBELS;
-
+/// Lines hold the name of a station, with whatever is in it.
 const LAYOUT: Layout = Layout {
     longest: 8_192,
     fields: 17,
@@ -132,29 +211,149 @@ fn is_in_station(line: &[u8], _byte: u8) -> bool {
     commas == 7 && columns(line).is_some_and(|[time]| time.iter().all(u8::is_ascii_digit))
 }
 
-impl Format for Kraken {
-    const FINDER: Option<Finder> = Some(Finder::Kraken);
-    const LAYOUT: Layout = LAYOUT;
-    const EMPTY: Self = Self;
+/// What is known of a KrakenSDR by its lines so far.
+#[derive(Debug)]
+struct Device {
+    spectrum: SpectrumReader,
+    /// Lines that tell that bearings are clockwise, less those that tell that they are not.
+    votes: i8,
+    /// Hashes of the last spectra, and when each came first, in milliseconds after midnight.
+    seen: [(u32, u32); 4],
+    /// Counts them.
+    next: u8,
+    own: Own,
+}
 
-    fn begins(byte: u8) -> bool {
-        byte.is_ascii_digit()
+impl Device {
+    const EMPTY: Self = Self {
+        spectrum: SpectrumReader::EMPTY,
+        votes: 0,
+        seen: [(0, 0); 4],
+        next: 0,
+        own: Own::EMPTY,
+    };
+
+    /// The reading of a line whose spectrum has ended.
+    #[inline(never)]
+    fn reading(&mut self, line: &[u8], config: &Config) -> Result<Reading, Rejected> {
+        let fields = Fields::of(line).ok_or(Rejected::Unparsable)?;
+        if config.frequency_hz.is_some() && fields.frequency_hz()? != config.frequency_hz {
+            return Err(Rejected::OtherFrequency);
+        }
+        let time = fields.time()?;
+        let stated = fields.bearing()?;
+        let interval_ms = config.interval_ms.map_or_else(|| fields.latency_ms(), Ok)?;
+        let digest = self.spectrum.digest().copied();
+        let quality = match &digest {
+            Some(digest) => 100.0 - digest.width * (100.0 / 360.0),
+            None => fields.quality(config.confidence)?,
+        };
+        let pose = fields.pose(time, config.heading, &mut self.own)?;
+        if digest.is_some_and(|digest| self.repeats(digest.hash, time)) {
+            return Err(Rejected::Frozen);
+        }
+        let clockwise = match config.sense {
+            Some(Sense::Clockwise) => 1.0,
+            Some(Sense::CounterClockwise) => 0.0,
+            None => self.clockwise(stated, digest.as_ref()),
+        };
+        let mut reading = Reading::new(stated, quality.max(0.0), config.sigmas)?;
+        reading.time = Some(time);
+        reading.latency_ms = interval_ms / 2;
+        reading.pose = pose;
+        reading.retracted = self.own.retracted();
+        either_way(&mut reading, clockwise);
+        Ok(reading)
     }
 
-    fn continues(byte: u8) -> bool {
-        byte.is_ascii_digit()
+    /// Whether this spectrum came at another time before.
+    fn repeats(&mut self, hash: u32, time: TimeOfDay) -> bool {
+        let time_ms = time.milliseconds();
+        for (known, first_ms) in &self.seen {
+            if *known == hash {
+                return *first_ms != time_ms;
+            }
+        }
+        if let Some(oldest) = self.seen.get_mut(usize::from(self.next & 3)) {
+            *oldest = (hash, time_ms);
+        }
+        self.next = self.next.wrapping_add(1);
+        false
     }
 
-    fn parse(&mut self, line: &[u8], config: &All) -> Result<Sentence, Rejected> {
-        reading(line, &config.kraken).map(Sentence::Reading)
+    /// The probability that a bearing of so many degrees counts clockwise, by its own spectrum and those before.
+    fn clockwise(&mut self, stated: f32, digest: Option<&Digest>) -> f32 {
+        /// So many lines outweigh all before: fewer follow a few damaged ones, more keep a wrong sense for longer.
+        const MOST: i8 = 4;
+        let vote = digest.map_or(0, |digest| vote(stated, f32::from(digest.top)));
+        self.votes = (self.votes + vote).clamp(-MOST, MOST);
+        match vote * self.votes {
+            1.. => f32::from(u8::from(vote > 0)),
+            // Those before told otherwise than this line.
+            _ if vote != 0 => 0.5 - 0.1 * f32::from(vote),
+            _ => match self.votes {
+                2.. => 1.0,
+                1 => 0.9,
+                // Most builds in use are clockwise.
+                0 => 0.7,
+                -1 => 0.1,
+                _ => 0.0,
+            },
+        }
     }
 }
 
-impl Format for KrakenSpectrum {
+/// Whether a bearing is the maximum of its spectrum, at so many degrees counter-clockwise, when it is taken for clockwise
+/// (1) or when it is not (-1); 0 if either or neither.
+fn vote(stated: f32, top: f32) -> i8 {
+    /// A bearing and the maximum are of one grid; some builds cut what others round, or interpolate.
+    const NEAR: f32 = 4.0;
+    const FAR: f32 = 12.0;
+    let (otherwise, clockwise) = (apart(stated, top), apart(stated, 360.0 - top));
+    if clockwise <= NEAR && otherwise >= FAR {
+        1
+    } else if otherwise <= NEAR && clockwise >= FAR {
+        -1
+    } else {
+        0
+    }
+}
+
+/// Degrees between two directions within 0 and 360.
+fn apart(one: f32, other: f32) -> f32 {
+    let turn = (one - other).abs();
+    if turn > 180.0 { 360.0 - turn } else { turn }
+}
+
+/// Makes the bearing of a reading two, of which one counts clockwise, with this probability.
+fn either_way(reading: &mut Reading, clockwise: f32) {
+    /// Degrees between two bearings that are one: there either sense is as good.
+    const ONE: f32 = 20.0;
+    let best = &mut reading.best;
+    let mut other = Ray {
+        degrees: 360.0 - best.degrees,
+        probability: 1.0 - clockwise,
+        ..*best
+    };
+    best.probability = clockwise;
+    if clockwise < 0.5 {
+        core::mem::swap(best, &mut other);
+    }
+    let turn = apart(best.degrees, other.degrees);
+    if turn > ONE && other.probability > 0.0 {
+        reading.others = [Some(other), None];
+    } else {
+        let more = other.probability * turn.to_radians();
+        best.sigma_rad = best.sigma_rad.map(|sigma| sigma + more);
+        best.probability = 1.0;
+    }
+}
+
+impl Format for Kraken {
     const FINDER: Option<Finder> = Some(Finder::Kraken);
     const LAYOUT: Layout = LAYOUT;
-    const EMPTY: Self = Self(SpectrumReader::EMPTY);
-    const SPECTRA: bool = true;
+    const EMPTY: Self = Self(Device::EMPTY);
+    const RESTS: bool = true;
 
     fn begins(byte: u8) -> bool {
         byte.is_ascii_digit()
@@ -165,225 +364,71 @@ impl Format for KrakenSpectrum {
     }
 
     fn begin(&mut self) {
-        self.0.begin();
+        self.0.spectrum.begin();
     }
 
     fn rest(&mut self, byte: u8) {
-        self.0.take(byte);
+        self.0.spectrum.take(byte);
     }
 
     fn parse(&mut self, line: &[u8], config: &All) -> Result<Sentence, Rejected> {
-        let reading = reading(line, &config.kraken)?;
-        if !self.0.end() {
-            return Err(Rejected::Unparsable);
-        }
+        self.0.spectrum.end();
+        let reading = self.0.reading(line, &config.kraken)?;
         Ok(Sentence::Reading(reading))
     }
-
-    fn peaks(&self, config: &All) -> Option<Peaks> {
-        Some(self.0.spectrum().peaks(config.kraken.temper))
-    }
 }
 
-#[inline(never)]
-fn reading(line: &[u8], config: &Config) -> Result<Reading, Rejected> {
-    let mut fields: [&[u8]; 13] = columns(line).ok_or(Rejected::Unparsable)?;
-    for field in &mut fields {
-        *field = trim(field);
-    }
-    let [
-        time,
-        bearing,
-        confidence,
-        _power,
-        frequency,
-        _array,
-        latency,
-        _station,
-        pose @ ..,
-    ] = fields;
+impl Format for KrakenSpectrum {
+    const FINDER: Option<Finder> = Some(Finder::Kraken);
+    const LAYOUT: Layout = LAYOUT;
+    const EMPTY: Self = Self {
+        device: Device::EMPTY,
+        spectrum: Spectrum::new(),
+    };
+    const RESTS: bool = true;
 
-    if let Some(wanted) = config.frequency_hz {
-        let frequency = fixed(frequency, 0).ok_or(Rejected::Unparsable)?;
-        if frequency != i64::from(wanted) {
-            return Err(Rejected::OtherFrequency);
+    fn begins(byte: u8) -> bool {
+        byte.is_ascii_digit()
+    }
+
+    fn continues(byte: u8) -> bool {
+        byte.is_ascii_digit()
+    }
+
+    fn begin(&mut self) {
+        self.device.spectrum.begin();
+        self.spectrum.clear();
+    }
+
+    fn rest(&mut self, byte: u8) {
+        if let Some(level) = self.device.spectrum.take(byte) {
+            let _ = self.spectrum.push_level(level);
         }
     }
-    let digits = time.len() == 13 && time.iter().all(u8::is_ascii_digit);
-    let time = fixed(time, 0)
-        .filter(|_| digits)
-        .map(TimeOfDay::from_epoch)
-        .ok_or(Rejected::Unparsable)?;
-    let latency = u32::try_from(fixed(latency, 0).ok_or(Rejected::Unparsable)?);
-    let latency_ms = latency.map_err(|_| Rejected::OutOfRange)?;
-    let pose = pose_of(pose)?;
-    let degrees = match config.sense {
-        Sense::Clockwise => number(bearing)?,
-        Sense::CounterClockwise => 360.0 - number(bearing)?,
-    };
-    let quality = match config.confidence {
-        Confidence::Percent => number(confidence)?,
-        Confidence::Decibels => number(confidence)? * PER_DECIBEL,
-    };
-    Ok(Reading {
-        time: Some(time),
-        latency_ms,
-        pose,
-        ..Reading::new(degrees, quality, config.sigmas)?
-    })
-}
 
-/// From latitude, longitude, the two headings, and which of them is the main one.
-fn pose_of(fields: [&[u8]; 5]) -> Result<Option<Pose>, Rejected> {
-    let [latitude, longitude, gps, compass, main] = fields;
-    let degrees_e7 = |text| {
-        let value = fixed(text, 7).ok_or(Rejected::Unparsable)?;
-        i32::try_from(value).map_err(|_| Rejected::OutOfRange)
-    };
-    let (latitude, longitude) = (degrees_e7(latitude)?, degrees_e7(longitude)?);
-    if (latitude, longitude) == (0, 0) {
-        return Ok(None);
+    fn parse(&mut self, line: &[u8], config: &All) -> Result<Sentence, Rejected> {
+        if let Some(level) = self.device.spectrum.end() {
+            let _ = self.spectrum.push_level(level);
+        }
+        let config = &config.kraken;
+        let mut reading = self.device.reading(line, config)?;
+        if self.device.spectrum.digest().is_none() {
+            return Err(Rejected::Unparsable);
+        }
+        let peaks = (self.spectrum).peaks_of_sigma(config.temper, reading.best.sigma_rad);
+        let [best, others @ ..] = peaks.map(|peak| {
+            let peak = peak?;
+            Some(Ray {
+                degrees: line::turned(-peak.angle_rad.to_degrees()),
+                sigma_rad: Some(peak.sigma_rad),
+                probability: peak.probability,
+            })
+        });
+        reading.best = best.ok_or(Rejected::LowQuality)?;
+        reading.others = others;
+        Ok(Sentence::Reading(reading))
     }
-    let place = Geodetic::new(latitude, longitude).map_err(|_| Rejected::OutOfRange)?;
-    let heading_is_course = main != b"Compass";
-    let heading = number(if heading_is_course { gps } else { compass })?;
-    if !(0.0..=360.0).contains(&heading) {
-        return Err(Rejected::OutOfRange);
-    }
-    Ok(Some(Pose {
-        place,
-        heading,
-        heading_is_course,
-    }))
-}
-
-fn number(text: &[u8]) -> Result<f32, Rejected> {
-    decimal(text).ok_or(Rejected::Unparsable)
-}
-
-/// Takes the blanks off both ends of a field. Once in flash is enough, and not unrolled.
-#[inline(never)]
-fn trim(mut field: &[u8]) -> &[u8] {
-    while let [b' ', rest @ ..] | [rest @ .., b' '] = field {
-        field = rest;
-    }
-    field
 }
 
 #[cfg(test)]
-mod tests {
-    extern crate std;
-    use super::*;
-    use crate::gateway::formats::tests::read;
-    use std::{format, string::String, vec::Vec};
-
-    fn line(text: &str) -> Result<Reading, Rejected> {
-        with(text, Config::DEFAULT)
-    }
-
-    fn with(text: &str, kraken: Config) -> Result<Reading, Rejected> {
-        let config = All {
-            kraken,
-            ..All::DEFAULT
-        };
-        read::<Kraken>(text, &config)
-    }
-
-    #[test]
-    fn reads_the_fields_before_the_spectrum() {
-        let line = line(EXAMPLE).unwrap();
-        assert_eq!(line.time, TimeOfDay::from_nmea(b"143519.25"));
-        assert_eq!((line.degrees, line.quality), (297.0, 87.8));
-        assert_eq!(line.latency_ms, 112);
-        let place = Geodetic::new(522_296_756, -210_122_287).unwrap();
-        assert_eq!(
-            line.pose,
-            Some(Pose {
-                place,
-                heading: 341.25,
-                heading_is_course: false,
-            })
-        );
-    }
-
-    #[test]
-    fn refuses_malformed_fields() {
-        let with = |field: usize, text: &str| {
-            let mut fields: Vec<&str> = EXAMPLE.split(',').collect();
-            fields[field] = text;
-            let changed: String = fields.join(",");
-            line(&changed)
-        };
-        let pose = with(12, "GPS").unwrap().pose.unwrap();
-        assert_eq!((pose.heading, pose.heading_is_course), (12.5, true));
-        // On the equator, or on the meridian of Greenwich, but not on both.
-        assert!(with(8, "0.0").unwrap().pose.is_some());
-        for (field, text, reason) in [
-            (0, "1756823719", Rejected::Unparsable),
-            (0, "175682371925x", Rejected::Unparsable),
-            (0, "17568237192.5", Rejected::Unparsable),
-            (0, "1756823719250.0", Rejected::Unparsable),
-            (1, "361", Rejected::OutOfRange),
-            (1, "-1", Rejected::OutOfRange),
-            (1, "nan", Rejected::Unparsable),
-            (2, "101", Rejected::OutOfRange),
-            (2, "", Rejected::Unparsable),
-            (6, "x", Rejected::Unparsable),
-            (6, "-1", Rejected::OutOfRange),
-            (8, "90.0000001", Rejected::OutOfRange),
-            (8, "522296756", Rejected::OutOfRange),
-            (9, "-180.1", Rejected::OutOfRange),
-            (9, "E21", Rejected::Unparsable),
-            (11, "400", Rejected::OutOfRange),
-            (11, "inf", Rejected::Unparsable),
-        ] {
-            assert_eq!(with(field, text), Err(reason), "field {field} {text}");
-        }
-        let nowhere = "1756823719250,5,50,-30,1,UCA,1,x,0.0,0,nan,nan,GPS";
-        assert_eq!(line(nowhere).unwrap().pose, None);
-        assert_eq!(line("1756823719250,5,50"), Err(Rejected::Unparsable));
-    }
-
-    #[test]
-    fn builds_differ_in_sense_and_confidence() {
-        let turned = Config {
-            sense: Sense::CounterClockwise,
-            ..Config::DEFAULT
-        };
-        assert_eq!(with(EXAMPLE, turned).unwrap().degrees, 63.0);
-
-        let config = Config {
-            confidence: Confidence::Decibels,
-            ..Config::DEFAULT
-        };
-        let quality = |decibels: &str| {
-            let line = format!("1756823719250,5,{decibels},-30,1,UCA,1,x,0,0,0,0,GPS");
-            with(&line, config).map(|line| line.quality)
-        };
-        assert_eq!(quality("0"), Ok(0.0));
-        assert!((quality("10.2252").unwrap() - 40.0).abs() < 0.01);
-        assert!((quality("25.56").unwrap() - 100.0).abs() < 0.02);
-        assert_eq!(quality("26"), Err(Rejected::OutOfRange));
-        assert_eq!(quality("-1"), Err(Rejected::OutOfRange));
-    }
-
-    #[test]
-    fn only_the_wanted_frequency_is_read() {
-        let at = |text: &str, hertz| {
-            let config = Config {
-                frequency_hz: Some(hertz),
-                ..Config::DEFAULT
-            };
-            with(text, config)
-        };
-        assert!(at(EXAMPLE, 433_920_000).is_ok());
-        assert_eq!(at(EXAMPLE, 433_920_001), Err(Rejected::OtherFrequency));
-        let unnamed = "1756823719250,5,50,-30,UHF,UCA,1,x,0,0,0,0,GPS";
-        assert_eq!(at(unnamed, 1), Err(Rejected::Unparsable));
-        let none = Config {
-            frequency_hz: Some(0),
-            ..Config::DEFAULT
-        };
-        assert_eq!(none.check().unwrap_err().field(), "frequency_hz");
-    }
-}
+mod tests;

@@ -1,97 +1,153 @@
 //! The spectrum at the end of a KrakenSDR's line, read as its bytes arrive.
 
-use crate::aoa::spectrum::Spectrum;
+use core::f32::consts::LN_10;
 
-/// Reads the values of one line after the other.
+use crate::aoa::spectrum::Spectrum;
+use crate::math::exp_of_weight;
+
+/// Reads the values of one line after the other, and keeps what tells of their whole.
 #[derive(Debug, Clone)]
 pub(super) struct SpectrumReader {
-    spectrum: Spectrum,
-    value: Value,
+    digest: Digest,
+    stage: Stage,
+    /// The digits of the number so far, no more than two of them after the point.
+    digits: u32,
+    /// How many of them are after it.
+    decimals: u8,
     malformed: bool,
 }
 
-/// A number so far.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Value {
-    /// Nothing, or blanks.
-    Blank,
-    /// Digits before the point, as hundredths.
-    Whole(u32),
-    /// Digits after it: what the next counts for, and the sum.
-    Decimals(u32, u32),
-    /// Blanks after it.
-    Ended(u32),
+/// What is kept of a spectrum whose values are not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Digest {
+    count: u16,
+    /// The highest level, in hundredths of a decibel.
+    highest: u16,
+    /// Degrees of the first value that is as high, counter-clockwise from the bow.
+    pub top: u16,
+    /// The sum of all powers over the highest: the degrees of a peak without flanks that is as high and holds as much.
+    pub width: f32,
+    /// The same for the same values, and next to never for others; zero before the first.
+    pub hash: u32,
 }
 
-/// No level is as high.
-const LIMIT: u32 = Spectrum::MAX_LEVEL as u32;
+/// How far a number has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    /// Nothing, or blanks.
+    Blank,
+    /// A letter that stands before the values.
+    Reserved,
+    /// Digits before the point.
+    Whole,
+    /// Digits after it.
+    Decimals,
+    /// Blanks after it.
+    Ended,
+}
+
+impl Digest {
+    const EMPTY: Self = Self {
+        count: 0,
+        highest: 0,
+        top: 0,
+        width: 0.0,
+        hash: 0,
+    };
+
+    fn push(&mut self, level: u16) {
+        /// From hundredths of a decibel to nepers of power.
+        const SCALE: f32 = LN_10 / 1_000.0;
+        let below = exp_of_weight(-SCALE * f32::from(level.abs_diff(self.highest)));
+        if level > self.highest {
+            self.highest = level;
+            self.top = self.count;
+            self.width = self.width * below + 1.0;
+        } else {
+            self.width += below;
+        }
+        // By Fowler, Noll and Vo, of levels in place of bytes.
+        self.hash = (self.hash ^ u32::from(level) ^ 0x811c_9dc5).wrapping_mul(0x0100_0193);
+        self.count = self.count.saturating_add(1);
+    }
+}
 
 impl SpectrumReader {
     pub const EMPTY: Self = Self {
-        spectrum: Spectrum::new(),
-        value: Value::Blank,
+        digest: Digest::EMPTY,
+        stage: Stage::Blank,
+        digits: 0,
+        decimals: 0,
         malformed: false,
     };
 
-    /// The spectrum of the last line, if [whole](Spectrum::is_whole).
-    pub const fn spectrum(&self) -> &Spectrum {
-        &self.spectrum
-    }
-
     /// A line begins.
     pub fn begin(&mut self) {
-        self.spectrum.clear();
-        self.value = Value::Blank;
-        self.malformed = false;
+        *self = Self::EMPTY;
     }
 
-    /// Takes the next byte, from the one after the comma that ends the fields on.
-    pub fn take(&mut self, byte: u8) {
-        match (byte, self.value) {
-            (b',', _) => self.finish(),
-            (b'0'..=b'9', _) => self.digit(u32::from(byte - b'0')),
-            (b'.', Value::Whole(sum)) => self.value = Value::Decimals(100, sum),
-            (b' ', Value::Blank | Value::Ended(_)) => {}
-            (b' ', Value::Whole(sum) | Value::Decimals(_, sum)) => self.value = Value::Ended(sum),
-            _ => self.malformed = true,
-        }
-    }
-
-    /// The line has ended: whether its spectrum was whole and well-formed.
-    pub fn end(&mut self) -> bool {
-        self.finish();
-        !self.malformed && self.spectrum.is_whole()
-    }
-
-    fn finish(&mut self) {
-        let value = match self.value {
-            Value::Blank => None,
-            Value::Whole(sum) | Value::Decimals(_, sum) | Value::Ended(sum) => {
-                u16::try_from(sum).ok()
+    /// Takes a byte of what follows the fields that are kept, and gives the level that ends with it, in hundredths of a decibel.
+    #[inline(never)]
+    pub fn take(&mut self, byte: u8) -> Option<u16> {
+        self.stage = match (byte, self.stage) {
+            (b',', _) => return self.finish(),
+            (b'0'..=b'9', Stage::Blank | Stage::Whole | Stage::Decimals) => {
+                return self.digit(byte - b'0');
             }
-        };
-        self.malformed |= value.is_none_or(|level| self.spectrum.push_level(level).is_err());
-        self.value = Value::Blank;
-    }
-
-    fn digit(&mut self, digit: u32) {
-        self.value = match self.value {
-            Value::Blank => Value::Whole(100 * digit),
-            Value::Whole(sum) if sum <= LIMIT => Value::Whole(10 * sum + 100 * digit),
-            Value::Decimals(weight, sum) => {
-                let part = match weight {
-                    0 => 0,
-                    // The first digit too many rounds.
-                    1 => u32::from(digit >= 5),
-                    weight => digit * (weight / 10),
-                };
-                Value::Decimals(weight / 10, sum + part)
-            }
-            other => {
+            (b'.', Stage::Whole) => Stage::Decimals,
+            (b' ', Stage::Whole | Stage::Decimals) => Stage::Ended,
+            (b' ', same) => same,
+            // Where a name has commas of its own, the reserved fields are not among those that are kept.
+            (b'R', Stage::Blank) if self.digest.count == 0 => Stage::Reserved,
+            (_, same) => {
                 self.malformed = true;
-                other
+                same
             }
         };
+        None
+    }
+
+    fn digit(&mut self, digit: u8) -> Option<u16> {
+        if self.stage != Stage::Decimals {
+            self.stage = Stage::Whole;
+        } else if self.decimals < 2 {
+            self.decimals += 1;
+        } else {
+            return None;
+        }
+        self.digits = self.digits.saturating_mul(10);
+        self.digits = self.digits.saturating_add(u32::from(digit));
+        None
+    }
+
+    /// The line has ended: gives the last level.
+    pub fn end(&mut self) -> Option<u16> {
+        self.finish()
+    }
+
+    /// What is known of the spectrum, after [`Self::end`], if it was well-formed and whole.
+    pub fn digest(&self) -> Option<&Digest> {
+        let whole = usize::from(self.digest.count) == Spectrum::CELLS;
+        (whole && !self.malformed).then_some(&self.digest)
+    }
+
+    #[inline(never)]
+    fn finish(&mut self) -> Option<u16> {
+        let stage = core::mem::replace(&mut self.stage, Stage::Blank);
+        let scale = match self.decimals {
+            0 => 100,
+            1 => 10,
+            _ => 1,
+        };
+        let level = self.digits.saturating_mul(scale);
+        (self.digits, self.decimals) = (0, 0);
+        if stage == Stage::Reserved {
+            return None;
+        }
+        self.malformed |= stage == Stage::Blank || level > u32::from(Spectrum::MAX_LEVEL);
+        let level = u16::try_from(level).ok().filter(|_| !self.malformed)?;
+        self.digest.push(level);
+        Some(level)
     }
 }
 
@@ -101,35 +157,36 @@ mod tests {
     use super::*;
     use std::{format, string::String, vec::Vec};
 
-    fn read(text: &str) -> Option<Spectrum> {
+    fn read(text: &str) -> Option<(Vec<u16>, Digest)> {
         let mut reader = SpectrumReader::EMPTY;
         // What stands there is forgotten.
         reader.take(b'x');
         reader.begin();
-        text.bytes().for_each(|byte| reader.take(byte));
-        reader.end().then(|| reader.spectrum().clone())
+        let mut levels: Vec<u16> = text.bytes().filter_map(|byte| reader.take(byte)).collect();
+        levels.extend(reader.end());
+        reader.digest().map(|digest| (levels, *digest))
     }
 
-    fn with(first: &str) -> Option<Spectrum> {
-        read(&format!("{first}{}", ", 1.25".repeat(359)))
+    fn with(first: &str) -> Option<u16> {
+        let (levels, _) = read(&format!("{first}{}", ", 1.25".repeat(359)))?;
+        assert!(levels.len() == 360 && levels[1..].iter().all(|level| *level == 125));
+        Some(levels[0])
     }
 
     #[test]
     fn values_are_read_as_hundredths() {
-        for (text, decibels) in [
-            ("0", 0.0),
-            (" 0.00", 0.0),
-            ("12.34", 12.34),
-            ("  7. ", 7.0),
-            ("7.5", 7.5),
-            ("99.995", 100.0),
-            ("99.99499999999999999999", 99.99),
-            ("600", 600.0),
+        for (text, level) in [
+            ("0", 0),
+            (" 0.00", 0),
+            ("12.34", 1_234),
+            ("  7. ", 700),
+            ("7.5", 750),
+            ("99.995", 9_999),
+            ("99.99499999999999999999", 9_999),
+            ("600", 60_000),
+            (" R, R,3", 300),
         ] {
-            let mut exact = Spectrum::new();
-            exact.push(decibels).unwrap();
-            (0..359).for_each(|_| exact.push(1.25).unwrap());
-            assert_eq!(with(text), Some(exact), "{text}");
+            assert_eq!(with(text), Some(level), "{text}");
         }
     }
 
@@ -143,10 +200,14 @@ mod tests {
             "+1",
             "1.2.3",
             "1 2",
+            "1. 2",
+            ".",
             "nan",
             "inf",
             "1e3",
             "12a",
+            "R1",
+            "RR",
             "600.01",
             "650",
             "655.3",
@@ -161,13 +222,33 @@ mod tests {
         assert!(read(&values[..360].join(",")).is_some());
         assert!(read(&format!("{} ", values[..360].join(", "))).is_some());
         for count in [0, 1, 359, 361] {
-            assert_eq!(read(&values[..count].join(",")), None, "{count}");
+            assert!(read(&values[..count].join(",")).is_none(), "{count}");
         }
-        assert_eq!(read(&format!("{},", values[..360].join(","))), None);
-        assert!(
-            size_of::<SpectrumReader>() <= 744,
-            "{}",
-            size_of::<SpectrumReader>()
-        );
+        assert!(read(&format!("{},", values[..360].join(","))).is_none());
+        assert!(read(&format!("1, R{}", ", 1".repeat(358))).is_none());
+        assert!(size_of::<SpectrumReader>() <= 32);
+    }
+
+    #[test]
+    fn a_digest_tells_of_the_whole() {
+        let of = |level: &dyn Fn(usize) -> f32| {
+            let values: Vec<String> = (0..360).map(|i| format!("{:.2}", level(i))).collect();
+            read(&values.join(", ")).unwrap().1
+        };
+        for top in [0, 1, 77, 359] {
+            // A peak of 600 decibels is as wide as its degree, however low the first values are.
+            let needle = of(&|degree| if degree == top { 600.0 } else { 0.0 });
+            assert_eq!((usize::from(needle.top), needle.width), (top, 1.0));
+            let step = of(&|degree| if degree == top { 10.0 } else { 0.0 });
+            assert!((step.width - 36.9).abs() < 1e-3, "{}", step.width);
+        }
+        let flat = of(&|_| 3.0);
+        assert!((flat.width - 360.0).abs() < 1e-3);
+        let hash = |shift: usize| of(&|degree| ((degree + shift) % 360) as f32).hash;
+        assert_eq!(hash(5), hash(5));
+        let mut hashes: Vec<u32> = (0..360).map(hash).collect();
+        hashes.sort_unstable();
+        hashes.dedup();
+        assert_eq!(hashes.len(), 360);
     }
 }

@@ -38,11 +38,12 @@ fn a_bearing_belongs_to_where_the_vehicle_was_when_it_was_taken() {
     let turned = |time: &str, degrees: u32| rmc(time) + &sentence(&format!("HEHDT,{degrees}.0,T"));
     let poses = turned("120000", 350) + &turned("120001", 10);
     let line = kraken(NOON + 1_000, 20.0, NOWHERE);
+    // In the middle of the interval that the line states.
     let at = |latency: u32| {
         let line = line.replace("UCA, 0,", &format!("UCA, {latency},"));
         last_bearing(CONFIG, &(poses.clone() + &line)).unwrap()
     };
-    for (latency, degrees) in [(0, 30.0), (250, 25.0), (500, 20.0), (1_000, 10.0)] {
+    for (latency, degrees) in [(0, 30.0), (500, 25.0), (1_000, 20.0), (2_000, 10.0)] {
         assert!(
             (at(latency) - degrees).abs() < 1e-3,
             "{latency} ms: {}",
@@ -91,7 +92,7 @@ fn the_course_of_a_direction_finder_that_stands_is_no_heading() {
 #[test]
 fn a_direction_finder_that_stands_is_not_judged_by_an_instant() {
     let line = |milliseconds: i64, place: &str| {
-        let pose = format!("{place}, 11.5, 30.0, 60.0, GPS");
+        let pose = format!("{place}, 11.5, 0.0, 60.0, GPS");
         kraken(NOON + milliseconds, 20.0, &pose)
     };
     let standing = line(0, "48.1") + &line(1_000, "48.1");
@@ -108,4 +109,25 @@ fn a_direction_finder_that_stands_is_not_judged_by_an_instant() {
         .map(|(i, place)| line(500 * i, place))
         .collect();
     assert!(last_bearing(CONFIG, &moving).is_ok());
+}
+
+#[test]
+fn bearings_by_a_heading_that_nobody_has_entered_are_retracted() {
+    let line = |milliseconds: i64, place: &str| {
+        let pose = format!("{place}, 11.5, 0.0, 0.0, GPS");
+        kraken(NOON + milliseconds, 20.0, &pose)
+    };
+    let text: String = (0..3).map(|i| line(400 * i, "48.1")).collect();
+    let mut gateway = gateway(CONFIG);
+    push(&mut gateway, &text);
+    assert_eq!(gateway.vehicle().locator().observations().len(), 3);
+    let standing = push(&mut gateway, &line(1_200, "48.1"));
+    assert_eq!(standing, [Event::Rejected(Rejected::NoHeading)]);
+    assert_eq!(gateway.vehicle().locator().observations().len(), 0);
+    // One that moves has a course.
+    let moving: String = (0..3)
+        .map(|i| line(2_000 + 1_000 * i, &format!("48.100{i}")))
+        .collect();
+    push(&mut gateway, &moving);
+    assert_eq!(gateway.vehicle().locator().observations().len(), 2);
 }

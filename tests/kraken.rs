@@ -1,0 +1,109 @@
+//! Lines of every build of the KrakenSDR's software, with default settings.
+//!
+//! The files are not part of the project: the tests read them from `kraken` in the directory that `FOXHUNT_DATA` names.
+
+use std::fs;
+use std::path::PathBuf;
+
+use foxhunt::aoa::{Observation, Robust, robust};
+use foxhunt::gateway::formats::{Formats, Kraken, KrakenSpectrum, Nmea};
+use foxhunt::gateway::{Config, Event, Gateway, Rejected, ShortReport};
+
+type Whole<F> = Gateway<Robust<64, 64>, F, ShortReport>;
+
+/// Text of a file, or what is skipped without it.
+fn read(name: &str) -> Option<String> {
+    let Some(data) = std::env::var_os("FOXHUNT_DATA") else {
+        println!("{name} skipped: FOXHUNT_DATA does not name the directory of the measured data");
+        return None;
+    };
+    let path = PathBuf::from(data).join("kraken").join(name);
+    Some(fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())))
+}
+
+fn gateway<F: Formats>() -> Box<Whole<F>> {
+    Box::new(Gateway::new(Config::new(robust::Config::DEFAULT)).unwrap())
+}
+
+/// What one line leads to.
+fn push<F: Formats>(gateway: &mut Whole<F>, line: &str) -> Event {
+    let bytes = line.bytes().chain(*b"\n");
+    let mut events = bytes.filter_map(|byte| gateway.push(0, byte));
+    let event = events.next().expect("a line has an event");
+    assert_eq!(events.next(), None);
+    event
+}
+
+fn is_used(event: &Event) -> bool {
+    matches!(event, Event::Fix(_) | Event::NotObservable(_))
+}
+
+fn compass(observation: &Observation) -> f32 {
+    observation.bearing().compass_degrees()
+}
+
+fn apart(a: f32, b: f32) -> f32 {
+    ((a - b + 540.0).rem_euclid(360.0) - 180.0).abs()
+}
+
+/// The files by their names, without the end.
+const BUILDS: [&str; 7] = [
+    "doa2022_mobile",
+    "doa2023_mobile",
+    "doa2024_mobile",
+    "doa2024_static",
+    "suite2026_compass",
+    "suite2026_mobile",
+    "suite2026_static",
+];
+const METHODS: [&str; 5] = [
+    "bartlett_clean",
+    "music_clean",
+    "bartlett_reflected",
+    "capon_reflected",
+    "music_reflected",
+];
+
+/// Every line is used, and the clean ones tell the truth: the source is 40 degrees to the left, half a degree more in each.
+fn all_lines_are_used<F: Formats>() {
+    for build in BUILDS {
+        for method in METHODS {
+            let Some(text) = read(&format!("{build}_{method}.csv")) else {
+                return;
+            };
+            let mut gateway = gateway::<F>();
+            let heading = match build {
+                "doa2024_static" | "suite2026_static" => 45.0,
+                "suite2026_compass" => 359.9,
+                _ => 0.0,
+            };
+            for (line, text) in (0u8..).zip(text.lines()) {
+                let place = format!("{build} {method}, line {line}");
+                let event = push(&mut gateway, text);
+                assert!(is_used(&event), "{place}: {event:?}");
+                let seen = gateway.vehicle().observation().unwrap();
+                let truth = heading - 40.0 - 0.5 * f32::from(line);
+                let error = apart(compass(&seen), truth);
+                if method.ends_with("clean") {
+                    assert!(error <= 1.5, "{place}: {error}");
+                }
+                // Polled again.
+                let again = push(&mut gateway, text);
+                assert_eq!(again, Event::Rejected(Rejected::Duplicate), "{place}");
+                assert!(error <= 30.0, "{place}: {error}");
+            }
+            let counters = gateway.vehicle().counters();
+            assert_eq!((counters.lines, counters.bearings), (20, 10));
+        }
+    }
+}
+
+#[test]
+fn every_build_is_used_by_default() {
+    all_lines_are_used::<(Nmea, Kraken)>();
+}
+
+#[test]
+fn every_build_is_used_by_default_with_its_spectra() {
+    all_lines_are_used::<(Nmea, KrakenSpectrum)>();
+}
