@@ -107,3 +107,68 @@ fn every_build_is_used_by_default() {
 fn every_build_is_used_by_default_with_its_spectra() {
     all_lines_are_used::<(Nmea, KrakenSpectrum)>();
 }
+
+/// What is odd about each line of `edges.csv`, and what becomes of it as a first line: by its fields, and by its spectrum.
+const EDGES: [(&str, Option<Rejected>, Option<Rejected>); 12] = [
+    ("nothing", None, None),
+    ("a power without decimals", None, None),
+    ("-5e-05 degrees east", None, None),
+    ("1.2e-05 degrees east", None, None),
+    ("433920000.0 hertz", None, None),
+    ("a name with a comma", None, None),
+    ("a name with a quote", None, None),
+    ("no name", None, None),
+    ("a heading of -12.5 degrees", None, None),
+    (
+        "no heading",
+        Some(Rejected::NoHeading),
+        Some(Rejected::NoHeading),
+    ),
+    ("no blank at its end", None, None),
+    ("359 values", None, Some(Rejected::Unparsable)),
+];
+
+fn outcome(event: Event) -> Option<Rejected> {
+    match event {
+        Event::Rejected(reason) => Some(reason),
+        event => {
+            assert!(is_used(&event));
+            None
+        }
+    }
+}
+
+#[test]
+fn every_edge_has_its_outcome() {
+    let Some(text) = read("edges.csv") else {
+        return;
+    };
+    let lines: Vec<&str> = text.lines().filter(|line| !line.is_empty()).collect();
+    assert_eq!(lines.len(), EDGES.len());
+    let mut together = gateway::<(Nmea, Kraken)>();
+    for (place, (line, (what, by_fields, by_spectrum))) in lines.iter().zip(EDGES).enumerate() {
+        let first = outcome(push(&mut gateway::<(Nmea, Kraken)>(), line));
+        assert_eq!(first, by_fields, "{what}");
+        let first = outcome(push(&mut gateway::<(Nmea, KrakenSpectrum)>(), line));
+        assert_eq!(first, by_spectrum, "{what}");
+        // They all have one spectrum, but for that which has none.
+        let repeated = match place {
+            0 | 11 => None,
+            _ => Some(Rejected::Frozen),
+        };
+        assert_eq!(outcome(push(&mut together, line)), repeated, "{what}");
+    }
+}
+
+#[test]
+fn a_line_from_a_forum_is_used() {
+    let Some(text) = read("field.csv") else {
+        return;
+    };
+    // Its confidence is on no known scale, its spectrum is cut, and so its sense is not known.
+    let mut gateway = gateway::<(Nmea, Kraken)>();
+    let line = text.lines().next().unwrap();
+    assert!(is_used(&push(&mut gateway, line)));
+    let seen = gateway.vehicle().locator().observations();
+    assert_eq!(seen.len(), 2);
+}

@@ -59,6 +59,7 @@ fn config<C>(locator: C) -> Config<C> {
             },
         },
         reference: any(BearingReference::Relative),
+        station: any(None),
         seed: any(0),
         min_quality: any(0.0),
         best_sigma_rad: any(0.0),

@@ -3,6 +3,7 @@
 use super::formats;
 use crate::ConfigError;
 use crate::aoa::Observation;
+use crate::aoa::geodesy::Geodetic;
 use crate::config::{require, require_all};
 
 /// Direction from which the angles of bearing lines count.
@@ -14,6 +15,16 @@ pub enum BearingReference {
     Relative,
     /// True north: a rotating antenna with a compass of its own, or a fixed station.
     TrueNorth,
+}
+
+/// A direction finder that does not move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Station {
+    /// Where it stands.
+    pub place: Geodetic,
+    /// Where relative bearings of 0 point, in degrees clockwise from true north.
+    pub heading_deg: f32,
 }
 
 /// How a [`Vehicle`](super::Vehicle) treats its lines, with the configuration `C` of its locator.
@@ -39,6 +50,8 @@ pub struct Config<C> {
     pub formats: formats::Config,
     /// Direction from which the angles of bearing lines count.
     pub reference: BearingReference,
+    /// Where the direction finders stand and how they head, whatever the lines say; `None` for a vehicle.
+    pub station: Option<Station>,
     /// Seed of the particles: the same bytes with the same seed give the same reports.
     pub seed: u64,
     /// Quality, 0 to 100, below which a bearing is rejected.
@@ -82,6 +95,7 @@ impl<C> Config<C> {
             locator,
             formats: formats::Config::DEFAULT,
             reference: BearingReference::Relative,
+            station: None,
             seed: 1,
             min_quality: 40.0,
             best_sigma_rad: 2.0 * DEGREE,
@@ -102,6 +116,12 @@ impl<C> Config<C> {
     /// Names the field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
         require_all!(self.formats);
+        if let Some(station) = &self.station {
+            require!(
+                station.heading_deg >= 0.0 && station.heading_deg <= 360.0,
+                "heading_deg is not within 0 and 360"
+            );
+        }
         require!(
             self.min_quality >= 0.0 && self.min_quality <= 100.0,
             "min_quality is not within 0 and 100"

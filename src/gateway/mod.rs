@@ -19,14 +19,14 @@
 //! | `$PFOXR*53` | | a restart, to look for another source: [`Vehicle::restart`] |
 //! | `B5 62 01 07 ...` | [`Ubx`](formats::Ubx) | a binary frame `NAV-PVT` of a u-blox receiver: time, position, speed, course; heading and variation if valid |
 //! | `%BBB/Q` | [`Agrelo`](formats::Agrelo) | bearing in degrees, quality 0 to 9 |
-//! | `1756823719250, 297, 87.8, ...` | [`Kraken`](formats::Kraken) | KrakenSDR's app format: time, bearing, confidence, frequency, and unless it is zero its own position and heading; the spectrum is skipped, or read by [`KrakenSpectrum`](formats::KrakenSpectrum) |
+//! | `1756823719250, 297.0, 7.35, ...` | [`Kraken`](formats::Kraken) | KrakenSDR's app format: time, bearing, confidence, frequency, its own position and heading if it has them, where and how wide the maximum of its spectrum is; the whole spectrum by [`KrakenSpectrum`](formats::KrakenSpectrum) |
 //! | `+UUDF:6C1DEBA4241B,-65,26,...` | [`Ublox`](formats::Ublox) | tag and azimuth within a quarter turn of where the board faces; nine fields or ten |
 //! | `C3469960084001663117493011` | [`Kn5r`](formats::Kn5r) | KN5R-RDF: bearing, quality, time |
 //! | `N0CALL>APRS:=4903.50N/07201.75W\088/036/270/729` | [`Aprs`](formats::Aprs) | a direction finder that reports by APRS: its place, bearing from north, quality, time if stated |
 //!
 //! [`formats::All`] reads them all. Firmware that names fewer, such as `Vehicle<L, (Nmea, Agrelo)>`, links no others.
-//! What a format can be told is in its `Config`: the builds of the KrakenSDR's software do not agree on the sense of a
-//! bearing and the scale of its confidence, and of several frequencies or tags one may be the source's.
+//! What a format can be told is in its `Config`: of several frequencies or tags one may be the source's. What the builds
+//! of the KrakenSDR's software do not agree on is recognised, or told.
 //!
 //! Every NMEA sentence must carry its checksum. `$` begins one anywhere, so that what comes before costs none; blanks at the
 //! end of a line do not count. Correct sentences of other kinds are left to others, by [`Event::Other`];
@@ -38,15 +38,16 @@
 //! that was refused it has none. Magnetic headings need a variation: [`Config::variation_deg`], else that which HDG, RMC or
 //! `NAV-PVT` states.
 //!
-//! A bearing belongs to where the vehicle was when it was taken: the time of a KrakenSDR's line less the latency that it
-//! states. Place and heading are those between the two samples about that time, or as they went on from the last two,
+//! A bearing belongs to where the vehicle was when it was taken: the time of a KrakenSDR's line less half the
+//! latency that it states. Place and heading are those between the two samples about that time, or as they went on from the last two,
 //! if samples are fresh by the times that both state (the clock of a direction finder that states times must therefore be
 //! right; a bearing that states none is taken at the receiver's time, but only so often: see
 //! [`Config::undated_bearings`]). An outage of the receiver is not bridged. The locator gets one clock, in milliseconds
 //! that run on over midnight, and the number of the port for the station.
 //!
 //! A relative bearing needs a heading: that of its own line, else a fresh true heading, else the course of a vehicle that
-//! is fast enough and does not turn. A KrakenSDR whose heading is that of its GPS must move as well. The quality decides
+//! is fast enough and does not turn. What the heading of a KrakenSDR by its GPS is worth is judged by its motion: see
+//! [`Heading`](formats::kraken::Heading). [`Config::station`] holds for whatever does not move. The quality decides
 //! on the standard deviation: see [`Config::best_sigma_rad`] and, by a table for each device, [`SigmaTable`].
 //!
 //! # Lines out
@@ -101,7 +102,7 @@ mod search;
 mod sentence;
 mod vehicle;
 
-pub use config::{BearingReference, Config, SigmaTable};
+pub use config::{BearingReference, Config, SigmaTable, Station};
 pub use history::Aged;
 pub use navigation::Receiver;
 pub use outcome::{Counters, Event, Rejected};

@@ -246,12 +246,13 @@ impl Navigation {
             Some(time) => (time.before(reading.latency_ms), 0),
             None => self.clock.lend(config.undated_bearings)?,
         };
-        let (place, own_heading) = match &reading.pose {
-            Some(pose) => {
+        let (place, own_heading) = match (&config.station, &reading.pose) {
+            (Some(station), _) => (station.place, Some(station.heading_deg)),
+            (None, Some(pose)) => {
                 self.own_place = Some(pose.place);
                 (pose.place, pose.heading)
             }
-            None => (self.place_at(time, config.max_age_ms)?, None),
+            (None, None) => (self.place_at(time, config.max_age_ms)?, None),
         };
         let heading = match config.reference {
             BearingReference::TrueNorth => None,

@@ -123,7 +123,7 @@ impl fmt::Display for Rejected {
             Self::OutOfRange => "value is out of range",
             Self::NoPosition => "no position yet",
             Self::StalePosition => "position is too old",
-            Self::NoHeading => "heading is unknown",
+            Self::NoHeading => "no heading: none is stated, and no course as the vehicle stands",
             Self::Turning => "vehicle is turning and its heading is unknown",
             Self::LowQuality => "quality is too low",
             Self::OtherFrequency => "unexpected frequency",

@@ -131,3 +131,33 @@ fn bearings_by_a_heading_that_nobody_has_entered_are_retracted() {
     push(&mut gateway, &moving);
     assert_eq!(gateway.vehicle().locator().observations().len(), 2);
 }
+
+#[test]
+fn a_station_is_where_it_is_said_to_be() {
+    use crate::gateway::config::Station;
+    let place = Geodetic::new(481_000_000, 115_000_000).unwrap();
+    let station = Station {
+        place,
+        heading_deg: 30.0,
+    };
+    let config = Config {
+        station: Some(station),
+        ..CONFIG
+    };
+    for pose in [NOWHERE, "58.1, 11.5, 0.0, 0.0, GPS"] {
+        let bearing = last_bearing(config, &kraken(NOON, 20.0, pose)).unwrap();
+        assert!((bearing - 50.0).abs() < 1e-3);
+    }
+    // Whoever states no time needs a receiver for it.
+    assert_eq!(last_bearing(config, "%020/9\r"), Err(Rejected::NoPosition));
+    assert!(last_bearing(config, &(rmc("120000") + "%020/9\r")).is_ok());
+    let turned = Station {
+        heading_deg: 361.0,
+        ..station
+    };
+    let wrong = Config {
+        station: Some(turned),
+        ..CONFIG
+    };
+    assert_eq!(wrong.check().unwrap_err().field(), "heading_deg");
+}
