@@ -4,7 +4,7 @@
 use std::{f64::consts::TAU, fmt::Write};
 
 use foxhunt::{
-    aoa::{Locate, Robust, robust},
+    aoa::{Robust, robust},
     gateway::{
         BearingReference, Config, Event, Gateway, ShortReport,
         formats::{Formats, Kraken, KrakenSpectrum},

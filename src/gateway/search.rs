@@ -27,6 +27,8 @@ pub(super) struct Search<L> {
     /// Consecutive bearings that are near each other but too far from the origin: where the first was taken, and how many
     /// there are.
     strays: Option<(Geodetic, u8)>,
+    /// So many bearings, if they are all, rest on a heading that was none: the next one takes their place.
+    pub made_up: u32,
 }
 
 crate::persist!(impl[L: Persist] Search<L> as "Search"() {
@@ -38,7 +40,7 @@ crate::persist!(impl[L: Persist] Search<L> as "Search"() {
     generator,
     bearings,
     strays,
-});
+} without { made_up });
 
 impl<L: Locate> Search<L> {
     /// Strays in a row that move the origin: more are slower to leave a wrong first position, fewer let two wrong ones move
@@ -54,6 +56,7 @@ impl<L: Locate> Search<L> {
         generator: None,
         bearings: 0,
         strays: None,
+        made_up: 0,
     };
 
     /// Forgets the source and the origin.
@@ -66,16 +69,12 @@ impl<L: Locate> Search<L> {
         self.generator = None;
         self.bearings = 0;
         self.strays = None;
+        self.made_up = 0;
     }
 
     /// Time of the newest bearing, of the day.
     pub fn time(&self) -> Option<TimeOfDay> {
         Some(self.newest?.0)
-    }
-
-    /// How many bearings were used since the last restart.
-    pub const fn bearings(&self) -> u32 {
-        self.bearings
     }
 
     /// What a report is about.
@@ -136,7 +135,8 @@ impl<L: Locate> Search<L> {
         config: &Config<L::Config>,
     ) -> Result<Answer, Rejected> {
         let time_ms = self.time_ms(time, config.max_age_ms);
-        if self.plane.is_some_and(|old| old != plane) {
+        let are_made_up = self.made_up > 0 && self.made_up == self.bearings;
+        if are_made_up || self.plane.is_some_and(|old| old != plane) {
             self.restart();
         }
         let generator = self

@@ -204,8 +204,8 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
         if reading.quality < config.min_quality {
             return Err(Rejected::LowQuality);
         }
-        if reading.retracted > 0 && reading.retracted == self.search.bearings() {
-            self.search.restart();
+        if reading.retracted > 0 {
+            self.search.made_up = reading.retracted;
         }
         let frame = self.navigation.frame(reading, config)?;
         let plane = self.search.plane_for(frame.place)?;

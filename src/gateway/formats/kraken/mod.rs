@@ -114,8 +114,8 @@ pub enum Confidence {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Heading {
     /// The one that the line names. By GPS, it holds while the KrakenSDR moves; of one that has never moved, if it has
-    /// never changed and is not zero. Before a second has shown whether it moves, it holds, and if it then was none, what
-    /// rested on it is [taken back](crate::gateway::Vehicle::restart).
+    /// never changed and is not zero. Before a second has shown whether it moves, it holds; if it then was none, the next
+    /// bearing takes the place of those that rested on it.
     #[default]
     Recognised,
     /// The one that the line names; by GPS only while the KrakenSDR moves.

@@ -123,8 +123,7 @@ fn bearings_by_a_heading_that_nobody_has_entered_are_retracted() {
     assert_eq!(gateway.vehicle().locator().observations().len(), 3);
     let standing = push(&mut gateway, &line(1_200, "48.1"));
     assert_eq!(standing, [Event::Rejected(Rejected::NoHeading)]);
-    assert_eq!(gateway.vehicle().locator().observations().len(), 0);
-    // One that moves has a course.
+    // One that moves has a course: its bearings take the place of those.
     let moving: String = (0..3)
         .map(|i| line(2_000 + 1_000 * i, &format!("48.100{i}")))
         .collect();
