@@ -1,14 +1,12 @@
 //! The fields before the spectrum, and what a KrakenSDR's own heading is worth.
 
-use core::f32::consts::LN_10;
-
+use super::spectrum::power;
 use super::{Confidence, Heading};
 use crate::aoa::geodesy::Geodetic;
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::formats::format::Pose;
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence::{decimal, fixed};
-use crate::math::exp_of_weight;
+use crate::gateway::sentence::{columns, decimal, fixed};
 
 /// The fields of a line, without blanks about them.
 pub(super) struct Fields<'a> {
@@ -30,13 +28,15 @@ impl<'a> Fields<'a> {
     /// name, with whatever is in it.
     #[inline(never)]
     pub fn of(line: &'a [u8]) -> Option<Self> {
-        let mut rest = line;
-        let (mut head, mut pose) = ([&[] as &[u8]; 7], [&[] as &[u8]; 5]);
-        for field in &mut head {
-            *field = first(&mut rest)?;
-        }
+        let mut head: [&[u8]; 7] = columns(line)?;
+        let known: usize = head.iter().map(|field| field.len() + 1).sum();
+        let mut rest = line.get(known..)?;
+        let mut pose = [&[] as &[u8]; 5];
         for field in pose.iter_mut().rev() {
             *field = last(&mut rest)?;
+        }
+        for field in &mut head {
+            *field = trim(field);
         }
         Some(Self { head, pose })
     }
@@ -78,9 +78,7 @@ impl<'a> Fields<'a> {
         let mean = match scale {
             _ if confidence < 0.0 => return Err(Rejected::OutOfRange),
             Confidence::Fraction if confidence <= 1.0 => 1.0 / (1.0 + 3.0 * confidence),
-            Confidence::Decibels if confidence <= LARGEST_DECIBELS => {
-                exp_of_weight(-0.1 * LN_10 * confidence)
-            }
+            Confidence::Decibels if confidence <= LARGEST_DECIBELS => power(-100.0 * confidence),
             _ => return Ok(UNKNOWN),
         };
         Ok(100.0 - 100.0 * mean)
@@ -233,17 +231,14 @@ fn degrees_e7(text: &[u8]) -> Result<Option<i32>, Rejected> {
         return Ok(None);
     }
     // Python writes what is below a ten-thousandth with an exponent.
-    let mut parts = text.splitn(2, |byte| *byte == b'e');
-    let digits = parts.next().unwrap_or_default();
-    let exponent = match parts.next() {
-        Some([b'-', exponent @ ..]) => fixed(exponent, 0),
-        Some(_) => None,
-        None => Some(0),
-    };
-    let places = exponent.ok_or(Rejected::Unparsable)?;
-    let value = match u32::try_from(places).map(|places| PLACES.checked_sub(places)) {
-        Ok(Some(places)) => fixed(digits, places),
-        _ => fixed(digits, 0).map(|_| 0),
+    let value = match text {
+        [digits @ .., b'e', b'-', b'0', exponent @ b'0'..=b'9'] => {
+            match PLACES.checked_sub(u32::from(exponent - b'0')) {
+                Some(places) => fixed(digits, places),
+                None => fixed(digits, 0).map(|_| 0),
+            }
+        }
+        _ => fixed(text, PLACES),
     };
     let value = value.ok_or(Rejected::Unparsable)?;
     i32::try_from(value)
@@ -254,15 +249,6 @@ fn degrees_e7(text: &[u8]) -> Result<Option<i32>, Rejected> {
 /// Whether a number is missing.
 fn is_none(text: &[u8]) -> bool {
     text == b"None" || text == b"nan"
-}
-
-/// Takes off the first field, and the comma after it.
-#[inline(never)]
-fn first<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
-    let mut parts = rest.splitn(2, |byte| *byte == b',');
-    let field = parts.next()?;
-    *rest = parts.next()?;
-    Some(trim(field))
 }
 
 /// Takes off the last field that is not reserved, and the comma before it.

@@ -287,19 +287,19 @@ impl Device {
         const MOST: i8 = 4;
         let vote = digest.map_or(0, |digest| vote(stated, f32::from(digest.top)));
         self.votes = (self.votes + vote).clamp(-MOST, MOST);
-        match vote * self.votes {
-            1.. => f32::from(u8::from(vote > 0)),
-            // Those before told otherwise than this line.
-            _ if vote != 0 => 0.5 - 0.1 * f32::from(vote),
-            _ => match self.votes {
-                2.. => 1.0,
-                1 => 0.9,
-                // Most builds in use are clockwise.
-                0 => 0.7,
-                -1 => 0.1,
-                _ => 0.0,
-            },
-        }
+        /// By the votes. Most builds in use are clockwise.
+        const BY_VOTES: [f32; 9] = [0.0, 0.0, 0.0, 0.1, 0.7, 0.9, 1.0, 1.0, 1.0];
+        let votes = if vote == 0 {
+            self.votes
+        } else if vote * self.votes > 0 {
+            // This line is sure of it.
+            MOST * vote
+        } else {
+            // Those before told otherwise.
+            return 0.5 - 0.1 * f32::from(vote);
+        };
+        let place = usize::from(votes.wrapping_add(MOST).unsigned_abs());
+        BY_VOTES.get(place).copied().unwrap_or(0.5)
     }
 }
 
@@ -309,19 +309,16 @@ fn vote(stated: f32, top: f32) -> i8 {
     /// A bearing and the maximum are of one grid; some builds cut what others round, or interpolate.
     const NEAR: f32 = 4.0;
     const FAR: f32 = 12.0;
-    let (otherwise, clockwise) = (apart(stated, top), apart(stated, 360.0 - top));
-    if clockwise <= NEAR && otherwise >= FAR {
-        1
-    } else if otherwise <= NEAR && clockwise >= FAR {
-        -1
-    } else {
-        0
-    }
+    let (otherwise, clockwise) = (from_ahead(stated - top), from_ahead(stated + top));
+    let is_told = |one: f32, other: f32| i8::from(one <= NEAR && other >= FAR);
+    is_told(clockwise, otherwise) - is_told(otherwise, clockwise)
 }
 
-/// Degrees between two directions within 0 and 360.
-fn apart(one: f32, other: f32) -> f32 {
-    let turn = (one - other).abs();
+/// Degrees between ahead and a direction, of up to two turns.
+#[inline(never)]
+fn from_ahead(degrees: f32) -> f32 {
+    let turn = degrees.abs();
+    let turn = if turn > 360.0 { turn - 360.0 } else { turn };
     if turn > 180.0 { 360.0 - turn } else { turn }
 }
 
@@ -339,7 +336,7 @@ fn either_way(reading: &mut Reading, clockwise: f32) {
     if clockwise < 0.5 {
         core::mem::swap(best, &mut other);
     }
-    let turn = apart(best.degrees, other.degrees);
+    let turn = from_ahead(best.degrees - other.degrees);
     if turn > ONE && other.probability > 0.0 {
         reading.others = [Some(other), None];
     } else {

@@ -56,9 +56,7 @@ impl Digest {
     };
 
     fn push(&mut self, level: u16) {
-        /// From hundredths of a decibel to nepers of power.
-        const SCALE: f32 = LN_10 / 1_000.0;
-        let below = exp_of_weight(-SCALE * f32::from(level.abs_diff(self.highest)));
+        let below = power(-f32::from(level.abs_diff(self.highest)));
         if level > self.highest {
             self.highest = level;
             self.top = self.count;
@@ -70,6 +68,12 @@ impl Digest {
         self.hash = (self.hash ^ u32::from(level) ^ 0x811c_9dc5).wrapping_mul(0x0100_0193);
         self.count = self.count.saturating_add(1);
     }
+}
+
+/// A power of so many hundredths of a decibel, which are not above zero. Once in flash is enough.
+#[inline(never)]
+pub(super) fn power(level: f32) -> f32 {
+    exp_of_weight(LN_10 / 1_000.0 * level)
 }
 
 impl SpectrumReader {
