@@ -75,12 +75,3 @@ pub use config::ConfigError;
 
 #[cfg(doctest)]
 mod guide;
-
-// Tests within the library need the drives of `foxhunt-problems` with its own types, not those of the library that
-// `foxhunt-problems` depends on.
-#[cfg(test)]
-extern crate self as foxhunt;
-#[cfg(test)]
-#[path = "../problems/src/bearings.rs"]
-#[expect(dead_code, reason = "the tests need a part of it")]
-mod drives;

@@ -2,8 +2,9 @@
 
 use core::ops::Deref;
 
-use super::{Alternative, Answer, Locate, Locator, Observation};
+use super::{Alternative, Answer, Bearing, Locate, Locator, Observation};
 use crate::random::Rng;
+pub(crate) use foxhunt_problems::bearings::Track;
 
 /// A locator that takes one bearing a second, whatever time the bearings state.
 #[derive(Debug, Clone)]
@@ -71,6 +72,15 @@ pub(crate) fn at(time_ms: u32, observation: &Observation) -> Observation {
     Observation::new(time_ms, observation.position(), bearing, sigma)
         .unwrap()
         .from_station(observation.station())
+}
+
+/// The bearings of one run on a track. `foxhunt-problems` depends on the library, not on the one under test, so that its
+/// observations are of another type.
+pub(crate) fn simulate<R: Rng>(track: Track, rng: &mut R) -> impl Iterator<Item = Observation> {
+    track.simulate(rng).map(|seen| {
+        let bearing = Bearing::from_radians(seen.bearing().radians());
+        Observation::new(seen.time_ms(), seen.position(), bearing, seen.sigma_rad()).unwrap()
+    })
 }
 
 /// Whether all bytes of a state are zero, where unused ones count as zero.

@@ -6,7 +6,7 @@
 mod logs;
 
 use foxhunt::ConfigError;
-use foxhunt::aoa::{Alternative, Answer, Locate, NotObservable, PushError};
+use foxhunt::aoa::{Answer, Locate, NotObservable, Observation, PushError};
 use foxhunt::gateway::formats::All;
 use foxhunt::gateway::{Config, Counters, Event, Receiver, Rejected, ShortReport, Vehicle};
 use foxhunt::random::Rng;
@@ -26,9 +26,9 @@ impl Locate for Nobody {
         Ok(())
     }
 
-    fn push_alternatives<R: Rng + ?Sized>(
+    fn push<R: Rng + ?Sized>(
         &mut self,
-        _: &[Alternative],
+        _: &Observation,
         _: &Self::Config,
         _: &mut R,
     ) -> Result<Answer, PushError> {

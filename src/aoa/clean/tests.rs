@@ -1,9 +1,8 @@
 extern crate std;
 use super::*;
-use crate::aoa::testing::Clocked;
+use crate::aoa::testing::{Clocked, Track, simulate};
 use crate::aoa::track::Track as _;
 use crate::aoa::{Bearing, PushError};
-use crate::drives::Track;
 use crate::estimate::Symmetric2;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 use crate::refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths};
@@ -297,7 +296,7 @@ fn fixes<const N: usize, M: Moves<N>>(new: impl Fn() -> Clocked<Clean<N, 64, M>>
     let fix = |run| {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1000 + run);
         let mut locator = new();
-        for observation in Track::A2.simulate(&mut Xoshiro128PlusPlus::seed_from_u64(run)) {
+        for observation in simulate(Track::A2, &mut Xoshiro128PlusPlus::seed_from_u64(run)) {
             locator.push(observation, &mut rng);
         }
         match locator.answer() {

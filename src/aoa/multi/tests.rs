@@ -3,9 +3,8 @@ extern crate std;
 use std::vec::Vec;
 
 use super::*;
-use crate::aoa::testing::{at, is_zero};
+use crate::aoa::testing::{Track as Drive, at, is_zero};
 use crate::aoa::{Bearing, Locator, Robust};
-use crate::drives::Track as Drive;
 use crate::math::atan2;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
 

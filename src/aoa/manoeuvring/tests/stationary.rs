@@ -1,7 +1,7 @@
 //! What it costs that a source might move which does not.
 
 use super::*;
-use crate::drives::Track;
+use crate::aoa::testing::{Track, simulate};
 
 /// Sum of squares, and runs that are covered.
 struct Score {
@@ -30,7 +30,7 @@ fn a_source_that_never_moves_is_located_as_well() {
         let mut alarms = 0;
         for seed in 0..RUNS {
             let mut rng = generator(u64::from(seed));
-            let bearings: Vec<Observation> = track.simulate(&mut rng).collect();
+            let bearings: Vec<Observation> = simulate(track, &mut rng).collect();
             let mut wrapped = subject();
             let mut alone = Locator::<Robust<256, 64>>::new(robust::Config::DEFAULT).unwrap();
             let mut alarm = false;

@@ -6,8 +6,7 @@ use super::density::Density;
 use super::term::Term;
 use super::*;
 use crate::aoa::Bearing;
-use crate::aoa::testing::{Clocked, at};
-use crate::drives::Track;
+use crate::aoa::testing::{Clocked, Track, at, simulate};
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
 use std::{vec, vec::Vec};
 
@@ -54,7 +53,7 @@ fn drive(track: Track, mirrored: f32, outlier: f32, seed: u64) -> Vec<Observatio
         )
         .unwrap()
     };
-    track.simulate(&mut rng).map(spoil).collect()
+    simulate(track, &mut rng).map(spoil).collect()
 }
 
 fn locate<const B: usize>(
