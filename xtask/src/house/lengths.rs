@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use syn::{
-    Attribute, Block, ImplItemFn, ItemFn, ItemMod, Signature, TraitItemFn,
+    Block, ImplItemFn, ItemFn, ItemMod, Signature, TraitItemFn,
     spanned::Spanned,
     visit::{self, Visit},
 };
 
-use super::sources::{Sources, is_test};
+use super::sources::Sources;
 
 /// Most lines of a file.
 const FILE: usize = 500;
@@ -81,9 +81,11 @@ impl<'ast> Visit<'ast> for Reader<'_> {
     }
 
     fn visit_item_mod(&mut self, item: &'ast ItemMod) {
-        // What only tests have is left out anyway, wherever it lies.
-        let has_path = |attribute: &Attribute| attribute.path().is_ident("path");
-        if !is_test(&item.attrs) && item.attrs.iter().any(has_path) {
+        if item
+            .attrs
+            .iter()
+            .any(|attribute| attribute.path().is_ident("path"))
+        {
             self.found.push(format!(
                 "{}:{}: the module `{}` has an attribute `path`",
                 self.path.display(),
