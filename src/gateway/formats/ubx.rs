@@ -21,8 +21,8 @@
 //! bytes, M8 receiver description UBX-13003221.
 //!
 //! Frames may come between sentences on one port, and damage must cost no more than it hits: `$`, five letters or digits and
-//! a comma begin a sentence even within a frame, as the first six bytes of `NAV-PVT` begin another frame; by chance either
-//! stands in one of 10^7 frames of a kilobyte.
+//! a comma or `*` begin a sentence even within a frame, as the first six bytes of `NAV-PVT` begin another frame; by chance
+//! either stands in one of 10^6 frames of a kilobyte.
 
 use super::format::{Format, Framing, Heading, Layout, Motion, Sentence, Statement};
 use super::{Config, Finder};
@@ -149,9 +149,9 @@ impl Ubx {
 
 /// The last bytes, with the number of those that begin a sentence or another `NAV-PVT` within a frame.
 fn begun_within(recent: u64) -> Option<(u64, u8)> {
-    let [_, dollar, address @ .., comma] = recent.to_be_bytes();
+    let [_, dollar, address @ .., end] = recent.to_be_bytes();
     let is_letter = |byte: &u8| byte.is_ascii_uppercase() || byte.is_ascii_digit();
-    if dollar == b'$' && comma == b',' && address.iter().all(is_letter) {
+    if dollar == b'$' && matches!(end, b',' | b'*') && address.iter().all(is_letter) {
         return Some((recent, 7));
     }
     let is_header = recent & 0xffff_ffff_ffff == 0xb562_0107_5c00;

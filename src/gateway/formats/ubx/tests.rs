@@ -177,6 +177,14 @@ fn sentences_and_frames_take_turns_on_one_port() {
 }
 
 #[test]
+fn a_query_is_heard_in_a_frame_that_lost_its_end() {
+    // What follows looks like a length of 2,562.
+    let bytes = [&ACKNOWLEDGED[..5], b"\n$PFOXQ*50\r\n"].concat();
+    let said = read(&bytes);
+    assert_eq!(said, [Err(Rejected::Checksum), Ok(Sentence::Query)]);
+}
+
+#[test]
 fn a_damaged_frame_costs_no_sentence_and_no_other_frame() {
     let long = framed(1, 0x35, &[7; 1_000]);
     for frame in [&PUBLISHED[..], &long, &ACKNOWLEDGED] {
