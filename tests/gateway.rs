@@ -41,7 +41,7 @@ fn drive() -> Vec<u8> {
             .collect();
         let spectrum = spectrum.join(", ");
         text += &format!(
-            "{time}, {relative:.1}, 9.0, -30, 433920000, UCA, 112, fox, 0, 0, 0, 0, GPS, R, R, R, R, {spectrum}\n"
+            "{time}, {relative:.1}, 9.0, -30, 433920000, UCA, 224, fox, 0, 0, 0, 0, GPS, R, R, R, R, {spectrum}\n"
         );
         text += &format!("%{:03}/7\r", relative as u32 % 360);
     }
@@ -130,7 +130,7 @@ proptest! {
             sentence("PFOXQ"),
             sentence("PFOXR"),
             "%045/9\r".into(),
-            format!("{time}, 45, 90.0, -30, 433920000, UCA, 112, fox, 0, 0, 0, 0, GPS, R, R, R, R, 1\n"),
+            format!("{time}, 45, 90.0, -30, 433920000, UCA, 224, fox, 0, 0, 0, 0, GPS, R, R, R, R, 1\n"),
             "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"\",\"\",1\r\n".into(),
             "?\n".into(),
             sentence("HCHDG,98.3,0.0,E,12.6,W"),
