@@ -204,7 +204,7 @@ impl Scene {
     }
 }
 
-const QUALITY: f64 = 80.0;
+const QUALITY: f64 = 97.12;
 /// Rate of outliers among the bearings.
 const OUTLIER_RATE: f64 = 0.05;
 
