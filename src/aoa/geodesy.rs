@@ -6,7 +6,7 @@
 use core::fmt;
 
 use crate::math;
-use crate::snapshot::{Error, Reader, Value, Writer, by_value};
+use crate::snapshot::{by_value, value_as};
 
 /// Degrees of 1e-7 in half a turn.
 const HALF_TURN_E7: i32 = 1_800_000_000;
@@ -204,31 +204,12 @@ impl LocalPlane {
     }
 }
 
-impl Value for Geodetic {
-    const SIZE: usize = <(i32, i32)>::SIZE;
+value_as!(Geodetic as (i32, i32):
+    |place| (place.latitude_e7, place.longitude_e7),
+    |(latitude_e7, longitude_e7)| Self::new(latitude_e7, longitude_e7).ok(),
+);
 
-    fn write(&self, to: &mut Writer<'_>) {
-        (self.latitude_e7, self.longitude_e7).write(to);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
-        let (latitude_e7, longitude_e7) = Value::read(from)?;
-        Self::new(latitude_e7, longitude_e7).map_err(|_| Error::Malformed)
-    }
-}
-
-/// As its origin.
-impl Value for LocalPlane {
-    const SIZE: usize = Geodetic::SIZE;
-
-    fn write(&self, to: &mut Writer<'_>) {
-        self.origin.write(to);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
-        Self::new(Geodetic::read(from)?).map_err(|_| Error::Malformed)
-    }
-}
+value_as!(LocalPlane as Geodetic: |plane| plane.origin, |origin| Self::new(origin).ok());
 
 by_value!(Geodetic, LocalPlane);
 

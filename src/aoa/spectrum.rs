@@ -103,12 +103,6 @@ impl Temper {
     }
 }
 
-impl Default for Temper {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
 impl Spectrum {
     /// Degrees of the circle.
     pub const CELLS: usize = 360;

@@ -36,12 +36,6 @@ pub struct Config {
     pub missing_beacons_count: bool,
 }
 
-impl Default for Config {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
 impl Config {
     /// For people who walk with a radio of the kind that made the survey.
     pub const DEFAULT: Self = Self {

@@ -27,12 +27,6 @@ pub struct Unscented {
     pub kappa: f32,
 }
 
-impl Default for Unscented {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
 /// What became of a normal distribution of `D` dimensions in a function to `M` dimensions.
 struct Transformed<const D: usize, const M: usize> {
     mean: [f32; M],

@@ -175,12 +175,6 @@ fn inherit<const D: usize>(mut particle: [f32; D], mutant: [f32; D], genes: [boo
     particle
 }
 
-impl Default for DifferentialEvolution {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
 impl<const D: usize> Refinement<D> for DifferentialEvolution {
     fn refine<const N: usize, R: Rng + ?Sized>(
         &self,

@@ -279,12 +279,6 @@ impl<const D: usize> Refinement<D> for Firefly {
     }
 }
 
-impl Default for Firefly {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

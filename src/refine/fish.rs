@@ -127,12 +127,6 @@ impl FishSchool {
     }
 }
 
-impl Default for FishSchool {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -59,7 +59,7 @@ pub use keeper::Keeper;
 #[doc(hidden)]
 pub use persist::of_field;
 pub use persist::{Persist, shape};
-pub(crate) use persist::{Value, by_value, size_of_field, value};
+pub(crate) use persist::{Value, by_value, size_of_field, value, value_as};
 
 const MAGIC: [u8; 4] = *b"FXSN";
 const VERSION: u32 = 1;

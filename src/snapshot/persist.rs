@@ -181,6 +181,29 @@ macro_rules! value {
 }
 pub(crate) use value;
 
+/// A value that is written as another one, of which some are malformed: how it is written, and how it is read.
+macro_rules! value_as {
+    ($type:ty as $code:ty: $write:expr, $read:expr $(,)?) => {
+        impl $crate::snapshot::Value for $type {
+            const SIZE: usize = <$code as $crate::snapshot::Value>::SIZE;
+
+            fn write(&self, to: &mut $crate::snapshot::Writer<'_>) {
+                let write: fn(&Self) -> $code = $write;
+                $crate::snapshot::Value::write(&write(self), to);
+            }
+
+            fn read(
+                from: &mut $crate::snapshot::Reader<'_>,
+            ) -> Result<Self, $crate::snapshot::Error> {
+                let read: fn($code) -> Option<Self> = $read;
+                let code = $crate::snapshot::Value::read(from)?;
+                read(code).ok_or($crate::snapshot::Error::Malformed)
+            }
+        }
+    };
+}
+pub(crate) use value_as;
+
 /// A state on its own that is a value.
 macro_rules! by_value {
     ($($type:ident),+) => {
@@ -314,21 +337,11 @@ impl<A: Value, B: Value> Value for (A, B) {
     }
 }
 
-impl Value for bool {
-    const SIZE: usize = 1;
-
-    fn write(&self, to: &mut Writer<'_>) {
-        u8::from(*self).write(to);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
-        match u8::read(from)? {
-            0 => Ok(false),
-            1 => Ok(true),
-            _ => Err(Error::Malformed),
-        }
-    }
-}
+value_as!(bool as u8: |flag| u8::from(*flag), |code| match code {
+    0 => Some(false),
+    1 => Some(true),
+    _ => None,
+});
 
 /// Whether there is one, and which.
 impl<T: Value> Value for Option<T> {

@@ -36,7 +36,7 @@ use super::robust::outside::independent;
 use super::track::Stationary;
 use super::{Answer, Fix, Mixture, Observation};
 use crate::persist;
-use crate::snapshot::{Error, Persist, Reader, Value, Writer, by_value, value};
+use crate::snapshot::{Persist, by_value, value, value_as};
 use cloud::Cloud;
 pub use config::Config;
 pub(super) use config::check_around;
@@ -149,22 +149,10 @@ impl<L: Stationary> Manoeuvring<L> {
     }
 }
 
-impl Value for Phase {
-    const SIZE: usize = 1;
-
-    fn write(&self, to: &mut Writer<'_>) {
-        (*self as u8).write(to);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
-        Ok(match u8::read(from)? {
-            0 => Self::Stationary,
-            1 => Self::Departing,
-            2 => Self::Moving,
-            _ => return Err(Error::Malformed),
-        })
-    }
-}
+value_as!(Phase as u8:
+    |phase| *phase as u8,
+    |code| [Self::Stationary, Self::Departing, Self::Moving].get(usize::from(code)).copied(),
+);
 
 by_value!(Phase);
 

@@ -4,7 +4,7 @@ use core::f32::consts::{FRAC_PI_2, PI};
 use core::fmt;
 
 use crate::math::wrap;
-use crate::snapshot::{Error, Reader, Value, Writer, by_value};
+use crate::snapshot::{by_value, value_as};
 
 /// A direction in the local east-north plane.
 ///
@@ -62,21 +62,11 @@ impl Bearing {
     }
 }
 
-impl Value for Bearing {
-    const SIZE: usize = 4;
-
-    fn write(&self, to: &mut Writer<'_>) {
-        self.0.write(to);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
-        // As it was: what has been wrapped is not wrapped again.
-        match f32::read(from)? {
-            radians if radians.abs() > PI => Err(Error::Malformed),
-            radians => Ok(Self(radians)),
-        }
-    }
-}
+// As it was: what has been wrapped is not wrapped again.
+value_as!(Bearing as f32:
+    |bearing| bearing.0,
+    |radians| Some(Self(radians)).filter(|_| !(radians.abs() > PI)),
+);
 
 /// A bearing on the source, where and when it was taken, by which station, and how far to trust it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -282,22 +272,16 @@ impl From<Observation> for Alternative {
     }
 }
 
-impl Value for Observation {
-    const SIZE: usize = <((u32, [f32; 2]), ((Bearing, f32), u8))>::SIZE;
-
-    fn write(&self, to: &mut Writer<'_>) {
-        let taken = (self.time_ms, self.position);
-        let read = (self.bearing, self.sigma_rad);
-        (taken, (read, self.station)).write(to);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
-        let ((time_ms, position), ((bearing, sigma_rad), station)) = Value::read(from)?;
-        Self::new(time_ms, position, bearing, sigma_rad)
-            .map(|observation| observation.from_station(station))
-            .map_err(|_| Error::Malformed)
-    }
-}
+value_as!(Observation as ((u32, [f32; 2]), ((Bearing, f32), u8)):
+    |taken| (
+        (taken.time_ms, taken.position),
+        ((taken.bearing, taken.sigma_rad), taken.station),
+    ),
+    |((time_ms, position), ((bearing, sigma_rad), station))| {
+        let observation = Self::new(time_ms, position, bearing, sigma_rad).ok()?;
+        Some(observation.from_station(station))
+    },
+);
 
 by_value!(Observation);
 

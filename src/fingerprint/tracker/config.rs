@@ -48,12 +48,6 @@ pub struct Config {
     pub uncertain_sigma_m: f32,
 }
 
-impl Default for Config {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
 impl Config {
     /// People on foot, who stop and turn, in the reach of a dozen radios: on the floor of an office, by Bluetooth.
     ///

@@ -2,7 +2,7 @@
 
 use crate::estimate::{Ellipse, Symmetric2};
 use crate::math::sqrt;
-use crate::snapshot::{Error, Reader, Value, Writer, value};
+use crate::snapshot::{value, value_as};
 
 /// How reliable a place is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,19 +81,10 @@ value!(Fix {
     effective_sample_size
 });
 
-impl Value for State {
-    const SIZE: usize = u8::SIZE;
-
-    fn write(&self, to: &mut Writer<'_>) {
-        (*self as u8).write(to);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
-        let states = [Self::Tracking, Self::Uncertain, Self::Lost, Self::Recovered];
-        let number = usize::from(u8::read(from)?);
-        states.get(number).copied().ok_or(Error::Malformed)
-    }
-}
+value_as!(State as u8: |state| *state as u8, |code| {
+    let states = [Self::Tracking, Self::Uncertain, Self::Lost, Self::Recovered];
+    states.get(usize::from(code)).copied()
+});
 
 pub(super) fn seconds(milliseconds: i32) -> f32 {
     1e-3 * milliseconds as f32
