@@ -54,6 +54,7 @@
 pub mod aoa;
 mod checksum;
 mod config;
+mod error;
 pub mod estimate;
 pub mod filter;
 pub mod fingerprint;

@@ -3,8 +3,7 @@
 //! An f32 holds degrees to half a metre at best, so coordinates stay integers of 1e-7 degree (11 mm) until
 //! their difference from an origin is taken; from there f32 metres resolve millimetres.
 
-use core::fmt;
-
+use crate::error::messages;
 use crate::math;
 use crate::snapshot::{by_value, value_as};
 
@@ -41,18 +40,12 @@ pub enum GeodesyError {
     Range,
 }
 
-impl fmt::Display for GeodesyError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Latitude => "latitude is not within -90 and 90 degrees",
-            Self::Longitude => "longitude is not within -180 and 180 degrees",
-            Self::NearPole => "origin is within five degrees of a pole",
-            Self::Range => "position is not finite or too far from the origin",
-        })
-    }
-}
-
-impl core::error::Error for GeodesyError {}
+messages!(GeodesyError {
+    Self::Latitude => "latitude is not within -90 and 90 degrees",
+    Self::Longitude => "longitude is not within -180 and 180 degrees",
+    Self::NearPole => "origin is within five degrees of a pole",
+    Self::Range => "position is not finite or too far from the origin",
+});
 
 impl Geodetic {
     /// From degrees times 1e7, north and east positive.

@@ -16,10 +16,10 @@ mod likelihood;
 mod peaks;
 
 use core::f32::consts::{LN_10, PI, TAU};
-use core::fmt;
 
 use crate::ConfigError;
 use crate::config::require;
+use crate::error::messages;
 use crate::math::wrap;
 pub use likelihood::SpectrumLikelihood;
 pub use peaks::Peak;
@@ -70,16 +70,10 @@ pub enum SpectrumError {
     Level,
 }
 
-impl fmt::Display for SpectrumError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Values => "more values than degrees",
-            Self::Level => "a level is out of range",
-        })
-    }
-}
-
-impl core::error::Error for SpectrumError {}
+messages!(SpectrumError {
+    Self::Values => "more values than degrees",
+    Self::Level => "a level is out of range",
+});
 
 impl Temper {
     /// For a KrakenSDR with MUSIC.

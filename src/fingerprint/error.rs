@@ -1,6 +1,6 @@
 //! Why a map, a reading or a scan was refused.
 
-use core::fmt;
+use crate::error::messages;
 
 /// Why a map was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,23 +27,17 @@ pub enum MapError {
     Points,
 }
 
-impl fmt::Display for MapError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Length => "fewer or more bytes than the header says",
-            Self::Magic => "not a radio map",
-            Self::Version => "a radio map of another version",
-            Self::Checksum => "the checksum does not match",
-            Self::Encoding => "unknown encoding",
-            Self::Lattice => "impossible lattice",
-            Self::Beacons => "no beacon, or more than there is room for",
-            Self::Levels => "impossible levels",
-            Self::Points => "more points than there is room for",
-        })
-    }
-}
-
-impl core::error::Error for MapError {}
+messages!(MapError {
+    Self::Length => "fewer or more bytes than the header says",
+    Self::Magic => "not a radio map",
+    Self::Version => "a radio map of another version",
+    Self::Checksum => "the checksum does not match",
+    Self::Encoding => "unknown encoding",
+    Self::Lattice => "impossible lattice",
+    Self::Beacons => "no beacon, or more than there is room for",
+    Self::Levels => "impossible levels",
+    Self::Points => "more points than there is room for",
+});
 
 /// Why a reading or a scan was not used. What it was for is as before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,16 +56,10 @@ pub enum ReadingError {
     Survey,
 }
 
-impl fmt::Display for ReadingError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Beacon => "the map has no such beacon",
-            Self::Strength => "no receiver can report such a strength",
-            Self::TooOld => "the reading is older than the last update",
-            Self::Points => "the map has more points than there is room for",
-            Self::Survey => "no point of the map was surveyed",
-        })
-    }
-}
-
-impl core::error::Error for ReadingError {}
+messages!(ReadingError {
+    Self::Beacon => "the map has no such beacon",
+    Self::Strength => "no receiver can report such a strength",
+    Self::TooOld => "the reading is older than the last update",
+    Self::Points => "the map has more points than there is room for",
+    Self::Survey => "no point of the map was surveyed",
+});

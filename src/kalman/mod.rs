@@ -32,11 +32,11 @@ mod gaussian;
 mod linear;
 mod unscented;
 
-use core::fmt;
-
 pub use covariance::Covariance;
 pub use gaussian::Gaussian;
 pub use unscented::Unscented;
+
+use crate::error::messages;
 
 /// What a measurement of `M` dimensions told that the filter did not expect.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,13 +63,7 @@ pub enum KalmanError {
     Singular,
 }
 
-impl fmt::Display for KalmanError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::NotFinite => "the result is not finite",
-            Self::Singular => "the measurement has no uncertainty",
-        })
-    }
-}
-
-impl core::error::Error for KalmanError {}
+messages!(KalmanError {
+    Self::NotFinite => "the result is not finite",
+    Self::Singular => "the measurement has no uncertainty",
+});

@@ -51,9 +51,9 @@ mod persist;
 #[cfg(test)]
 mod tests;
 
-use core::fmt;
-
 use crate::checksum::crc32_by_table;
+use crate::error::messages;
+
 pub use cursor::{Reader, Writer};
 pub use keeper::Keeper;
 #[doc(hidden)]
@@ -95,21 +95,15 @@ pub enum Error {
     Malformed,
 }
 
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::BufferTooSmall { .. } => "the buffer is too small for a snapshot",
-            Self::NotASnapshot => "the bytes are no snapshot",
-            Self::Version { .. } => "the snapshot is of another version of the format",
-            Self::Truncated => "the snapshot is truncated",
-            Self::Checksum => "the checksum of the snapshot is wrong",
-            Self::Shape => "the snapshot is of another type or size",
-            Self::Malformed => "the snapshot holds a value that no state has",
-        })
-    }
-}
-
-impl core::error::Error for Error {}
+messages!(Error {
+    Self::BufferTooSmall { .. } => "the buffer is too small for a snapshot",
+    Self::NotASnapshot => "the bytes are no snapshot",
+    Self::Version { .. } => "the snapshot is of another version of the format",
+    Self::Truncated => "the snapshot is truncated",
+    Self::Checksum => "the checksum of the snapshot is wrong",
+    Self::Shape => "the snapshot is of another type or size",
+    Self::Malformed => "the snapshot holds a value that no state has",
+});
 
 /// The most bytes that a snapshot of a `T` takes.
 pub const fn largest<T: Persist>() -> usize {

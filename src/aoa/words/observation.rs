@@ -1,8 +1,8 @@
 //! Directions, and bearings taken at a place and time.
 
 use core::f32::consts::{FRAC_PI_2, PI};
-use core::fmt;
 
+use crate::error::messages;
 use crate::math::wrap;
 use crate::snapshot::{by_value, value_as};
 
@@ -94,18 +94,12 @@ pub enum ObservationError {
     Probability,
 }
 
-impl fmt::Display for ObservationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Position => "position is not finite or too far from the origin",
-            Self::Bearing => "bearing is not finite",
-            Self::Sigma => "sigma_rad is out of range",
-            Self::Probability => "probability is not within 0 and 1",
-        })
-    }
-}
-
-impl core::error::Error for ObservationError {}
+messages!(ObservationError {
+    Self::Position => "position is not finite or too far from the origin",
+    Self::Bearing => "bearing is not finite",
+    Self::Sigma => "sigma_rad is out of range",
+    Self::Probability => "probability is not within 0 and 1",
+});
 
 /// Why a bearing was not taken. The locator is as before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,17 +114,11 @@ pub enum PushError {
     Empty,
 }
 
-impl fmt::Display for PushError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::TooOld => "the bearing is older than all that are kept",
-            Self::Duplicate => "a bearing of this station and time was taken already",
-            Self::Empty => "the reading holds no bearing",
-        })
-    }
-}
-
-impl core::error::Error for PushError {}
+messages!(PushError {
+    Self::TooOld => "the bearing is older than all that are kept",
+    Self::Duplicate => "a bearing of this station and time was taken already",
+    Self::Empty => "the reading holds no bearing",
+});
 
 impl Observation {
     /// Largest coordinate, in metres: beyond it an f32 no longer resolves a decimetre.
