@@ -84,6 +84,10 @@ impl Measured {
         let quality = quality(sigma_degrees)?;
         let mut drive = Drive::default();
         drive.truth(ORIGIN.offset(self.transmitter));
+        // A receiver is on before the first bearing: its first position waits for a second.
+        if let Some((position, _)) = self.bearings.first() {
+            drive.position(3599.0, ORIGIN.offset(*position), 0.0, 0.0);
+        }
         for (stop, (position, azimuth)) in self.bearings.iter().enumerate() {
             let time = 3600.0 + PAUSE * stop as f64;
             drive.position(time, ORIGIN.offset(*position), 0.0, 0.0);

@@ -253,7 +253,10 @@ fn measured_bearings_are_located_as_exactly() {
         let fix = replay.fix().unwrap();
         let offset = [0, 1].map(|d| f64::from(fix.position[d]) - posterior.mean[d]);
         let off = mahalanobis(offset, &posterior.covariance);
-        println!("{transmitter}: {off:.3} posterior sigmas off");
+        println!(
+            "{transmitter}: {off:.3} posterior sigmas off {:?}",
+            replay.gateway().counters()
+        );
         assert_eq!(fix.bearings, 50);
         // At most 0.25 for 200 seeds of the gateway.
         assert!(off < 0.3);
