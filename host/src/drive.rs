@@ -82,7 +82,7 @@ impl Drive {
         const BETWEEN: &str =
             "-48.5, 433920000, UCA, 96, foxhunt, 0.0, 0.0, 0.0, 0.0, GPS, R, R, R, R";
         let milliseconds = ((DAY + reading.time) * 1e3 + 0.5 * INTERVAL).round();
-        let spectrum = spectrum(reading.degrees, reading.quality);
+        let spectrum = spectrum(&reading);
         self.line(format_args!(
             "{milliseconds}, {}",
             array::fields(&spectrum, BETWEEN)
@@ -114,17 +114,19 @@ pub fn truths(bytes: &[u8]) -> impl Iterator<Item = Place> {
     })
 }
 
-/// One peak on a floor, in decibels over the floor, of which the maximum is as far above the mean as the quality says.
-fn spectrum(degrees: f64, quality: f64) -> Vec<f64> {
+/// One peak on a floor, in decibels over the floor, of which the maximum is as far above the mean as the quality says. The
+/// floor is a little higher from second to second: real spectra never repeat.
+fn spectrum(reading: &Reading) -> Vec<f64> {
     /// Standard deviation of the power, of the widest peak.
     const WIDEST: f64 = 20.0;
     let area = TAU.sqrt();
     // The degrees of a peak without flanks that is as high and holds as much.
-    let width = 3.6 * (100.0 - quality.clamp(1.0, 99.5));
+    let width = 3.6 * (100.0 - reading.quality.clamp(1.0, 99.5));
     let sigma = (width / area).min(WIDEST);
     let floor = ((width - sigma * area) / (360.0 - sigma * area)).max(1e-4);
+    let floor = floor * (1.0 + 0.01 * (reading.time.rem_euclid(13.0)));
     let level = |degree: u16| {
-        let off = (f64::from(degree) + degrees + 180.0).rem_euclid(360.0) - 180.0;
+        let off = (f64::from(degree) + reading.degrees + 180.0).rem_euclid(360.0) - 180.0;
         let power = floor + (1.0 - floor) * (-0.5 * (off / sigma).powi(2)).exp();
         10.0 * (power / floor).log10()
     };
