@@ -14,7 +14,7 @@
 //! | `$--RMC` `$--GGA` | [`Nmea`](formats::Nmea) | time and position; RMC also speed and course over ground, and variation |
 //! | `$--VTG` | | speed and course over ground |
 //! | `$--HDT` `$--THS` `$PASHR` `$PTNTHTM` | | true heading |
-//! | `$--HDG` `$--HDM` | | magnetic heading, HDG with deviation and variation |
+//! | `$--HDG` `$--HDM` | | magnetic heading, HDG with the error of the compass and the variation |
 //! | `$PFOXQ*50` | | a query: the answer and the status are sent whenever they were sent last |
 //! | `$PFOXR*53` | | a restart, to look for another source: [`Vehicle::restart`] |
 //! | `B5 62 01 07 ...` | [`Ubx`](formats::Ubx) | a binary frame `NAV-PVT` of a u-blox receiver: time, position, speed, course; heading and variation if valid |

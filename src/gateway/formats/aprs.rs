@@ -97,45 +97,17 @@ impl Format for Aprs {
         let Some((time, report)) = dated(report)? else {
             return Ok(Sentence::Other);
         };
-        let Some((place, bearing)) = report.split_first_chunk::<19>() else {
+        let Some((latitude, rest)) = report.split_first_chunk::<7>() else {
             return Ok(Sentence::Other);
         };
-        let [latitude @ .., _, _, _, _, _, _, _, _, _, _, _, _] = place;
-        let [
-            _,
-            _,
-            _,
-            _,
-            _,
-            _,
-            _,
-            north,
-            table,
-            longitude @ ..,
-            east,
-            symbol,
-        ] = place;
-        if [*table, *symbol] != *b"/\\" {
+        let Some(([north, table, longitude @ .., east, symbol], rest)) =
+            rest.split_first_chunk::<12>()
+        else {
             return Ok(Sentence::Other);
-        }
-        let &[
-            _,
-            _,
-            _,
-            _,
-            _,
-            _,
-            _,
-            b'/',
-            b1,
-            b2,
-            b3,
-            b'/',
-            number,
-            range,
-            quality,
-            ..,
-        ] = bearing
+        };
+        // Course and speed are not used.
+        let (b"/\\", Some((_, [b'/', b1, b2, b3, b'/', number, range, quality, ..]))) =
+            (&[*table, *symbol], rest.split_first_chunk::<7>())
         else {
             return Ok(Sentence::Other);
         };
@@ -146,15 +118,15 @@ impl Format for Aprs {
             return Err(Rejected::OtherFinder);
         }
         let place = nmea::place(latitude, &[*north], longitude, &[*east])?;
-        let digits = [b1, b2, b3];
+        let digits = [*b1, *b2, *b3];
         if ![b1, b2, b3, number, range, quality]
             .iter()
-            .all(u8::is_ascii_digit)
+            .all(|byte| byte.is_ascii_digit())
         {
             return Err(Rejected::Unparsable);
         }
         let degrees = decimal(&digits).ok_or(Rejected::Unparsable)?;
-        let quality = if number == b'0' { 0 } else { quality - b'0' };
+        let quality = if *number == b'0' { 0 } else { quality - b'0' };
         Ok(Sentence::Reading(Reading {
             time,
             // From north, which is where a vehicle that heads there has its bow.

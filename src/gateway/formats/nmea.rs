@@ -14,10 +14,10 @@
 //! | `$--HDT` | 1 heading | degrees clockwise from true north | true heading |
 //! | `$--THS` | 1 heading, 2 mode | the same; `A`, `E`; `M`, `S` if configured; not `V` | true heading |
 //! | `$--HDG` | 1 heading | degrees clockwise from north as the sensor has it | magnetic heading, with the next |
-//! | | 2, 3 deviation; 4, 5 variation | degrees, `E` or `W` | added; without a variation, that of RMC holds |
+//! | | 2, 3 error of the compass; 4, 5 variation | degrees, `E` or `W` | added; without a variation, that of RMC holds |
 //! | `$--HDM` | 1 heading | degrees clockwise from magnetic north | magnetic heading |
 //! | `$PASHR` | 1 time, 2 heading, 3 `T` | as RMC; degrees clockwise from true north | true heading at its own time |
-//! | `$PTNTHTM` | 1 heading, 2 status | degrees clockwise from true north (the compass is told deviation and variation); `M`, `N`, `O` | true heading |
+//! | `$PTNTHTM` | 1 heading, 2 status | degrees clockwise from true north (the compass is told its error and the variation); `M`, `N`, `O` | true heading |
 //! | `$PFOXQ`, `$PFOXR` | | | the host's own: see [`gateway`](crate::gateway) |
 //!
 //! All others, and AIS, which begins with `!`, are left to others. Sources: NMEA 0183 as "NMEA Revealed" of gpsd describes
@@ -261,11 +261,11 @@ fn hdm(fields: &[u8]) -> Result<Sentence, Rejected> {
     }
 }
 
-/// `heading,deviation,side,variation,side`
+/// `heading,error of the compass,side,variation,side`
 fn hdg(fields: &[u8]) -> Result<Sentence, Rejected> {
-    let [degrees, deviation, side, variation, variation_side] =
+    let [degrees, error, side, variation, variation_side] =
         sentence::columns(fields).ok_or(Rejected::Unparsable)?;
-    let deviation = eastward([deviation, side])?;
+    let error = eastward([error, side])?;
     let variation = eastward([variation, variation_side])?;
     let mut stated = heading(degrees, None, true)?;
     if let Sentence::Statement(Statement {
@@ -274,7 +274,7 @@ fn hdg(fields: &[u8]) -> Result<Sentence, Rejected> {
         ..
     }) = &mut stated
     {
-        heading.degrees += deviation.unwrap_or(0.0);
+        heading.degrees += error.unwrap_or(0.0);
         *stated = variation;
     }
     Ok(stated)

@@ -41,6 +41,7 @@ use crate::gateway::clock::TimeOfDay;
 use crate::gateway::config::{SigmaTable, preset};
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sentence::columns;
+pub use line::{Confidence, Heading};
 use line::{Fields, Own};
 use spectrum::{Digest, SpectrumReader};
 
@@ -95,35 +96,6 @@ pub struct Config {
     pub sigmas: Option<&'static SigmaTable>,
     /// The power to which a [spectrum](crate::aoa::spectrum) is raised for the probabilities of its peaks.
     pub temper: Temper,
-}
-
-/// Scale of the confidence of a KrakenSDR: of the maximum of the spectrum over its mean, `m`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Confidence {
-    /// `10 log10(m)`, of at most 25.6.
-    #[default]
-    Decibels,
-    /// `(m - 1) / 3`, of at most 1, which says no more than that `m` is at least 4.
-    Fraction,
-}
-
-/// Which heading of a KrakenSDR's line holds, and when. The one by its GPS is a course or a number that somebody has
-/// entered, or that nobody has: it is zero then.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Heading {
-    /// The one that the line names. By GPS, it holds while the KrakenSDR moves; of one that has never moved, if it has
-    /// never changed and is not zero. Before a second has shown whether it moves, it holds; if it then was none, the next
-    /// bearing takes the place of those that rested on it.
-    #[default]
-    Recognised,
-    /// The one that the line names; by GPS only while the KrakenSDR moves.
-    Vehicle,
-    /// The one that the line names, always: of a fixed station, or by a receiver with two antennas.
-    Station,
-    /// The compass's, always, whichever the line names.
-    Compass,
 }
 
 impl Config {

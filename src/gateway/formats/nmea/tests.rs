@@ -190,7 +190,10 @@ fn headings_of_compasses() {
     ] {
         assert_eq!(read(line), Ok(Sentence::Statement(expected)), "{line}");
     }
-    // With their checksums as published.
+}
+
+#[test]
+fn headings_have_their_published_checksums() {
     for line in [
         "$HCHDG,101.1,,,7.1,W*3C",
         "$HCHDG,129.5,,,8.7,E*29",
@@ -203,6 +206,10 @@ fn headings_of_compasses() {
             "{line} {read:?}"
         );
     }
+}
+
+#[test]
+fn compasses_without_a_heading_have_none() {
     for line in [
         "HCHDG,,,,,",
         "HCHDM,,M",
@@ -288,7 +295,7 @@ fn no_fix() {
 }
 
 #[test]
-fn rejected() {
+fn sentences_with_a_wrong_checksum_are_rejected() {
     assert_eq!(
         read("GPRMC,,V,,,,,,,,,,N"),
         Ok(Sentence::Lost(Rejected::NoFix))
@@ -306,6 +313,10 @@ fn rejected() {
     ] {
         assert_eq!(parse(line.as_bytes()), Err(reason), "{line}");
     }
+}
+
+#[test]
+fn sentences_with_a_wrong_field_are_rejected() {
     for (payload, reason) in [
         (
             "GPRMC,123519,A,0000.000,N,00000.000,E,0.0,,230394,,",
@@ -416,69 +427,35 @@ fn the_nmea_crate_reads_the_same() {
 fn assert_agree(line: &str, ours: &Sentence, theirs: &::nmea::ParseResult) {
     use ::nmea::ParseResult;
     let near = |a: f64, b: f64, limit: f64| assert!((a - b).abs() <= limit, "{line}: {a} {b}");
-    let same_place = |place: &Geodetic, latitude: Option<f64>, longitude: Option<f64>| {
-        // Half of the last digit, and the rounding of theirs.
-        near(
-            f64::from(place.latitude_e7()),
-            latitude.unwrap() * 1e7,
-            0.51,
-        );
-        near(
-            f64::from(place.longitude_e7()),
-            longitude.unwrap() * 1e7,
-            0.51,
-        );
+    let same_place = |latitude: Option<f64>, longitude: Option<f64>, place: Option<Geodetic>| {
+        let place = place.unwrap();
+        let ours = [place.latitude_e7(), place.longitude_e7()].map(f64::from);
+        for (ours, theirs) in ours.into_iter().zip([latitude, longitude]) {
+            // Half of the last digit, and the rounding of theirs.
+            near(ours, theirs.unwrap() * 1e7, 0.51);
+        }
     };
-    let same_motion = |motion: &Motion, knots: Option<f32>, course: Option<f32>| {
-        let knots = knots.unwrap() * METRES_PER_SECOND_PER_KNOT;
-        near(f64::from(motion.speed), f64::from(knots), 1e-5);
-        near(
-            f64::from(motion.course.unwrap()),
-            f64::from(course.unwrap()),
-            1e-4,
-        );
+    let same_motion = |knots: Option<f32>, course: Option<f32>, motion: Option<Motion>| {
+        let motion = motion.unwrap();
+        let speed = knots.unwrap() * METRES_PER_SECOND_PER_KNOT;
+        near(f64::from(motion.speed), f64::from(speed), 1e-5);
+        let courses = [motion.course, course].map(|course| f64::from(course.unwrap()));
+        near(courses[0], courses[1], 1e-4);
     };
     let Sentence::Statement(ours) = ours else {
         panic!("{line}: {ours:?}");
     };
-    match (ours, theirs) {
-        (
-            Statement {
-                place: Some(place),
-                motion: Some(motion),
-                ..
-            },
-            ParseResult::RMC(rmc),
-        ) => {
-            same_place(place, rmc.lat, rmc.lon);
-            same_motion(motion, rmc.speed_over_ground, rmc.true_course);
+    match theirs {
+        ParseResult::RMC(rmc) => {
+            same_place(rmc.lat, rmc.lon, ours.place);
+            same_motion(rmc.speed_over_ground, rmc.true_course, ours.motion);
         }
-        (
-            Statement {
-                place: Some(place), ..
-            },
-            ParseResult::GGA(gga),
-        ) => {
-            same_place(place, gga.latitude, gga.longitude);
-        }
-        (
-            Statement {
-                motion: Some(motion),
-                ..
-            },
-            ParseResult::VTG(vtg),
-        ) => {
-            same_motion(motion, vtg.speed_over_ground, vtg.true_course);
-        }
-        (
-            Statement {
-                heading: Some(heading),
-                ..
-            },
-            ParseResult::HDT(hdt),
-        ) => {
-            let theirs = hdt.heading.unwrap();
-            near(f64::from(heading.degrees), f64::from(theirs), 1e-4);
+        ParseResult::GGA(gga) => same_place(gga.latitude, gga.longitude, ours.place),
+        ParseResult::VTG(vtg) => same_motion(vtg.speed_over_ground, vtg.true_course, ours.motion),
+        ParseResult::HDT(hdt) => {
+            let headings = [Some(ours.heading.unwrap().degrees), hdt.heading];
+            let [ours, theirs] = headings.map(|heading| f64::from(heading.unwrap()));
+            near(ours, theirs, 1e-4);
         }
         _ => panic!("{line}: {ours:?} is not {theirs:?}"),
     }
