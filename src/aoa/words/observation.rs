@@ -65,7 +65,7 @@ impl Bearing {
 // As it was: what has been wrapped is not wrapped again.
 value_as!(Bearing as f32:
     |bearing| bearing.0,
-    |radians| Some(Self(radians)).filter(|_| !(radians.abs() > PI)),
+    |radians| Some(Self(radians)).filter(|_| radians.is_nan() || radians.abs() <= PI),
 );
 
 /// A bearing on the source, where and when it was taken, by which station, and how far to trust it.

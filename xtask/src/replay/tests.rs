@@ -115,7 +115,7 @@ fn what_contradicts_is_refused_before_anything_is_read() {
     // What belongs together is not.
     for more in [
         ["--finder", "ublox", "--tag", "CCF9578E0D8A"],
-        ["--confidence", "percent", "--frequency", "433920000"],
+        ["--confidence", "fraction", "--frequency", "433920000"],
         ["--sigmas", "linear", "--best-sigma", "3"],
     ] {
         let error = refused(&more);
