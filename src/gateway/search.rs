@@ -126,11 +126,12 @@ impl<L: Locate> Search<L> {
         newest_ms.wrapping_add_signed(elapsed)
     }
 
-    /// Gives the locator bearings that exclude each other, the most probable last, taken at `time` in a `plane`. Another
+    /// Gives the locator bearings that exclude each other, of which `best` is the most probable and the last, taken at `time` in a `plane`. Another
     /// plane than before begins a new search.
     pub fn push(
         &mut self,
         (time, plane): (TimeOfDay, LocalPlane),
+        best: &Observation,
         alternatives: &[Alternative],
         config: &Config<L::Config>,
     ) -> Result<Answer, Rejected> {
@@ -143,7 +144,11 @@ impl<L: Locate> Search<L> {
             .generator
             .get_or_insert_with(|| Xoshiro128PlusPlus::seed_from_u64(config.seed));
         let (locator, config_of) = (&mut self.locator, &config.locator);
-        let answer = locator.push_alternatives(alternatives, config_of, generator);
+        let answer = if L::ALTERNATIVES {
+            locator.push_alternatives(alternatives, config_of, generator)
+        } else {
+            locator.push(best, config_of, generator)
+        };
         let answer = answer.map_err(|error| match error {
             PushError::TooOld => Rejected::TooOld,
             PushError::Duplicate => Rejected::Duplicate,
@@ -157,7 +162,7 @@ impl<L: Locate> Search<L> {
             self.newest = Some((time, time_ms));
         }
         self.plane = Some(plane);
-        self.observation = alternatives.last().map(|best| *best.observation());
+        self.observation = Some(*best);
         self.bearings = self.bearings.saturating_add(1);
         Ok(answer)
     }

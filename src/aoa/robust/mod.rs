@@ -112,6 +112,8 @@ const AT_LEAST_EVERY: u32 = 8;
 impl<const N: usize, const B: usize> Locate for Robust<N, B> {
     type Config = Config;
 
+    const ALTERNATIVES: bool = true;
+
     const EMPTY: Self = {
         assert!(N >= 2 && B >= 2, "a locator needs particles and bearings");
         Self {

@@ -22,6 +22,10 @@ pub trait Locate {
     /// Nothing is known. All bits are zero, so that a `static` takes no flash.
     const EMPTY: Self;
 
+    /// Whether it takes more than the most probable of several bearings that exclude each other. If not, whoever calls it
+    /// may leave the others out.
+    const ALTERNATIVES: bool = false;
+
     /// Checks a configuration.
     ///
     /// # Errors
@@ -50,9 +54,8 @@ pub trait Locate {
         config: &Self::Config,
         rng: &mut R,
     ) -> Result<Answer, PushError> {
-        let best = (alternatives.iter()).max_by(|a, b| a.probability().total_cmp(&b.probability()));
-        let best = best.ok_or(PushError::Empty)?;
-        self.push(best.observation(), config, rng)
+        let best = Alternative::most_probable(alternatives).ok_or(PushError::Empty)?;
+        self.push(best, config, rng)
     }
 
     /// What is known of the source; of the best known one, where there are several.

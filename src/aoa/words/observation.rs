@@ -244,6 +244,22 @@ impl Alternative {
         &self.observation
     }
 
+    /// The most probable of some bearings; of several that are as probable the last.
+    pub(super) fn most_probable(alternatives: &[Self]) -> Option<&Observation> {
+        let best = alternatives.iter().reduce(Self::likelier)?;
+        Some(&best.observation)
+    }
+
+    // A call, so that the loop is not unrolled.
+    #[inline(never)]
+    fn likelier<'a>(&'a self, other: &'a Self) -> &'a Self {
+        if other.probability >= self.probability {
+            other
+        } else {
+            self
+        }
+    }
+
     /// Its probability.
     pub const fn probability(&self) -> f32 {
         self.probability

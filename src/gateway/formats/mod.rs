@@ -15,7 +15,7 @@ mod ubx;
 pub use agrelo::Agrelo;
 pub use aprs::Aprs;
 pub use format::Formats;
-pub(super) use format::{Framing, Heading, Motion, Reading, Sentence, Set, Statement};
+pub(super) use format::{Framing, Heading, Motion, Ray, Reading, Sentence, Set, Statement};
 pub use kn5r::Kn5r;
 pub use kraken::{Kraken, KrakenSpectrum};
 pub use nmea::Nmea;

@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use super::clock::{Clock, TimeOfDay};
 use super::config::Config;
-use super::formats::{All, Formats, Reading, Sentence};
+use super::formats::{All, Formats, Ray, Reading, Sentence};
 use super::line::LineReader;
 use super::navigation::{Navigation, Receiver};
 use super::outcome::{Counters, Event, Rejected};
@@ -215,17 +215,23 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
         let time_ms = self.search.time_ms(frame.time, config.max_age_ms);
         // No two undated bearings are of one time.
         let time_ms = time_ms.wrapping_add(u32::from(frame.lent));
-        let mut alternatives: Vec<Alternative, 3> = Vec::new();
-        for ray in reading.others.iter().flatten().chain([&reading.best]) {
+        let observe = |ray: &Ray| {
             let sigma_rad = (ray.sigma_rad).unwrap_or_else(|| config.sigma_rad(reading.quality));
-            let observation =
-                Observation::new(time_ms, position, frame.bearing(ray.degrees), sigma_rad)
-                    .map(|observation| observation.from_station(port as u8));
-            let alternative = observation.and_then(|seen| Alternative::new(seen, ray.probability));
-            let _ = alternatives.push(alternative.map_err(|_| Rejected::OutOfRange)?);
+            Observation::new(time_ms, position, frame.bearing(ray.degrees), sigma_rad)
+                .map(|observation| observation.from_station(port as u8))
+                .map_err(|_| Rejected::OutOfRange)
+        };
+        let best = observe(&reading.best)?;
+        let mut alternatives: Vec<Alternative, 3> = Vec::new();
+        if L::ALTERNATIVES {
+            let others = reading.others.iter().flatten();
+            for ray in others.chain([&reading.best]) {
+                let alternative = Alternative::new(observe(ray)?, ray.probability);
+                let _ = alternatives.push(alternative.map_err(|_| Rejected::OutOfRange)?);
+            }
         }
         let at = (frame.time, plane);
-        let answer = self.search.push(at, &alternatives, config)?;
+        let answer = self.search.push(at, &best, &alternatives, config)?;
         if self.search.is_due(frame.time, config) {
             self.write_answer(config);
         }

@@ -36,11 +36,11 @@ pub enum Heading {
     Compass,
 }
 
-/// The fields of a line, without blanks about them.
+/// The fields of a line.
 pub(super) struct Fields<'a> {
-    /// Time, bearing, confidence, power, frequency, array, latency.
-    head: [&'a [u8]; 7],
-    /// Latitude, longitude, GPS heading, compass heading, and which of them.
+    /// Time, bearing, confidence, power, frequency, array, latency, and the beginning of the station.
+    head: [&'a [u8]; 8],
+    /// Latitude, longitude, GPS heading, compass heading, and which of them, without blanks about them.
     pose: [&'a [u8]; 5],
 }
 
@@ -56,38 +56,36 @@ impl<'a> Fields<'a> {
     /// name, with whatever is in it.
     #[inline(never)]
     pub fn of(line: &'a [u8]) -> Option<Self> {
-        let mut head: [&[u8]; 7] = columns(line)?;
-        let known: usize = head.iter().map(|field| field.len() + 1).sum();
-        let mut rest = line.get(known..)?;
+        let mut rest = line;
         let mut pose = [&[] as &[u8]; 5];
         for field in pose.iter_mut().rev() {
             *field = last(&mut rest)?;
         }
-        for field in &mut head {
-            *field = trim(field);
-        }
+        let head = columns(rest)?;
         Some(Self { head, pose })
     }
 
     pub fn time(&self) -> Result<TimeOfDay, Rejected> {
-        let digits = self.head[TIME].len() == 13 && self.head[TIME].iter().all(u8::is_ascii_digit);
-        let time = fixed(self.head[TIME], 0).filter(|_| digits);
+        /// Of 13 characters no number with a sign or a point is as large.
+        const LEAST: i64 = 1_000_000_000_000;
+        let text = trim(self.head[TIME]);
+        let time = fixed(text, 0).filter(|time| text.len() == 13 && *time >= LEAST);
         time.map(TimeOfDay::from_epoch).ok_or(Rejected::Unparsable)
     }
 
     /// Degrees within 0 and 360, one way round or the other.
     pub fn bearing(&self) -> Result<f32, Rejected> {
-        let degrees = decimal(self.head[BEARING]).ok_or(Rejected::Unparsable)?;
+        let degrees = decimal(trim(self.head[BEARING])).ok_or(Rejected::Unparsable)?;
         angle(degrees)
     }
 
     pub fn frequency_hz(&self) -> Result<Option<u32>, Rejected> {
-        let hertz = fixed(self.head[FREQUENCY], 0).ok_or(Rejected::Unparsable)?;
+        let hertz = fixed(trim(self.head[FREQUENCY]), 0).ok_or(Rejected::Unparsable)?;
         Ok(u32::try_from(hertz).ok())
     }
 
     pub fn latency_ms(&self) -> Result<u32, Rejected> {
-        let latency = fixed(self.head[LATENCY], 0).ok_or(Rejected::Unparsable)?;
+        let latency = fixed(trim(self.head[LATENCY]), 0).ok_or(Rejected::Unparsable)?;
         u32::try_from(latency).map_err(|_| Rejected::OutOfRange)
     }
 
@@ -97,7 +95,7 @@ impl<'a> Fields<'a> {
         const LARGEST_DECIBELS: f32 = 25.6;
         /// Of a confidence on no known scale: as little as any that is used by default.
         const UNKNOWN: f32 = 50.0;
-        let confidence = decimal(self.head[CONFIDENCE]).ok_or(Rejected::Unparsable)?;
+        let confidence = decimal(trim(self.head[CONFIDENCE])).ok_or(Rejected::Unparsable)?;
         let scale = scale.unwrap_or(if confidence <= 1.0 {
             Confidence::Fraction
         } else {
@@ -232,6 +230,7 @@ fn has_moved(from: Geodetic, to: Geodetic, way_m: f32) -> bool {
 }
 
 /// An angle of up to two turns either way, within 0 and 360 degrees.
+#[inline(never)]
 fn angle(degrees: f32) -> Result<f32, Rejected> {
     if degrees.abs() <= 720.0 {
         Ok(turned(degrees))
@@ -241,14 +240,10 @@ fn angle(degrees: f32) -> Result<f32, Rejected> {
 }
 
 /// The same direction within 0 and 360 degrees.
-pub(super) fn turned(mut degrees: f32) -> f32 {
-    while degrees < 0.0 {
-        degrees += 360.0;
-    }
-    while degrees > 360.0 {
-        degrees -= 360.0;
-    }
-    degrees
+pub(super) fn turned(degrees: f32) -> f32 {
+    let turns = (degrees * (1.0 / 360.0)) as i32;
+    let rest = degrees - 360.0 * turns as f32;
+    if rest < 0.0 { rest + 360.0 } else { rest }
 }
 
 /// A coordinate; `None` where there is none.

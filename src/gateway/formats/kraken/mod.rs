@@ -259,8 +259,6 @@ impl Device {
         const MOST: i8 = 4;
         let vote = digest.map_or(0, |digest| vote(stated, f32::from(digest.top)));
         self.votes = (self.votes + vote).clamp(-MOST, MOST);
-        /// By the votes. Most builds in use are clockwise.
-        const BY_VOTES: [f32; 9] = [0.0, 0.0, 0.0, 0.1, 0.7, 0.9, 1.0, 1.0, 1.0];
         let votes = if vote == 0 {
             self.votes
         } else if vote * self.votes > 0 {
@@ -268,10 +266,10 @@ impl Device {
             MOST * vote
         } else {
             // Those before told otherwise.
-            return 0.5 - 0.1 * f32::from(vote);
+            self.votes.signum()
         };
-        let place = usize::from(votes.wrapping_add(MOST).unsigned_abs());
-        BY_VOTES.get(place).copied().unwrap_or(0.5)
+        // Most builds in use are clockwise.
+        (0.6 + 0.3 * f32::from(votes)).clamp(0.0, 1.0)
     }
 }
 

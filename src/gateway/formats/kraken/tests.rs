@@ -150,7 +150,7 @@ fn numbers_are_as_python_writes_them() {
     for (text, heading) in headings {
         assert_eq!(changed(10, text).unwrap().pose.unwrap().heading, heading);
     }
-    for (text, bearing) in [("-30", 330.0), ("390.0", 30.0), ("360", 360.0)] {
+    for (text, bearing) in [("-30", 330.0), ("390.0", 30.0), ("360", 0.0)] {
         assert_eq!(changed(1, text).unwrap().best.degrees, bearing, "{text}");
     }
 }
