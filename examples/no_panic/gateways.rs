@@ -49,6 +49,7 @@ fn config<C>(locator: C) -> Config<C> {
             ublox: formats::ublox::Config {
                 sense: any(Sense::Clockwise),
                 tag: any(None),
+                anchors: any(&[]),
                 quality: any(formats::ublox::Quality::Best),
                 sigmas,
             },

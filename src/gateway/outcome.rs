@@ -82,11 +82,13 @@ pub enum Rejected {
     /// A bearing whose line has a new time, but the spectrum of one before: the direction finder hears nothing now, and
     /// repeats what it last heard.
     Frozen,
+    /// A bearing of a board that is not among [`ublox::Config::anchors`](super::formats::ublox::Config::anchors).
+    OtherAnchor,
 }
 
 impl Rejected {
     /// Every reason, in the order of the status sentence.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::Checksum,
         Self::Overlong,
         Self::Unparsable,
@@ -108,6 +110,7 @@ impl Rejected {
         Self::Unconfirmed,
         Self::NoVariation,
         Self::Frozen,
+        Self::OtherAnchor,
     ];
 }
 
@@ -135,6 +138,7 @@ impl fmt::Display for Rejected {
             Self::Unconfirmed => "position waits for a later one that agrees",
             Self::NoVariation => "magnetic variation is unknown",
             Self::Frozen => "direction finder repeats its last spectrum: nothing is heard",
+            Self::OtherAnchor => "unexpected anchor",
         })
     }
 }

@@ -54,7 +54,7 @@ pub struct FullReport(Text<{ FullReport::BYTES }>);
 
 impl ShortReport {
     /// Room for a fix and a status.
-    pub const BYTES: usize = 400;
+    pub const BYTES: usize = 416;
 }
 
 impl FullReport {

@@ -79,6 +79,8 @@ pub struct Reading {
     pub others: [Option<Ray>; 2],
     /// Where, if the line says so.
     pub pose: Option<Pose>,
+    /// By which antenna array, if there are several on one port.
+    pub station: Option<u8>,
     /// So many readings of this line so far stated a heading that was none.
     pub retracted: u32,
 }
@@ -124,6 +126,7 @@ impl Reading {
                 },
                 others: [None; 2],
                 pose: None,
+                station: None,
                 retracted: 0,
             })
         } else {

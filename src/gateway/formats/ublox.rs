@@ -1,8 +1,10 @@
 //! Events of u-blox direction finders.
 
-use super::format::{Format, Layout, Reading, Sentence};
+use super::format::{Format, Layout, Pose, Reading, Sentence};
 use super::{Config as All, Finder, Sense};
 use crate::ConfigError;
+use crate::aoa::geodesy::Geodetic;
+use crate::config::require;
 use crate::gateway::config::{SigmaTable, preset};
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sentence::{columns, fixed};
@@ -25,11 +27,34 @@ pub struct Config {
     /// The tag that is looked for: a board reports all that it hears, and lines of others are rejected as
     /// [`Rejected::OtherTag`]. `None` takes every tag for the source.
     pub tag: Option<u64>,
+    /// The boards, where there are several on one port or they do not move: each is a station of its own, numbered from
+    /// [`Anchor::FIRST_STATION`] on, and lines of others are rejected as [`Rejected::OtherAnchor`]. Without any, all lines
+    /// are of one board on the vehicle.
+    pub anchors: &'static [Anchor],
     /// What stands for the quality.
     pub quality: Quality,
     /// Standard deviations by that quality, such as [`SIGMAS`], in place of those of
     /// [`gateway::Config`](crate::gateway::Config).
     pub sigmas: Option<&'static SigmaTable>,
+}
+
+/// A board that does not move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Anchor {
+    /// Its identifier, the field `"anchor"`: 12 hexadecimal digits.
+    pub id: u64,
+    /// Where it is.
+    pub place: Geodetic,
+    /// Where it faces, in degrees clockwise from north, 0 to 360.
+    pub boresight_deg: f32,
+}
+
+impl Anchor {
+    /// The [station](crate::aoa::Observation::station) of the first anchor; those below are of ports.
+    pub const FIRST_STATION: u8 = 64;
+    /// The most anchors.
+    pub const MOST: usize = 64;
 }
 
 /// The quality of a bearing of a board that states none.
@@ -44,10 +69,11 @@ pub enum Quality {
 }
 
 impl Config {
-    /// Every tag, clockwise, of the best quality.
+    /// Every tag, clockwise, of one board, of the best quality.
     pub const DEFAULT: Self = Self {
         sense: Sense::Clockwise,
         tag: None,
+        anchors: &[],
         quality: Quality::Best,
         sigmas: None,
     };
@@ -55,8 +81,20 @@ impl Config {
     /// Checks all fields.
     ///
     /// # Errors
-    /// None: every value is right.
+    /// Names the field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
+        require!(
+            self.anchors.len() <= Anchor::MOST,
+            "anchors are more than 64"
+        );
+        let mut rest = self.anchors;
+        while let [anchor, others @ ..] = rest {
+            require!(
+                anchor.boresight_deg >= 0.0 && anchor.boresight_deg <= 360.0,
+                "boresight_deg is not within 0 and 360"
+            );
+            rest = others;
+        }
         Ok(())
     }
 }
@@ -98,7 +136,7 @@ impl Format for Ublox {
         let config = &config.ublox;
         let fields = line.strip_prefix(b"+UUDF:").ok_or(Rejected::Unparsable)?;
         let columns: [&[u8]; 9] = columns(fields).ok_or(Rejected::Unparsable)?;
-        let [tag, _rssi, azimuth, .., time] = columns;
+        let [tag, _rssi, azimuth, _, _, _, anchor, _, time] = columns;
         let known: usize = columns.iter().map(|column| column.len() + 1).sum();
         // What is left after the time and its comma.
         let counter = fields.get(known..);
@@ -128,8 +166,28 @@ impl Format for Ublox {
         } else {
             degrees
         };
-        Reading::new(degrees, quality, config.sigmas).map(Sentence::Reading)
+        let mut reading = Reading::new(degrees, quality, config.sigmas)?;
+        if !config.anchors.is_empty() {
+            let (station, anchor) = anchor_of(anchor, config.anchors)?;
+            reading.station = Some(station);
+            reading.pose = Some(Pose {
+                place: anchor.place,
+                heading: Some(anchor.boresight_deg),
+            });
+        }
+        Ok(Sentence::Reading(reading))
     }
+}
+
+/// The anchor of a quoted identifier, and its station.
+fn anchor_of<'a>(text: &[u8], anchors: &'a [Anchor]) -> Result<(u8, &'a Anchor), Rejected> {
+    let [b'"', id @ .., b'"'] = text else {
+        return Err(Rejected::Unparsable);
+    };
+    let id = identifier(id);
+    let mut stations = (Anchor::FIRST_STATION..).zip(anchors);
+    let anchor = stations.find(|(_, anchor)| Some(anchor.id) == id);
+    anchor.ok_or(Rejected::OtherAnchor)
 }
 
 /// Twelve hexadecimal digits.
@@ -199,6 +257,38 @@ mod tests {
         });
         assert!(read::<Ublox>(NINE, &config).is_ok());
         assert_eq!(read::<Ublox>(TEN, &config), Err(Rejected::OtherTag));
+    }
+
+    #[test]
+    fn anchors_are_stations() {
+        const fn anchor(id: u64, boresight_deg: f32) -> Anchor {
+            let Ok(place) = Geodetic::new(481_000_000, 115_000_000) else {
+                panic!("it is on earth");
+            };
+            Anchor {
+                id,
+                place,
+                boresight_deg,
+            }
+        }
+        const ANCHORS: [Anchor; 2] = [
+            anchor(0xccf9_579b_21ae, 90.0),
+            anchor(0xcd84_c98b_935d, 180.0),
+        ];
+        let config = with(Config {
+            anchors: &ANCHORS,
+            ..Config::DEFAULT
+        });
+        for (line, station, boresight_deg) in [(NINE, 64, 90.0), (TEN, 65, 180.0)] {
+            let line = read::<Ublox>(line, &config).unwrap();
+            assert_eq!(line.station, Some(station));
+            assert_eq!(line.pose.unwrap().heading, Some(boresight_deg));
+        }
+        let other = NINE.replace("CCF9579B21AE", "CCF9579B21AF");
+        assert_eq!(read::<Ublox>(&other, &config), Err(Rejected::OtherAnchor));
+        let none = NINE.replace("CCF9579B21AE", "");
+        assert_eq!(read::<Ublox>(&none, &config), Err(Rejected::OtherAnchor));
+        assert_eq!(read::<Ublox>(NINE, &All::DEFAULT).unwrap().pose, None);
     }
 
     #[test]

@@ -215,10 +215,11 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
         let time_ms = self.search.time_ms(frame.time, config.max_age_ms);
         // No two undated bearings are of one time.
         let time_ms = time_ms.wrapping_add(u32::from(frame.lent));
+        let station = reading.station.unwrap_or(port as u8);
         let observe = |ray: &Ray| {
             let sigma_rad = (ray.sigma_rad).unwrap_or_else(|| config.sigma_rad(reading.quality));
             Observation::new(time_ms, position, frame.bearing(ray.degrees), sigma_rad)
-                .map(|observation| observation.from_station(port as u8))
+                .map(|observation| observation.from_station(station))
                 .map_err(|_| Rejected::OutOfRange)
         };
         let best = observe(&reading.best)?;
