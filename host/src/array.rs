@@ -50,6 +50,8 @@ pub struct Scene {
     pub reflected: f64,
     /// By how much the reflection is late, in radians.
     pub phase: f64,
+    /// By how much every antenna is off, in radians, as cables, neighbours and the roof make it.
+    pub errors: [f64; ANTENNAS],
 }
 
 impl Method {
@@ -102,6 +104,17 @@ fn steering(radius: f64, degrees: f64) -> Vector {
 }
 
 impl Scene {
+    /// 20 dB on a circle of 0.3 wavelengths, straight ahead, without a reflection.
+    pub const CLEAN: Self = Self {
+        radius: 0.3,
+        signal_db: 20.0,
+        angle: 0.0,
+        reflection: 0.0,
+        reflected: 0.0,
+        phase: 0.0,
+        errors: [0.0; ANTENNAS],
+    };
+
     /// 10 to 30 dB on a circle of 0.2 to 0.42 wavelengths, with a reflection of 0.2 to 0.6 from anywhere.
     pub fn reflected(rng: &mut impl Rng) -> Self {
         Self {
@@ -111,6 +124,7 @@ impl Scene {
             reflection: rng.random_range(0.2..0.6),
             reflected: rng.random_range(0.0..360.0),
             phase: rng.random_range(0.0..TAU),
+            ..Self::CLEAN
         }
     }
 
@@ -118,6 +132,8 @@ impl Scene {
         let reflection = Complex::from_polar(self.reflection, self.phase);
         let path =
             steering(self.radius, self.angle) + steering(self.radius, self.reflected) * reflection;
+        let errors = self.errors.map(|error| Complex::from_polar(1.0, error));
+        let path = path.component_mul(&Vector::from(errors));
         let noise = 10.0_f64.powf(-0.05 * self.signal_db);
         let mut draw =
             |scale: f64| Complex::new(normal(rng), normal(rng)) * (scale * 0.5_f64.sqrt());
@@ -131,30 +147,37 @@ impl Scene {
     }
 }
 
-/// What a spectrum says, as a line of krakensdr_doa since July 2024 has it at its end: the bearing, the confidence, and the
-/// values after the fields that stand between.
-pub fn fields(spectrum: &[f64], between: &str) -> String {
-    let (top, highest) = (0..)
-        .zip(spectrum)
-        .fold((0, f64::MIN), |best, (degree, level)| {
-            if *level > best.1 {
-                (degree, *level)
-            } else {
-                best
-            }
-        });
+/// Where the maximum of a spectrum is, in degrees counter-clockwise, and the ratio of its power to the mean.
+pub fn summary(spectrum: &[f64]) -> (u32, f64) {
+    let higher = |best: (u32, f64), (degree, level): (u32, &f64)| {
+        if *level > best.1 {
+            (degree, *level)
+        } else {
+            best
+        }
+    };
+    let (top, highest) = (0..).zip(spectrum).fold((0, f64::MIN), higher);
     let power = |level: &f64| 10.0_f64.powf(0.1 * (level - highest));
-    let mean = spectrum.iter().map(power).sum::<f64>() / spectrum.len() as f64;
-    let mut text = format!(
-        "{:.1}, {}, {between}",
-        f64::from(360 - top),
-        -10.0 * mean.log10()
-    );
+    let sum: f64 = spectrum.iter().map(power).sum();
+    (top, spectrum.len() as f64 / sum)
+}
+
+/// The values of a spectrum as they stand in a line, each after a comma.
+pub fn values(spectrum: &[f64]) -> String {
+    let mut text = String::new();
     for level in spectrum {
         // Writing to a string does not fail.
         let _ = write!(text, ", {level:.2}");
     }
-    text + " "
+    text
+}
+
+/// What a spectrum says, as a line of krakensdr_doa since July 2024 has it at its end: the bearing, the confidence, and the
+/// values after the fields that stand between.
+pub fn fields(spectrum: &[f64], between: &str) -> String {
+    let (top, ratio) = summary(spectrum);
+    let (degrees, decibels) = (360 - top, 10.0 * ratio.log10());
+    format!("{degrees}.0, {decibels}, {between}{} ", values(spectrum))
 }
 
 /// How far the stated errors of bearings among reflections can be trusted.

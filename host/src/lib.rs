@@ -12,6 +12,7 @@
 //! - [`accuracy`]: the largest error of each function of `foxhunt::math`;
 //! - [`mod@reference`]: exact answers, to measure the library against;
 //! - [`mod@array`]: an antenna array among reflections, and the spectra that a direction finder makes of it;
+//! - [`passes`]: drives past a source with it;
 //! - [`scripts`]: drives on which something happens;
 //! - [`measured`]: bearings from the field, turned into such bytes;
 //! - [`replay`]: those bytes through the library's gateway, as the firmware does it;
@@ -31,6 +32,7 @@ pub mod figures;
 pub mod geodesy;
 pub mod measured;
 pub mod packets;
+pub mod passes;
 pub mod picture;
 pub mod radio_map;
 pub mod reference;
