@@ -1,6 +1,6 @@
 //! Damaged lines: how often a vehicle's gateway believes a position that its receiver never had.
 //!
-//! Each sentence of real logs is damaged with some probability, by one of six [kinds](Kind) in equal parts. A position that
+//! Each sentence of real logs is damaged with some probability, by one of six kinds in equal parts. A position that
 //! the gateway uses is wrong if it is further than [`FAR_M`] from all that the receiver stated just then.
 
 use std::{fs, path::Path};

@@ -2,7 +2,7 @@
 
 use foxhunt_host::damage::{Logs, Outcome};
 
-/// Of two million sentences none was wrong with any of three seeds: of a twentieth, one is for a correct program less
+/// Of two million sentences none was wrong with one seed: of a twentieth, one is for a correct program less
 /// likely than one in a hundred.
 #[test]
 fn no_damaged_position_is_believed() {
