@@ -58,11 +58,14 @@ fn check<const P: usize>(
     if !map.is_complete() && !points.any(|point| map.is_surveyed(point)) {
         return Err(ReadingError::Survey);
     }
-    let unknown = |reading: &Reading| usize::from(reading.beacon) >= map.beacons();
-    if scan.iter().any(unknown) {
-        return Err(ReadingError::Beacon);
+    let mut used = 0;
+    for reading in scan {
+        if usize::from(reading.beacon) >= map.beacons() {
+            return Err(ReadingError::Beacon);
+        }
+        used += usize::from(config.accepts(reading.rssi_dbm));
     }
-    match accepted(scan, config).count() {
+    match used.min(MAX_READINGS) {
         0 => Err(ReadingError::Strength),
         used => Ok(used),
     }
