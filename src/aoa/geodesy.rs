@@ -74,6 +74,13 @@ impl Geodetic {
     pub const fn longitude_e7(self) -> i32 {
         self.longitude_e7
     }
+
+    /// Whether another place is less than so many metres away; no for one beyond the range of a [`LocalPlane`] here.
+    #[inline(never)]
+    pub fn is_within(self, other: Self, metres: f32) -> bool {
+        let moved = LocalPlane::new(self).and_then(|plane| plane.to_local(other));
+        moved.is_ok_and(|[east, north]| east * east + north * north < metres * metres)
+    }
 }
 
 /// The plane that touches the ellipsoid at an origin: metres east and north of it.
@@ -348,6 +355,16 @@ mod tests {
             worst.1 = worst.1.max(error / allowed);
         }
         worst
+    }
+
+    #[test]
+    fn places_are_near_or_far() {
+        let here = Geodetic::new(481_173_000, 115_166_667).unwrap();
+        // 11.12 metres further north.
+        let there = Geodetic::new(481_174_000, 115_166_667).unwrap();
+        assert!(here.is_within(there, 11.2) && !here.is_within(there, 11.0));
+        assert!(there.is_within(here, 11.2));
+        assert!(!here.is_within(Geodetic::new(0, 0).unwrap(), 1e9));
     }
 
     #[test]

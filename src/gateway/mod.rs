@@ -100,11 +100,13 @@ mod outcome;
 mod report;
 mod search;
 mod sentence;
+mod sigma;
 mod vehicle;
 
-pub use config::{BearingReference, Config, SigmaTable, Station};
+pub use config::{BearingReference, Config, Station};
 pub use history::Aged;
 pub use navigation::Receiver;
 pub use outcome::{Counters, Event, Rejected};
 pub use report::{FullReport, ReportForm, ShortReport};
+pub use sigma::SigmaTable;
 pub use vehicle::{Gateway, Vehicle};

@@ -6,7 +6,7 @@ use super::formats::{Heading, Motion, Reading, Sentence, Statement};
 use super::history::{Aged, Compass, History};
 use super::outcome::Rejected;
 use crate::aoa::Bearing;
-use crate::aoa::geodesy::{Geodetic, LocalPlane};
+use crate::aoa::geodesy::Geodetic;
 
 /// What the navigation receiver has stated last.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,13 +74,6 @@ pub(super) fn was_set(elapsed_ms: i32, max_age_ms: u32) -> bool {
 
 /// Metres that positions of a receiver may jump by: more lets wrong ones pass, less has right ones wait among houses.
 const POSITION_NOISE_M: f32 = 50.0;
-
-/// Whether two places are less than so many metres apart.
-#[inline(never)]
-fn is_within(from: Geodetic, to: Geodetic, metres: f32) -> bool {
-    let moved = LocalPlane::new(from).and_then(|plane| plane.to_local(to));
-    moved.is_ok_and(|[east, north]| east * east + north * north < metres * metres)
-}
 
 impl Navigation {
     pub const EMPTY: Self = Self {
@@ -187,7 +180,7 @@ impl Navigation {
         let is_near = |(then, there): (TimeOfDay, Geodetic), longest_ms: i32| {
             let elapsed = time.since(then);
             let way = POSITION_NOISE_M + config.max_speed_m_s * (1e-3 * elapsed as f32);
-            (0..=longest_ms).contains(&elapsed) && is_within(there, place, way)
+            (0..=longest_ms).contains(&elapsed) && there.is_within(place, way)
         };
         let longest_ms = config.max_age_ms as i32;
         let is_believed = self

@@ -3,9 +3,9 @@
 use super::format::{Format, Layout, Reading, Sentence};
 use super::{Config as All, Finder};
 use crate::ConfigError;
-use crate::gateway::config::{SigmaTable, preset};
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sentence::decimal;
+use crate::gateway::sigma::{SigmaTable, preset};
 
 pub(super) const EXAMPLE: &str = "%270/9";
 

@@ -21,9 +21,9 @@ use super::format::{Format, Layout, Pose, Reading, Sentence};
 use super::{Config as All, Finder, agrelo, nmea};
 use crate::ConfigError;
 use crate::gateway::clock::TimeOfDay;
-use crate::gateway::config::SigmaTable;
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sentence::decimal;
+use crate::gateway::sigma::SigmaTable;
 
 pub(super) const EXAMPLE: &str = "N0CALL>APRS,WIDE1-1:@092345z4903.50N/07201.75W\\088/036/270/729";
 

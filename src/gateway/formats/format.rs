@@ -3,8 +3,8 @@
 use super::{Config, Finder};
 use crate::aoa::geodesy::Geodetic;
 use crate::gateway::clock::TimeOfDay;
-use crate::gateway::config::SigmaTable;
 use crate::gateway::outcome::Rejected;
+use crate::gateway::sigma::SigmaTable;
 
 /// What a line says.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -17,9 +17,9 @@ use super::format::{Format, Layout, Reading, Sentence};
 use super::{Config as All, Finder};
 use crate::ConfigError;
 use crate::gateway::clock::TimeOfDay;
-use crate::gateway::config::{SigmaTable, preset};
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sentence::fixed;
+use crate::gateway::sigma::{SigmaTable, preset};
 
 /// 346.9 degrees, magnitude 960, tone 84.
 pub(super) const EXAMPLE: &str = "C3469960084001663117493011";

@@ -1,7 +1,8 @@
 //! The forms of lines that a gateway reads: each is a small type in a file of its own.
 //!
 //! Firmware names its formats as a tuple, such as `(Nmea, Agrelo)`, and links no others; [`All`] is the default. The first
-//! byte of a line, or where two begin alike the second, says which format it has. A line of a direction finder that is not in the tuple is unparsable.
+//! byte of a line says which format it has, or the second where two begin with the same. A line of a direction finder that
+//! is not in the tuple is unparsable.
 
 pub mod agrelo;
 pub mod aprs;

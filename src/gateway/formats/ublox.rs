@@ -5,9 +5,9 @@ use super::{Config as All, Finder, Sense};
 use crate::ConfigError;
 use crate::aoa::geodesy::Geodetic;
 use crate::config::require;
-use crate::gateway::config::{SigmaTable, preset};
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sentence::{columns, fixed};
+use crate::gateway::sigma::{SigmaTable, preset};
 
 pub(super) const EXAMPLE: &str = "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"CCF9579B21AE\",\"\",1129320";
 

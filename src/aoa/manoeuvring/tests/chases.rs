@@ -107,8 +107,8 @@ fn a_chase_is_followed() {
         median(&mut stopped),
         quantile(&mut stopped, 0.9),
     );
-    // Of 300 runs the medians are 1.35 times the reference's, and 94 %, 97 %, 94 % and 94 % are covered. Runs are alike
-    // within themselves: four standard deviations below that.
+    // Of 300 runs the medians are 1.35 times the reference's, and 94 %, 97 %, 94 % and 94 % are covered. The steps of
+    // a run depend on each other: four standard deviations below that.
     assert!(driving.median < 1.7 * driving.reference && driving.fixes > 0.93);
     assert!(driving.coverage > 0.85, "{}", driving.coverage);
     assert!(stopped_now.coverage > 0.87, "{}", stopped_now.coverage);

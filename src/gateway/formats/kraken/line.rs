@@ -188,7 +188,7 @@ impl Own {
         let elapsed = time.since(last_time);
         self.is_vehicle |= heading != last_heading;
         if !(SET..SOON).contains(&elapsed) {
-            let stands = !has_moved(last_place, place, LEAST_SPEED_M_S * (1e-3 * elapsed as f32));
+            let stands = last_place.is_within(place, LEAST_SPEED_M_S * (1e-3 * elapsed as f32));
             self.motion = if stands {
                 Motion::Stands
             } else {
@@ -213,20 +213,6 @@ impl Own {
             }
         }
     }
-}
-
-/// Whether two places are so many metres apart.
-fn has_moved(from: Geodetic, to: Geodetic, way_m: f32) -> bool {
-    /// Of a unit of latitude.
-    const METRES: f32 = 0.011_13;
-    let north = to.latitude_e7() - from.latitude_e7();
-    let east = to.longitude_e7().wrapping_sub(from.longitude_e7());
-    let latitude = (1e-7 * to.latitude_e7() as f32).to_radians();
-    // The cosine, to 2 % as far as people drive.
-    let square = latitude * latitude;
-    let cos = 1.0 - square * (0.5 - square * (1.0 / 24.0));
-    let (east, north) = (METRES * cos * east as f32, METRES * north as f32);
-    east * east + north * north >= way_m * way_m
 }
 
 /// An angle of up to two turns either way, within 0 and 360 degrees.
