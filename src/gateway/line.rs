@@ -2,7 +2,8 @@
 
 use heapless::Vec;
 
-use super::formats::{self, Framing, Sentence, Set};
+use super::formats;
+use super::formats::format::{Framing, Sentence, Set};
 use super::outcome::Rejected;
 
 /// The most bytes of a line that are kept: those of a KrakenSDR before its spectrum.

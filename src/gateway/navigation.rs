@@ -2,7 +2,7 @@
 
 use super::clock::{Clock, TimeOfDay};
 use super::config::{BearingReference, Config};
-use super::formats::{Heading, Motion, Reading, Sentence, Statement};
+use super::formats::format::{Heading, Motion, Reading, Sentence, Statement};
 use super::history::{Aged, Compass, History};
 use super::outcome::Rejected;
 use crate::aoa::Bearing;

@@ -6,7 +6,7 @@
 
 pub mod agrelo;
 pub mod aprs;
-mod format;
+pub(super) mod format;
 pub mod kn5r;
 pub mod kraken;
 pub mod nmea;
@@ -16,7 +16,6 @@ mod ubx;
 pub use agrelo::Agrelo;
 pub use aprs::Aprs;
 pub use format::Formats;
-pub(super) use format::{Framing, Heading, Motion, Ray, Reading, Sentence, Set, Statement};
 pub use kn5r::Kn5r;
 pub use kraken::{Kraken, KrakenSpectrum};
 pub use nmea::Nmea;

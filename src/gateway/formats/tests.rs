@@ -2,7 +2,7 @@
 
 extern crate std;
 
-use super::format::{Format, Reading, Sentence};
+use super::format::{Format, Reading, Sentence, Set};
 use super::*;
 use crate::gateway::outcome::Rejected;
 

@@ -4,7 +4,8 @@ use heapless::Vec;
 
 use super::clock::{Clock, TimeOfDay};
 use super::config::Config;
-use super::formats::{All, Formats, Ray, Reading, Sentence};
+use super::formats::format::{Ray, Reading, Sentence};
+use super::formats::{All, Formats};
 use super::line::LineReader;
 use super::navigation::{Navigation, Receiver};
 use super::outcome::{Counters, Event, Rejected};
