@@ -7,6 +7,9 @@ use crate::{
     reports::vehicle::{self, Report},
 };
 
+/// The firmware of a vehicle for bearings of which none is wrong.
+pub const PLAIN: &str = "vehicle";
+
 /// The firmware of a vehicle for bearings of which some are wrong.
 pub const ROBUST: &str = "vehicle_robust";
 
@@ -16,7 +19,7 @@ pub const KEPT: &str = "vehicle_kept";
 /// The firmwares of a vehicle: with the locator's own moves, for bearings of which some are wrong, also over a reset, and
 /// with each refinement.
 pub const VEHICLES: [&str; 6] = [
-    "vehicle",
+    PLAIN,
     ROBUST,
     KEPT,
     "vehicle_fish",

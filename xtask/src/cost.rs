@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use foxhunt_host::figures::Figure;
 
 use crate::{
-    board::{BEACON, BEACONS, ROBUST, VEHICLES},
+    board::{BEACON, BEACONS, PLAIN, ROBUST, VEHICLES},
     expected::Expected,
     figures, kernels,
     measure::{panics, regions, sections, stack},
@@ -58,7 +58,7 @@ const LIMITS: [(&str, f64); 18] = [
 ];
 
 /// The firmwares that are also built for size.
-const SMALL: [&str; 3] = ["vehicle", ROBUST, BEACON];
+const SMALL: [&str; 3] = [PLAIN, ROBUST, BEACON];
 
 /// The most that a figure of any firmware may be, by the end of its name: variables with an initial value other than zero
 /// take flash, too.
@@ -98,7 +98,7 @@ pub fn run(options: &Options) -> Result<()> {
     println!(
         "modelled: cycles of a Cortex-M4F by its manual's timings, with memory that never waits"
     );
-    let path = stack::deepest(&project::firmware("vehicle")?)?.path;
+    let path = stack::deepest(&project::firmware(PLAIN)?)?.path;
     let path = path
         .iter()
         .map(|(function, frame)| format!("\n  {frame:5}  {function}"));

@@ -17,7 +17,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use self::{assessment::Assessment, scene::Scene};
 use crate::{
-    board::{QUERY, ensure_same, has_status},
+    board::{PLAIN, QUERY, ensure_same, has_status},
     project,
     qemu::Machine,
     reports::vehicle::{self, Report},
@@ -73,7 +73,7 @@ pub fn run(options: &Options) -> Result<()> {
 
     setup::ensure(setup::FIRMWARE)?;
     println!("building the firmware `vehicle` for {}", project::BOARD);
-    let elf = project::firmware("vehicle")?;
+    let elf = project::firmware(PLAIN)?;
     println!("booting it on QEMU's mps2-an386, a Cortex-M4F");
     let mut machine = Machine::boot(&elf, LIMIT)?;
     let output = stream(&mut machine, &scene.bytes, truth)?;

@@ -55,7 +55,7 @@ pub fn run(options: &Options) -> Result<()> {
 
 /// A short look at every format.
 pub fn check() -> Result<()> {
-    try_all(&FORMATS, 20).map(drop)
+    try_all(&FORMATS, 12).map(drop)
 }
 
 /// Tries the formats for so many seconds each, two at a time.

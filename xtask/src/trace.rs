@@ -15,46 +15,71 @@ use foxhunt_host::{
     packets, replay,
     scripts::Script,
 };
+use rayon::prelude::*;
 
 use crate::{
-    board::{self, QUERY, ROBUST, VEHICLES, ensure_same},
+    board::{self, PLAIN, QUERY, ROBUST, VEHICLES, ensure_same},
     drive::EXAMPLE,
     project,
     qemu::Machine,
     tunnel::{self, Framed},
 };
 
+/// A drive through a firmware.
+struct Trial {
+    name: String,
+    firmware: &'static str,
+    bytes: Vec<u8>,
+}
+
+impl Trial {
+    /// The drive, and the query that ends it.
+    fn new(name: &str, firmware: &'static str, drive: &[u8]) -> Self {
+        Self {
+            name: name.to_owned(),
+            firmware,
+            bytes: [drive, QUERY].concat(),
+        }
+    }
+
+    /// Fails unless the board answers as the host does, and both find something.
+    fn compare(&self) -> Result<()> {
+        let host = match self.firmware {
+            PLAIN => replay::Replay::of(&self.bytes).output().to_vec(),
+            other => on_host(other, &self.bytes)?,
+        };
+        ensure!(lines(&host).contains("\n$PFOXF"), "nothing was found");
+        ensure_same(&on_board(self.firmware, &self.bytes)?, &host)
+    }
+}
+
 /// Fails unless the firmware answers the shipped drive, and the measured ones where they are at hand, byte for
 /// byte as the host does, the firmwares with refinements a part of the shipped drive, and the robust one the drives on which
 /// something happens.
 pub fn compare() -> Result<()> {
     let drive = fs::read(project::root().join(EXAMPLE))?;
-    compare_drive(drive.clone())?;
     let part = first_lines(&drive, PART);
-    for firmware in VEHICLES {
-        let host = on_host(firmware, &part)?;
-        ensure!(
-            lines(&host).contains("\n$PFOXF"),
-            "{firmware} has found nothing"
-        );
-        ensure_same(&on_board(firmware, &part)?, &host).context(firmware)?;
-    }
-    for script in Script::ALL {
-        let mut drive = script.scene(1).drive.bytes().to_vec();
-        drive.extend(QUERY);
-        let host = on_host(ROBUST, &drive)?;
-        ensure_same(&on_board(ROBUST, &drive)?, &host).context(script.name())?;
-    }
-    let Some(data) = env::var_os("FOXHUNT_DATA") else {
+    let mut trials = vec![Trial::new("the shipped drive", PLAIN, &drive)];
+    trials.extend(
+        VEHICLES.map(|firmware| Trial::new("a part of the shipped drive", firmware, &part)),
+    );
+    trials.extend(
+        Script::ALL.map(|script| Trial::new(script.name(), ROBUST, script.scene(1).drive.bytes())),
+    );
+    if let Some(data) = env::var_os("FOXHUNT_DATA") {
+        let set = Path::new(&data).join("wsr/los_set_a.csv");
+        for transmitter in ["tx2", "tx3", "tx4"] {
+            let drive = Measured::read(&set, transmitter)?.drive(SIGMA_DEGREES)?;
+            trials.push(Trial::new(transmitter, PLAIN, drive.bytes()));
+        }
+    } else {
         println!("measured drives are skipped: FOXHUNT_DATA does not name their directory");
-        return Ok(());
-    };
-    let set = Path::new(&data).join("wsr/los_set_a.csv");
-    for transmitter in ["tx2", "tx3", "tx4"] {
-        let drive = Measured::read(&set, transmitter)?.drive(SIGMA_DEGREES)?;
-        compare_drive(drive.bytes().to_vec()).context(transmitter)?;
     }
-    Ok(())
+    project::build_firmwares(&VEHICLES)?;
+    trials.into_par_iter().try_for_each(|trial| {
+        let of = || format!("{} through {}", trial.name, trial.firmware);
+        trial.compare().with_context(of)
+    })
 }
 
 /// Fails unless the firmwares of the tunnel answer the shipped packets, as sentences and as frames, byte for byte as the
@@ -102,23 +127,17 @@ fn damaged_map() -> Result<()> {
 /// Lines of the shipped drive that firmwares with refinements are given: the search, the first fix and many moves.
 const PART: usize = 400;
 
-/// The first lines of a drive, and the query that ends it.
 fn first_lines(drive: &[u8], lines: usize) -> Vec<u8> {
     let lines = drive.split_inclusive(|byte| *byte == b'\n').take(lines);
-    lines.chain([QUERY]).flatten().copied().collect()
+    lines.flatten().copied().collect()
 }
 
-fn compare_drive(mut bytes: Vec<u8>) -> Result<()> {
-    bytes.extend(QUERY);
-    ensure_same(
-        &on_board("vehicle", &bytes)?,
-        replay::Replay::of(&bytes).output(),
-    )
-}
+/// Longer than any drive takes on a busy machine.
+const LIMIT: Duration = Duration::from_secs(300);
 
 /// What the firmware sends, up to its status.
 fn on_board(firmware: &str, bytes: &[u8]) -> Result<Vec<u8>> {
-    let mut machine = Machine::boot(&project::firmware(firmware)?, Duration::from_secs(120))?;
+    let mut machine = Machine::boot(&project::firmware(firmware)?, LIMIT)?;
     board::answer(&mut machine, bytes)
 }
 
