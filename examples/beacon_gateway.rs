@@ -15,6 +15,6 @@
 
 use foxhunt_gateways::tunnel::{Gateway, LINES};
 
-foxhunt_emulated::firmware!(Gateway = Gateway::EMPTY, |gateway, byte| {
+foxhunt_emulated::firmware!(Gateway = Gateway::EMPTY, |gateway, _, byte| {
     gateway.push(byte, &LINES)
 });

@@ -8,6 +8,6 @@
 
 use foxhunt_gateways::tunnel::{FRAMES, Gateway};
 
-foxhunt_emulated::firmware!(Gateway = Gateway::EMPTY, |gateway, byte| {
+foxhunt_emulated::firmware!(Gateway = Gateway::EMPTY, |gateway, _, byte| {
     gateway.push(byte, &FRAMES)
 });

@@ -1,9 +1,10 @@
-//! The firmware of a vehicle: what its receiver and its direction finder say comes in by the UART, where the
-//! transmitter is goes out by it.
+//! The firmware of a vehicle: what its receiver and its direction finder say comes in by UART0 to UART2, where the
+//! transmitter is goes out by UART0.
 //!
 //! ```sh
 //! cargo xtask demo              # a whole drive through the emulated board, with a picture
-//! cargo firmware vehicle        # the board alone, its UART on this terminal
+//! cargo firmware vehicle        # the board alone, its UART0 on this terminal
+//! cargo firmware vehicle -- -serial /dev/ttyUSB0 -serial /dev/ttyUSB1   # with a receiver and a direction finder
 //! cargo run --example vehicle FILE   # the same gateway on the host
 //! ```
 //!
@@ -17,5 +18,5 @@
 
 use foxhunt_gateways::plain::{CONFIG, Gateway};
 
-foxhunt_emulated::firmware!(Gateway = Gateway::EMPTY, |gateway, byte| gateway
-    .push(0, byte, &CONFIG));
+foxhunt_emulated::firmware!(Gateway = Gateway::EMPTY, |gateway, port, byte| gateway
+    .push(port, byte, &CONFIG));

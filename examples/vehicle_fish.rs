@@ -9,5 +9,5 @@
 
 use foxhunt_gateways::fish::{CONFIG, Gateway};
 
-foxhunt_emulated::firmware!(Gateway = Gateway::EMPTY, |gateway, byte| gateway
-    .push(0, byte, &CONFIG));
+foxhunt_emulated::firmware!(Gateway = Gateway::EMPTY, |gateway, port, byte| gateway
+    .push(port, byte, &CONFIG));

@@ -50,11 +50,11 @@ impl Gateway {
         is_awake: false,
     };
 
-    pub fn push(&mut self, byte: u8) -> Option<Event> {
+    pub fn push(&mut self, port: usize, byte: u8) -> Option<Event> {
         if !self.is_awake {
             self.wake();
         }
-        let event = self.vehicle.push(0, byte, &CONFIG)?;
+        let event = self.vehicle.push(port, byte, &CONFIG)?;
         if let Event::Fix(_) | Event::NotObservable(_) | Event::Restarted = event
             && let Some(keeper) = &mut self.keeper
         {

@@ -3,7 +3,7 @@
 use foxhunt::{
     aoa::{Clean, clean},
     gateway::{
-        Config, Vehicle,
+        Config, ShortReport, Vehicle,
         formats::{Agrelo, Kraken, Nmea},
     },
 };
@@ -14,8 +14,8 @@ pub type Locator = Clean<200, 64>;
 /// What the firmware reads; it links no other formats.
 pub type Formats = (Nmea, Agrelo, Kraken);
 
-/// The gateway.
-pub type Gateway = Vehicle<Locator, Formats>;
+/// The gateway, with a port for a computer, one for a receiver and one for a direction finder.
+pub type Gateway = Vehicle<Locator, Formats, ShortReport, 3>;
 
 /// The defaults, for a car.
 pub const CONFIG: Config<clean::Config> = Config::new(clean::Config::DEFAULT);

@@ -8,7 +8,7 @@ use std::io::{Read, Write};
 /// When the file cannot be read or the reports cannot be written.
 pub fn run<G, E>(
     mut gateway: G,
-    push: impl Fn(&mut G, u8) -> Option<E>,
+    push: impl Fn(&mut G, usize, u8) -> Option<E>,
     report: impl Fn(&G) -> &str,
 ) -> std::io::Result<()> {
     let input: Box<dyn Read> = match std::env::args_os().nth(1) {
@@ -17,7 +17,7 @@ pub fn run<G, E>(
     };
     let mut output = std::io::stdout().lock();
     for byte in std::io::BufReader::new(input).bytes() {
-        if push(&mut gateway, byte?).is_some() {
+        if push(&mut gateway, 0, byte?).is_some() {
             output.write_all(report(&gateway).as_bytes())?;
         }
     }

@@ -1,6 +1,6 @@
 //! The emulated board, QEMU's `mps2-an386`: a Cortex-M4F with the parts that its firmwares have in common.
 //!
-//! A *firmware* reads its UART for ever, and proves by linking that it cannot panic: [`firmware!`]. A *program* computes
+//! A *firmware* reads its UARTs for ever, and proves by linking that it cannot panic: [`firmware!`]. A *program* computes
 //! something, prints by semihosting and switches the board off: [`program!`]. On the host, [`host`] stands in for the
 //! board of a firmware.
 
@@ -27,9 +27,9 @@ mod watchdog;
 pub use cortex_m_rt::{entry, exception};
 
 /// Makes a firmware of a gateway: `firmware!(Type = EMPTY, push)`, with a constant state, and a function or closure that
-/// gives the state a byte.
+/// gives the state a byte of a port, which is the number of a UART.
 ///
-/// The type has `report(&self) -> &str`. On the host, the same gateway reads a file or the standard input.
+/// The type has `report(&self) -> &str`. On the host, the same gateway reads a file or the standard input, as port 0.
 #[macro_export]
 macro_rules! firmware {
     ($gateway:ty = $empty:expr, $push:expr $(,)?) => {

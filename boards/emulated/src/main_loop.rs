@@ -4,19 +4,22 @@ use cortex_m::Peripherals;
 use cortex_m::peripheral::syst::SystClkSource;
 use heapless::spsc::Queue;
 
-use crate::{uart::Uart, watchdog::Watchdog};
+use crate::{
+    uart::{Received, Uarts},
+    watchdog::Watchdog,
+};
 
-/// What arrives in a third of a second at 115,200 baud, while a gateway works on a message.
-const RECEIVED_BYTES: usize = 4_096;
+/// What arrives in a sixth of a second at 115,200 baud, while a gateway works on a message.
+const RECEIVED_BYTES: usize = 2_048;
 const SENT_BYTES: usize = 1_024;
 
 const WATCHDOG_SECONDS: u32 = 10;
 /// Ten times a second at 25 MHz: an idle board wakes to feed its watchdog.
 const TICKS: u32 = 2_500_000;
 
-/// The queues between the UART and the gateway.
+/// The queues between the UARTs and the gateway.
 pub struct Queues {
-    received: Queue<u8, RECEIVED_BYTES>,
+    received: Queue<Received, RECEIVED_BYTES>,
     to_send: Queue<u8, SENT_BYTES>,
 }
 
@@ -31,10 +34,10 @@ impl Queues {
     }
 }
 
-/// Feeds the gateway with the bytes of the UART and sends its reports, for ever.
+/// Feeds the gateway with the bytes of the UARTs and sends its reports by UART0, for ever.
 pub fn run<G, E: defmt::Format>(
     gateway: &'static mut G,
-    push: impl Fn(&mut G, u8) -> Option<E>,
+    push: impl Fn(&mut G, usize, u8) -> Option<E>,
     report: impl Fn(&G) -> &str,
     queues: &'static mut Queues,
 ) -> ! {
@@ -46,7 +49,7 @@ pub fn run<G, E: defmt::Format>(
         core.SYST.enable_counter();
     }
     let mut watchdog = Watchdog::start(WATCHDOG_SECONDS);
-    let mut uart = Uart::start(&mut queues.received, &mut queues.to_send);
+    let mut uarts = Uarts::start(&mut queues.received, &mut queues.to_send);
     let mut overruns = 0;
     // Bytes of the present report that were handed to the UART.
     let mut sent = 0;
@@ -59,8 +62,8 @@ pub fn run<G, E: defmt::Format>(
         // With interrupts held back none can slip in between the question and the sleep; a held one wakes.
         cortex_m::interrupt::free(|_| {
             let is_ready = match unsent {
-                [] => uart.has_received(),
-                _ => uart.has_room(),
+                [] => uarts.has_received(),
+                _ => uarts.has_room(),
             };
             if !is_ready {
                 cortex_m::asm::wfi();
@@ -68,15 +71,15 @@ pub fn run<G, E: defmt::Format>(
         });
         // The next byte is taken when the report of the last one is on its way: reports are never cut.
         if !unsent.is_empty() {
-            sent += uart.write(unsent);
-        } else if let Some(byte) = uart.read()
-            && let Some(event) = push(gateway, byte)
+            sent += uarts.write(unsent);
+        } else if let Some((port, byte)) = uarts.read()
+            && let Some(event) = push(gateway, port, byte)
         {
             sent = 0;
             defmt::info!("{}", event);
         }
-        if uart.overruns() != overruns {
-            overruns = uart.overruns();
+        if uarts.overruns() != overruns {
+            overruns = uarts.overruns();
             defmt::warn!("{} overruns of the receiver", overruns);
         }
     }

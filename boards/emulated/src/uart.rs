@@ -1,4 +1,4 @@
-//! UART0 of the MPS2 boards (a CMSDK APB UART), driven by its interrupts through two queues.
+//! UARTs of the MPS2 boards (CMSDK APB UARTs), driven by their interrupts through two queues: three are read, and UART0 sends.
 //!
 //! Nothing here waits. When the queue of received bytes is full, the receive interrupt is switched off until
 //! there is room: the emulator then holds the sender back, as a line with hardware flow control would.
@@ -10,7 +10,11 @@ use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;
 use heapless::spsc::{Consumer, Producer, Queue};
 
-/// The registers, from 0x4000_4000 on; the manual is that of the Cortex-M System Design Kit.
+/// How many UARTs are read, from UART0 on.
+const PORTS: usize = 3;
+
+/// The registers, each UART's 0x1000 bytes after those of the one before; the manual is that of the Cortex-M System Design
+/// Kit.
 #[repr(C)]
 struct Registers {
     data: UnsafeCell<u32>,
@@ -33,42 +37,55 @@ const BAUD_DIVIDER: u32 = 217;
 #[derive(Clone, Copy)]
 #[repr(u16)]
 enum Interrupt {
-    Receive = 0,
-    Transmit = 1,
+    Receive0 = 0,
+    Transmit0 = 1,
+    Receive1 = 2,
+    Receive2 = 4,
 }
 
-// SAFETY: these are the numbers of the two interrupts of UART0.
+// SAFETY: these are the numbers of the interrupts of UART0 to UART2.
 unsafe impl InterruptNumber for Interrupt {
     fn number(self) -> u16 {
         self as u16
     }
 }
 
+const fn receive(port: usize) -> Interrupt {
+    match port {
+        0 => Interrupt::Receive0,
+        1 => Interrupt::Receive1,
+        _ => Interrupt::Receive2,
+    }
+}
+
+/// A byte, and the number of the UART by which it came.
+pub type Received = (u8, u8);
+
 /// The ends of the queues that belong to the interrupts.
 struct Ends {
-    received: Producer<'static, u8>,
+    received: Producer<'static, Received>,
     to_send: Consumer<'static, u8>,
 }
 
 struct Shared(UnsafeCell<Option<Ends>>);
 
-// SAFETY: `Uart::start` writes it before the interrupts are on; afterwards only `interrupt` uses it, and that
-// does not preempt itself, because both interrupts keep the priority that they have after a reset.
+// SAFETY: `Uarts::start` writes it before the interrupts are on; afterwards only `interrupt` uses it, and that
+// does not preempt itself, because all interrupts keep the priority that they have after a reset.
 unsafe impl Sync for Shared {}
 
 static ENDS: Shared = Shared(UnsafeCell::new(None));
 static OVERRUNS: AtomicU32 = AtomicU32::new(0);
 
-/// UART0, seen from the main loop.
-pub struct Uart {
-    received: Consumer<'static, u8>,
+/// The UARTs, seen from the main loop.
+pub struct Uarts {
+    received: Consumer<'static, Received>,
     to_send: Producer<'static, u8>,
 }
 
-impl Uart {
-    /// Switches the UART and its interrupts on. To be called once.
+impl Uarts {
+    /// Switches the UARTs and their interrupts on. To be called once.
     pub fn start<const R: usize, const S: usize>(
-        received: &'static mut Queue<u8, R>,
+        received: &'static mut Queue<Received, R>,
         to_send: &'static mut Queue<u8, S>,
     ) -> Self {
         let (received_in, received_out) = received.split();
@@ -80,27 +97,30 @@ impl Uart {
                 to_send: to_send_out,
             })
         };
-        let uart = registers();
-        write(&uart.baud_divider, BAUD_DIVIDER);
-        write(&uart.control, CONTROL_ALL);
-        // SAFETY: no critical section relies on them being off.
-        unsafe {
-            NVIC::unmask(Interrupt::Receive);
-            NVIC::unmask(Interrupt::Transmit);
+        for port in 0..PORTS {
+            let uart = registers(port);
+            write(&uart.baud_divider, BAUD_DIVIDER);
+            write(&uart.control, CONTROL_ALL);
+            // SAFETY: no critical section relies on it being off.
+            unsafe { NVIC::unmask(receive(port)) };
         }
+        // SAFETY: as above.
+        unsafe { NVIC::unmask(Interrupt::Transmit0) };
         Self {
             received: received_out,
             to_send: to_send_in,
         }
     }
 
-    /// The next received byte.
-    pub fn read(&mut self) -> Option<u8> {
-        let byte = self.received.dequeue()?;
-        // There is room again, should the interrupt have switched itself off.
-        // SAFETY: no critical section relies on it being off.
-        unsafe { NVIC::unmask(Interrupt::Receive) };
-        Some(byte)
+    /// The number of a port and the next byte that it received, in the order in which bytes came.
+    pub fn read(&mut self) -> Option<(usize, u8)> {
+        let (port, byte) = self.received.dequeue()?;
+        // There is room again, should the interrupts have switched themselves off.
+        for port in 0..PORTS {
+            // SAFETY: no critical section relies on it being off.
+            unsafe { NVIC::unmask(receive(port)) };
+        }
+        Some((usize::from(port), byte))
     }
 
     /// Whether there is something to read.
@@ -123,7 +143,7 @@ impl Uart {
             written += 1;
         }
         // The transmitter may be idle: let the interrupt take the first byte.
-        NVIC::pend(Interrupt::Transmit);
+        NVIC::pend(Interrupt::Transmit0);
         written
     }
 
@@ -139,36 +159,41 @@ pub fn interrupt(number: i16) {
     let Some(ends) = (unsafe { &mut *ENDS.0.get() }) else {
         return;
     };
-    let uart = registers();
-    if number == Interrupt::Receive as i16 {
-        if !ends.received.ready() {
-            // Still pending: it comes back as soon as the main loop has made room.
-            NVIC::mask(Interrupt::Receive);
-            return;
-        }
-        write(&uart.interrupts, RECEIVE);
-        let state = read(&uart.state);
-        if state & STATE_RECEIVE_OVERRUN != 0 {
-            write(&uart.state, STATE_RECEIVE_OVERRUN);
-            OVERRUNS.fetch_add(1, Ordering::Relaxed);
-        }
-        if state & STATE_RECEIVE_FULL != 0 {
-            // There is room: this was checked above.
-            let _ = ends.received.enqueue(read(&uart.data) as u8);
-        }
-    } else if number == Interrupt::Transmit as i16 {
+    if number == Interrupt::Transmit0 as i16 {
+        let uart = registers(0);
         write(&uart.interrupts, TRANSMIT);
         if read(&uart.state) & STATE_TRANSMIT_FULL == 0
             && let Some(byte) = ends.to_send.dequeue()
         {
             write(&uart.data, u32::from(byte));
         }
+        return;
+    }
+    let port = usize::from(number as u16) / 2;
+    if port >= PORTS {
+        return;
+    }
+    if !ends.received.ready() {
+        // Still pending: it comes back as soon as the main loop has made room.
+        NVIC::mask(receive(port));
+        return;
+    }
+    let uart = registers(port);
+    write(&uart.interrupts, RECEIVE);
+    let state = read(&uart.state);
+    if state & STATE_RECEIVE_OVERRUN != 0 {
+        write(&uart.state, STATE_RECEIVE_OVERRUN);
+        OVERRUNS.fetch_add(1, Ordering::Relaxed);
+    }
+    if state & STATE_RECEIVE_FULL != 0 {
+        // There is room: this was checked above.
+        let _ = ends.received.enqueue((port as u8, read(&uart.data) as u8));
     }
 }
 
-fn registers() -> &'static Registers {
-    // SAFETY: UART0 is there on this board, and all its registers may be read and written at any time.
-    unsafe { &*(0x4000_4000 as *const Registers) }
+fn registers(port: usize) -> &'static Registers {
+    // SAFETY: UART0 to UART2 are there on this board, and all their registers may be read and written at any time.
+    unsafe { &*((0x4000_4000 + 0x1000 * port) as *const Registers) }
 }
 
 fn read(register: &UnsafeCell<u32>) -> u32 {
