@@ -24,7 +24,7 @@ mod target {
             multi, robust,
         },
         gateway::{
-            Config, Event, FullReport, ReportForm, Vehicle,
+            Config, Event, FullReport, ReportForm, ShortReport, Vehicle,
             formats::{All, Formats},
         },
         random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform},
@@ -32,7 +32,7 @@ mod target {
         snapshot::Persist,
     };
     use foxhunt_emulated::stopwatch::Stopwatch;
-    use foxhunt_gateways::{evolution, firefly, fish, kept, plain, robust as city};
+    use foxhunt_gateways::{PORTS, evolution, firefly, fish, kept, plain, robust as city};
     use foxhunt_problems::bearings::Track;
     use heapless::String;
 
@@ -77,7 +77,7 @@ mod target {
             resample_below: 1.0,
             ..clean::Config::with_refinement(refinement)
         }));
-        let gateway: Vehicle<Clean<200, 64, M>> = Vehicle::EMPTY;
+        let gateway: Vehicle<Clean<200, 64, M>, All, ShortReport, PORTS> = Vehicle::EMPTY;
         Updates::of_drive(gateway, &config, stopwatch)
     }
 
@@ -117,7 +117,7 @@ mod target {
 
     impl Updates {
         fn of_drive<L: Locate, F: Formats, R: ReportForm>(
-            gateway: Vehicle<L, F, R>,
+            gateway: Vehicle<L, F, R, PORTS>,
             config: &Config<L::Config>,
             stopwatch: &Stopwatch,
         ) -> Self {
@@ -256,7 +256,7 @@ mod target {
     /// What a gateway that knows the recorded drive takes to be saved and restored.
     fn snapshots<L: Locate + Persist, F: Formats, R: ReportForm>(
         name: &str,
-        gateway: Vehicle<L, F, R>,
+        gateway: Vehicle<L, F, R, PORTS>,
         config: &Config<L::Config>,
         stopwatch: &Stopwatch,
     ) {

@@ -2,14 +2,14 @@
 
 use foxhunt::{
     aoa::{Clean, clean},
-    gateway::{Config, Vehicle},
+    gateway::{Config, ShortReport, Vehicle},
     refine::DifferentialEvolution,
 };
 
-use crate::plain::Formats;
+use crate::{PORTS, plain::Formats};
 
 /// Two hundred particles, a memory of 64 bearings.
-pub type Gateway = Vehicle<Clean<200, 64, DifferentialEvolution>, Formats>;
+pub type Gateway = Vehicle<Clean<200, 64, DifferentialEvolution>, Formats, ShortReport, PORTS>;
 
 /// Four generations move the particles.
 const MOVES: DifferentialEvolution = DifferentialEvolution::METROPOLIS;

@@ -2,14 +2,14 @@
 
 use foxhunt::{
     aoa::{Clean, clean},
-    gateway::{Config, Vehicle},
+    gateway::{Config, ShortReport, Vehicle},
     refine::Firefly,
 };
 
-use crate::plain::Formats;
+use crate::{PORTS, plain::Formats};
 
 /// Two hundred fireflies, a memory of 64 bearings.
-pub type Gateway = Vehicle<Clean<200, 64, Firefly>, Formats>;
+pub type Gateway = Vehicle<Clean<200, 64, Firefly>, Formats, ShortReport, PORTS>;
 
 /// Each firefly is offered four places, towards the brightest of the other half or away from it.
 const MOVES: Firefly = Firefly::METROPOLIS;

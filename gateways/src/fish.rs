@@ -2,14 +2,14 @@
 
 use foxhunt::{
     aoa::{Clean, clean},
-    gateway::{Config, Vehicle},
+    gateway::{Config, ShortReport, Vehicle},
     refine::FishSchool,
 };
 
-use crate::plain::Formats;
+use crate::{PORTS, plain::Formats};
 
 /// Two hundred fish, a memory of 64 bearings.
-pub type Gateway = Vehicle<Clean<200, 64, FishSchool>, Formats>;
+pub type Gateway = Vehicle<Clean<200, 64, FishSchool>, Formats, ShortReport, PORTS>;
 
 /// Each fish is offered four places: steps of up to three sigmas of the cloud, and past the centre of four mates.
 const MOVES: FishSchool = FishSchool::METROPOLIS;

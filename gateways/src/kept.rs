@@ -7,11 +7,13 @@ use foxhunt::{
     gateway::{Config, FullReport, Vehicle, formats::All},
 };
 
+use crate::PORTS;
+
 /// Up to two sources.
 pub type Locator = presets::StationaryCity<2>;
 
 /// The gateway.
-pub type Gateway = Vehicle<Locator, All, FullReport>;
+pub type Gateway = Vehicle<Locator, All, FullReport, PORTS>;
 
 /// The defaults, for a car in a city.
 pub const CONFIG: Config<<Locator as Locate>::Config> = Config::new(presets::STATIONARY_CITY);

@@ -20,3 +20,6 @@ pub mod plain;
 pub mod robust;
 #[cfg(feature = "tunnel")]
 pub mod tunnel;
+
+/// Ports of a vehicle's gateway: a computer, a receiver and a direction finder, at any of them.
+pub const PORTS: usize = 3;

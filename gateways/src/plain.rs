@@ -8,14 +8,16 @@ use foxhunt::{
     },
 };
 
+use crate::PORTS;
+
 /// Two hundred particles, a memory of 64 bearings.
 pub type Locator = Clean<200, 64>;
 
 /// What the firmware reads; it links no other formats.
 pub type Formats = (Nmea, Agrelo, Kraken);
 
-/// The gateway, with a port for a computer, one for a receiver and one for a direction finder.
-pub type Gateway = Vehicle<Locator, Formats, ShortReport, 3>;
+/// The gateway.
+pub type Gateway = Vehicle<Locator, Formats, ShortReport, PORTS>;
 
 /// The defaults, for a car.
 pub const CONFIG: Config<clean::Config> = Config::new(clean::Config::DEFAULT);

@@ -6,11 +6,13 @@ use foxhunt::{
     gateway::{Config, FullReport, Vehicle, formats::All},
 };
 
+use crate::PORTS;
+
 /// Up to three sources.
 pub type Locator = presets::City<3>;
 
-/// The gateway, with a port for a computer, one for a receiver and one for a direction finder.
-pub type Gateway = Vehicle<Locator, All, FullReport, 3>;
+/// The gateway.
+pub type Gateway = Vehicle<Locator, All, FullReport, PORTS>;
 
 /// The defaults, for a car in a city.
 pub const CONFIG: Config<<Locator as Locate>::Config> = Config::new(presets::CITY);
