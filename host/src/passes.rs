@@ -72,34 +72,28 @@ impl Build {
 /// Milliseconds that a reading takes.
 const INTERVAL: u64 = 437;
 
-/// What has become of drives.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Passes {
-    /// Drives.
-    pub runs: u64,
-    /// Those that end with a fix.
-    pub fixes: u64,
-    /// Fixes whose 95 % ellipse holds the source.
-    pub held: u64,
-    /// Sum of the distances from the fixes to the source, in metres.
-    pub error: f64,
-    /// Readings that were not used.
-    pub unused: u64,
+/// A drive at 15 m/s to the north, past a source 200 to 800 m to one side.
+pub struct Pass {
+    /// The lines of the KrakenSDR.
+    pub bytes: Vec<u8>,
+    /// How many these are.
+    pub readings: u64,
+    /// Where the source is.
+    pub truth: Place,
 }
 
-impl Passes {
-    /// One drive, at 15 m/s to the north, past a source 200 to 800 m to one side: one reading in five has a reflection, the
-    /// array is mounted 3 degrees off, its antennas are off by so many degrees of phase, and places are off by a metre.
-    ///
-    /// Without errors of phase, of 504 drives with MUSIC, Capon and Bartlett all ellipses hold the source; with 10 degrees
-    /// 60 % do, for such errors are alike wherever the source is seen in the same direction, which no locator knows.
-    pub fn one(build: Build, method: Method, phase_sigma: f64, seed: u64, run: u64) -> Self {
+/// Where the drives begin.
+const ORIGIN: Place = Place {
+    latitude: 47.3769,
+    longitude: 8.5417,
+};
+
+impl Pass {
+    /// One reading in five has a reflection, the array is mounted 3 degrees off, its antennas are off by so many degrees of
+    /// phase, and places are off by a metre.
+    pub fn new(build: Build, method: Method, phase_sigma: f64, seed: u64, run: u64) -> Self {
         /// Milliseconds after 1970.
         const START: u64 = 1_795_348_800_000;
-        const ORIGIN: Place = Place {
-            latitude: 47.3769,
-            longitude: 8.5417,
-        };
         const SPEED: f64 = 15.0;
         const LENGTH: f64 = 900.0;
         const REFLECTED: f64 = 0.2;
@@ -113,11 +107,7 @@ impl Passes {
             * normal(&mut rng);
         let (radius, signal_db) = (rng.random_range(0.2..0.42), rng.random_range(10.0..30.0));
         let errors = std::array::from_fn(|_| phase_sigma.to_radians() * normal(&mut rng));
-        let mut gateway = Box::new(Gateway::EMPTY);
-        let mut passes = Self {
-            runs: 1,
-            ..Self::default()
-        };
+        let mut bytes = Vec::new();
         let readings = (LENGTH / SPEED * 1e3) as u64 / INTERVAL;
         for reading in 1..=readings {
             let end_ms = reading * INTERVAL;
@@ -140,19 +130,53 @@ impl Passes {
                 SPEED * 1e-3 * end_ms as f64 + normal(&mut rng),
             ];
             let line = build.line(START + end_ms, &spectrum, ORIGIN.offset(seen));
-            for byte in line.bytes() {
-                gateway.push(0, byte, &CONFIG);
-            }
+            bytes.extend(line.bytes());
         }
-        passes.unused = readings - u64::from(gateway.counters().bearings);
+        Self {
+            bytes,
+            readings,
+            truth: ORIGIN.offset(source),
+        }
+    }
+}
+
+/// What has become of drives.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Passes {
+    /// Drives.
+    pub runs: u64,
+    /// Those that end with a fix.
+    pub fixes: u64,
+    /// Fixes whose 95 % ellipse holds the source.
+    pub held: u64,
+    /// Sum of the distances from the fixes to the source, in metres.
+    pub error: f64,
+    /// Readings that were not used.
+    pub unused: u64,
+}
+
+impl Passes {
+    /// One drive through the gateway of `vehicle_robust`, with default settings.
+    ///
+    /// Without errors of phase, of 504 drives with MUSIC, Capon and Bartlett all ellipses hold the source; with 10 degrees
+    /// 60 % do, for such errors are alike wherever the source is seen in the same direction, which no locator knows.
+    pub fn one(build: Build, method: Method, phase_sigma: f64, seed: u64, run: u64) -> Self {
+        let pass = Pass::new(build, method, phase_sigma, seed, run);
+        let mut gateway = Box::new(Gateway::EMPTY);
+        for byte in &pass.bytes {
+            gateway.push(0, *byte, &CONFIG);
+        }
+        let mut passes = Self {
+            runs: 1,
+            unused: pass.readings - u64::from(gateway.counters().bearings),
+            ..Self::default()
+        };
         if let (Some(fix), Some(plane)) = (gateway.locator().fix(), gateway.plane()) {
             let origin = Place {
                 latitude: f64::from(plane.origin().latitude_e7()) * 1e-7,
                 longitude: f64::from(plane.origin().longitude_e7()) * 1e-7,
             };
-            let truth = origin
-                .local(ORIGIN.offset(source))
-                .map(|metres| metres as f32);
+            let truth = origin.local(pass.truth).map(|metres| metres as f32);
             let [x, y] = fix.position;
             passes.fixes = 1;
             passes.held = u64::from(fix.ellipse(0.95).contains(truth));

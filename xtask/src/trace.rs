@@ -11,8 +11,11 @@ use std::{
 
 use anyhow::{Context, Result, ensure};
 use foxhunt_host::{
+    array::Method,
     measured::{Measured, SIGMA_DEGREES},
-    packets, replay,
+    packets,
+    passes::{Build, Pass},
+    replay,
     scripts::Script,
 };
 use rayon::prelude::*;
@@ -55,7 +58,7 @@ impl Trial {
 
 /// Fails unless the firmware answers the shipped drive, and the measured ones where they are at hand, byte for
 /// byte as the host does, the firmwares with refinements a part of the shipped drive, and the robust one the drives on which
-/// something happens.
+/// something happens and a drive with each build of the KrakenSDR's software.
 pub fn compare() -> Result<()> {
     let drive = fs::read(project::root().join(EXAMPLE))?;
     let part = first_lines(&drive, PART);
@@ -66,6 +69,10 @@ pub fn compare() -> Result<()> {
     trials.extend(
         Script::ALL.map(|script| Trial::new(script.name(), ROBUST, script.scene(1).drive.bytes())),
     );
+    trials.extend(Build::ALL.map(|build| {
+        let pass = Pass::new(build, Method::Music, 0.0, 1, 1);
+        Trial::new(build.name(), ROBUST, &pass.bytes)
+    }));
     if let Some(data) = env::var_os("FOXHUNT_DATA") {
         let set = Path::new(&data).join("wsr/los_set_a.csv");
         for transmitter in ["tx2", "tx3", "tx4"] {
