@@ -1,15 +1,4 @@
-//! Configuration: plain structs with public fields, checked once.
-//!
-//! A `Config` has one public field for each thing that can be told, with the unit in its name, a `DEFAULT`, and a
-//! `check` whose error names the field. In a `const`, [`config!`](crate::config!) makes a wrong value a compiler's error:
-//!
-//! ```
-//! use foxhunt::aoa::clean::Config;
-//!
-//! const CONFIG: Config = foxhunt::config!(Config { moves: 3, ..Config::DEFAULT });
-//! let wrong = Config { moves: 0, ..Config::DEFAULT };
-//! assert_eq!(wrong.check().unwrap_err().field(), "moves");
-//! ```
+//! How configurations are checked.
 
 use core::fmt;
 
@@ -45,7 +34,41 @@ impl fmt::Display for ConfigError {
 
 impl core::error::Error for ConfigError {}
 
-/// Returns from a `check` with a [`ConfigError`] unless a condition holds. False for NaN, as comparisons are.
+/// Checks a configuration while it compiles.
+///
+/// A configuration is a plain struct with one public field for each thing that can be told, with the unit in its name, a
+/// `DEFAULT`, and a `check` whose error names the field:
+///
+/// ```
+/// use foxhunt::aoa::clean::Config;
+///
+/// const CONFIG: Config = foxhunt::config!(Config { moves: 3, ..Config::DEFAULT });
+/// let wrong = Config { moves: 0, ..Config::DEFAULT };
+/// assert_eq!(wrong.check().unwrap_err().field(), "moves");
+/// ```
+///
+/// A value that is out of range does not compile:
+///
+/// ```compile_fail
+/// use foxhunt::aoa::clean::Config;
+///
+/// const CONFIG: Config = foxhunt::config!(Config { moves: 0, ..Config::DEFAULT });
+/// ```
+#[macro_export]
+macro_rules! config {
+    ($config:expr) => {
+        const {
+            let config = $config;
+            if let Err(error) = config.check() {
+                panic!("{}", error.message());
+            }
+            config
+        }
+    };
+}
+
+/// Returns from a `check` with a [`ConfigError`] unless a condition holds. Write it so that NaN makes it
+/// false.
 macro_rules! require {
     ($holds:expr, $message:literal) => {
         let holds = $holds;
@@ -62,7 +85,7 @@ macro_rules! require_within {
     ($config:ident: $($field:ident $least:literal..=$most:literal),+ $(,)?) => {$(
         if !($config.$field >= $least && $config.$field <= $most) {
             return Err($crate::ConfigError::new(concat!(
-                stringify!($field), " is not within ", $least, " and ", $most
+                stringify!($field), " must be from ", $least, " to ", $most
             )));
         }
     )+};
@@ -85,29 +108,9 @@ macro_rules! require_positive {
     ($config:ident: $($field:ident),+ $(,)?) => {$(
         if !($config.$field >= f32::MIN_POSITIVE && $config.$field <= f32::MAX) {
             return Err($crate::ConfigError::new(concat!(
-                stringify!($field), " is not positive and finite"
+                stringify!($field), " must be positive and finite"
             )));
         }
     )+};
 }
 pub(crate) use require_positive;
-
-/// Checks a configuration while it compiles: a value that is out of range does not.
-///
-/// ```compile_fail
-/// use foxhunt::aoa::clean::Config;
-///
-/// const CONFIG: Config = foxhunt::config!(Config { moves: 0, ..Config::DEFAULT });
-/// ```
-#[macro_export]
-macro_rules! config {
-    ($config:expr) => {
-        const {
-            let config = $config;
-            if let Err(error) = config.check() {
-                panic!("{}", error.message());
-            }
-            config
-        }
-    };
-}

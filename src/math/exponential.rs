@@ -7,7 +7,7 @@ use super::ROUND;
 /// Bits of 2^t for t within [-126, 128): the integer part goes into the exponent, a polynomial of degree 5 takes
 /// the rest. As bits, because a loop then stores them without a detour through a floating-point register.
 #[inline(always)]
-const fn exp2(t: f32) -> u32 {
+const fn exp2_bits(t: f32) -> u32 {
     let rounded = t + ROUND;
     let f = t - (rounded - ROUND);
     // Even and odd powers apart: one product more than Horner's rule, but two chains that do not wait for each other.
@@ -24,7 +24,7 @@ pub const fn exp(x: f32) -> f32 {
     // |x| <= 87, on the bits without the sign.
     let within = x.to_bits() << 1 <= 87f32.to_bits() << 1;
     f32::from_bits(if within {
-        exp2(x * LOG2_E)
+        exp2_bits(x * LOG2_E)
     } else {
         exp_at_the_ends(x).to_bits()
     })
@@ -34,12 +34,15 @@ pub const fn exp(x: f32) -> f32 {
 #[cold]
 #[inline(never)]
 const fn exp_at_the_ends(x: f32) -> f32 {
-    if x < -110.0 {
+    if x.is_nan() {
+        // The shift below would take the payload of a NaN for an exponent.
+        x
+    } else if x < -110.0 {
         0.0
     } else if x > 90.0 {
         f32::INFINITY
     } else {
-        let root = f32::from_bits(exp2(0.5 * LOG2_E * x));
+        let root = f32::from_bits(exp2_bits(0.5 * LOG2_E * x));
         root * root
     }
 }
@@ -51,8 +54,8 @@ const fn exp_at_the_ends(x: f32) -> f32 {
 #[inline(always)]
 pub(crate) const fn exp_of_weight(x: f32) -> f32 {
     let t = x * LOG2_E;
-    // A choice between two numbers, not a branch.
-    let w = exp2(t);
+    // Below -126 these bits mean nothing, and the choice drops them. It is one of two numbers, not a branch.
+    let w = exp2_bits(t);
     f32::from_bits(if t >= -60.0 { w } else { 0 })
 }
 
@@ -110,7 +113,7 @@ mod tests {
         assert_eq!(exp(f32::NEG_INFINITY), 0.0);
         assert_eq!(exp(-1e9), 0.0);
         assert_eq!(exp(1e9), f32::INFINITY);
-        assert!(exp(f32::NAN).is_nan());
+        assert!(exp(f32::NAN).is_nan() && exp(f32::from_bits(0x7fc0_0001)).is_nan());
         assert!((exp(-87.0) / (-87f64).exp() as f32 - 1.0).abs() < 1e-5);
         assert!((exp(88.5) / 88.5f64.exp() as f32 - 1.0).abs() < 1e-5);
         assert!(exp(-100.0) > 0.0 && exp(-100.0) < f32::MIN_POSITIVE);
