@@ -9,8 +9,8 @@
 //! | [`GaussianMatcher`] | a map of [`Encoding::Moments`] | mean and sigma |
 //! | [`TableMatcher`] | a map of [`Encoding::Levels`] | a kernel density, folded into a table |
 //!
-//! [`RadioMap::packet_likelihood`] weighs particles by one packet at a time, interpolated between the points. A [`tracker`]
-//! follows tags by their packets.
+//! A [`tracker`] follows tags by their packets. For a filter of your own, the likelihood of a place is the weight of the
+//! point that is [`nearest`](Lattice::nearest) to it.
 //!
 //! ```
 //! use foxhunt::fingerprint::{Config, GaussianMatcher, Matcher, Posterior, RadioMap, Reading};
@@ -27,7 +27,8 @@
 //! let scan = [0, 1, 2, 3].map(|beacon| Reading { beacon, rssi_dbm: heard[usize::from(beacon)] });
 //! let found = matcher.locate(&scan, &mut posterior)?;
 //! assert!((found.mean[0] - 20.0).abs() < 5.0);
-//! assert!(posterior.weights()[20] > posterior.weights()[70]);
+//! let likelihood = |place| posterior.weights()[map.lattice().nearest(place)];
+//! assert!(likelihood([20.2, 0.0]) > likelihood([70.0, 0.0]));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -37,7 +38,6 @@ mod gaussian;
 mod lattice;
 mod map;
 mod matcher;
-mod packet;
 mod posterior;
 mod table;
 #[cfg(test)]
@@ -50,6 +50,5 @@ pub use gaussian::GaussianMatcher;
 pub use lattice::Lattice;
 pub use map::{Beacon, Encoding, Moments, RadioMap};
 pub use matcher::{MAX_READINGS, Matcher, Reading};
-pub use packet::PacketModel;
 pub use posterior::{Match, Posterior};
 pub use table::TableMatcher;
