@@ -18,7 +18,7 @@ mod target {
     use cortex_m_semihosting::hprintln;
     use foxhunt::{
         fingerprint::{
-            Config, GaussianMatcher, Matcher, Posterior, RadioMap, Reading, TableMatcher,
+            Config, Matcher, Posterior, RadioMap, Reading,
             tracker::{self, Site, Tracker, Workspace},
         },
         random::{SeedableRng, Xoshiro128PlusPlus, uniform},
@@ -43,8 +43,8 @@ mod target {
     fn scans() {
         let (moments, levels) = (open(MOMENTS), open(LEVELS));
         let config = Config::DEFAULT;
-        let gaussian = black_box(GaussianMatcher::new(moments, &config).expect("moments"));
-        let table = black_box(TableMatcher::new(levels, &config).expect("levels"));
+        let gaussian = black_box(Matcher::new(moments, &config).expect("moments"));
+        let table = black_box(Matcher::new(levels, &config).expect("levels"));
         let mut posterior = black_box(Posterior::<80>::EMPTY);
         for point in [0, 17, 40, 63, 79] {
             let scan = black_box([0, 1, 2, 3].map(|beacon| {

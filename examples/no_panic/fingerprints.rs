@@ -3,10 +3,7 @@
 use core::hint::black_box;
 
 use foxhunt::{
-    fingerprint::{
-        Config, GaussianMatcher, Lattice, Matcher, Posterior, RadioMap, Reading, TableMatcher,
-        tracker,
-    },
+    fingerprint::{Config, Lattice, Matcher, Posterior, RadioMap, Reading, tracker},
     gateway,
     random::Xoshiro128PlusPlus,
 };
@@ -107,11 +104,8 @@ pub fn fingerprints() {
         map.lattice().position(any(0)),
         map.lattice().nearest(any([0.0; 2])),
     ));
-    if let Ok(matcher) = GaussianMatcher::new(map, &config) {
-        _ = black_box(matcher.locate(scan, &mut posterior));
-    }
-    if let Ok(matcher) = TableMatcher::new(map, &config) {
-        _ = black_box(matcher.locate(scan, &mut posterior));
+    if let Ok(matcher) = Matcher::new(map, &config) {
+        _ = black_box(any(matcher).locate(scan, &mut posterior));
     }
     black_box((posterior.weights(), posterior.covariance(map.lattice())));
 }

@@ -188,15 +188,8 @@ fn exercise(bytes: &[u8], scan: &[Reading], x: f32, y: f32) {
             missing_beacons_count,
             ..Config::DEFAULT
         };
-        let found = [
-            GaussianMatcher::new(map, &config)
-                .ok()
-                .map(|matcher| matcher.locate(scan, &mut posterior)),
-            TableMatcher::new(map, &config)
-                .ok()
-                .map(|matcher| matcher.locate(scan, &mut posterior)),
-        ];
-        for found in found.into_iter().flatten().flatten() {
+        let matcher = Matcher::new(map, &config).unwrap();
+        if let Ok(found) = matcher.locate(scan, &mut posterior) {
             assert!(found.point < points && map.is_surveyed(found.point));
             assert_eq!(found.position, map.lattice().position(found.point));
             let [a, b] = posterior.covariance(map.lattice()).rows();
@@ -227,7 +220,7 @@ fn bits_beyond_the_last_point_are_no_survey() {
     }];
     let mut posterior = Posterior::<3>::EMPTY;
     let config = Config::DEFAULT;
-    let matcher = GaussianMatcher::new(map, &config).unwrap();
+    let matcher = Matcher::new(map, &config).unwrap();
     let found = matcher.locate(&scan, &mut posterior);
     assert_eq!(found, Err(ReadingError::Survey));
 }
@@ -337,7 +330,7 @@ fn costs_are_those_of_the_mixture_for_all_configurations() {
             range_dbm: range,
             ..Config::DEFAULT
         };
-        let matcher = GaussianMatcher::new(map, &config).unwrap();
+        let matcher = Matcher::new(map, &config).unwrap();
         let floor = f64::from(outliers / (range[1] - range[0])).ln();
         for rssi in -128..=20 {
             let rssi_dbm = rssi as f32;

@@ -1,6 +1,6 @@
 use foxhunt::{
     fingerprint::{
-        Config, GaussianMatcher, Match, Matcher, Posterior, RadioMap, Reading, TableMatcher,
+        Config, Match, Matcher, Posterior, RadioMap, Reading,
         tracker::{self, Site, State, Tracker, Workspace},
     },
     random::{SeedableRng, Xoshiro128PlusPlus, uniform},
@@ -38,8 +38,8 @@ fn scans() -> Digest {
             missing_beacons_count,
             ..Config::DEFAULT
         };
-        let gaussian = GaussianMatcher::new(moments, &config).expect("moments");
-        let table = TableMatcher::new(levels, &config).expect("levels");
+        let gaussian = Matcher::new(moments, &config).expect("moments");
+        let table = Matcher::new(levels, &config).expect("levels");
         for point in (0..80).step_by(7) {
             let scan = [0, 1, 2, 3].map(|beacon: u8| {
                 let there = moments.moments(beacon.into(), point).expect("surveyed");
