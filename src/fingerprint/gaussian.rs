@@ -27,7 +27,7 @@ const FLOOR: i32 = 255;
 
 impl Gaussian {
     pub fn new(config: &Config) -> Self {
-        let inflation = config.inflation_variance();
+        let inflation = config.inflation_sigma_db * config.inflation_sigma_db;
         let variance = |code: usize| {
             let sigma = 0.25 * code as f32;
             sigma * sigma + inflation

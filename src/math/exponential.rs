@@ -59,6 +59,15 @@ pub(crate) const fn exp_of_weight(x: f32) -> f32 {
     f32::from_bits(if t >= -60.0 { w } else { 0 })
 }
 
+/// 1 - e^-x, also where that is too small to be a difference.
+pub(crate) fn one_minus_exp(x: f32) -> f32 {
+    if x < 0.02 {
+        x * (1.0 - x * (0.5 - x / 6.0))
+    } else {
+        1.0 - exp(-x)
+    }
+}
+
 /// Natural logarithm: minus infinity for zero and subnormal numbers, NaN for a negative argument.
 #[inline(always)]
 pub const fn ln(x: f32) -> f32 {
