@@ -149,7 +149,7 @@ impl Spectrum {
         position: [f32; 2],
         axis: Bearing,
         temper: f32,
-    ) -> impl Fn(&[f32; D]) -> f32 {
+    ) -> impl Fn(&[f32; D]) -> f32 + Copy {
         const { assert!(D >= 2, "a position takes two dimensions") };
         let (scale, highest) = (per_level(temper), self.highest());
         move |state| {
