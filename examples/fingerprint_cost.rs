@@ -1,4 +1,4 @@
-//! What fingerprints cost: a scan of four beacons in a tunnel of 80 points, a packet for each particle, and updates of the
+//! What fingerprints cost: a scan of four beacons in a tunnel of 80 points, and updates of the
 //! tracker, there and on a floor of 440 points with twelve beacons.
 //!
 //! Run by the tasks in the emulator like `cost`.
@@ -18,18 +18,15 @@ mod target {
     use cortex_m_semihosting::hprintln;
     use foxhunt::{
         fingerprint::{
-            Config, GaussianMatcher, Matcher, PacketModel, Posterior, RadioMap, Reading,
-            TableMatcher,
+            Config, Matcher, Posterior, RadioMap, Reading,
             tracker::{self, Site, Tracker, Workspace},
         },
-        model::Likelihood,
         random::{SeedableRng, Xoshiro128PlusPlus, uniform},
     };
     use foxhunt_emulated::region::region;
 
     static MOMENTS: &[u8] = include_bytes!("../tests/data/tunnel.moments");
     static LEVELS: &[u8] = include_bytes!("../tests/data/tunnel.levels");
-    static HALL: &[u8] = include_bytes!("../tests/data/hall.moments");
 
     fn open(bytes: &'static [u8]) -> RadioMap<'static> {
         RadioMap::new(black_box(bytes)).expect("the map is whole")
@@ -38,7 +35,6 @@ mod target {
     /// Runs all regions.
     pub fn run() {
         scans();
-        particles();
         updates();
         sizes();
     }
@@ -47,8 +43,8 @@ mod target {
     fn scans() {
         let (moments, levels) = (open(MOMENTS), open(LEVELS));
         let config = Config::DEFAULT;
-        let gaussian = black_box(GaussianMatcher::new(moments, &config).expect("moments"));
-        let table = black_box(TableMatcher::new(levels, &config).expect("levels"));
+        let gaussian = black_box(Matcher::new(moments, &config).expect("moments"));
+        let table = black_box(Matcher::new(levels, &config).expect("levels"));
         let mut posterior = black_box(Posterior::<80>::EMPTY);
         for point in [0, 17, 40, 63, 79] {
             let scan = black_box([0, 1, 2, 3].map(|beacon| {
@@ -64,32 +60,6 @@ mod target {
             });
             region("m4f.fingerprint.match.table", 1, || {
                 _ = black_box(&table.locate(&scan, &mut posterior));
-            });
-        }
-    }
-
-    /// One packet for a cloud.
-    fn particles() {
-        const N: usize = 300;
-        let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
-        let mut x = [0.0; N];
-        x.fill_with(|| 80.0 * uniform(&mut rng));
-        let y = x.map(|x| 0.2 * x);
-        let mut out = [0.0; N];
-        let model = black_box(PacketModel::new(&Config::DEFAULT).expect("the defaults"));
-        let packet = black_box(Reading {
-            beacon: 1,
-            rssi_dbm: -63.0,
-        });
-        for (name, bytes) in [
-            ("m4f.fingerprint.packet.line", MOMENTS),
-            ("m4f.fingerprint.packet.plane", HALL),
-        ] {
-            let map = open(bytes);
-            region(name, N, || {
-                let likelihood = map.packet_likelihood(packet, 1.5, &model).expect("known");
-                likelihood.log_likelihoods(&[&x, &y], &mut out);
-                black_box(&mut out);
             });
         }
     }

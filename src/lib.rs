@@ -8,7 +8,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`math`] | exp, ln, atan2, sine and cosine, square root: short, with a table of their errors |
-//! | [`random`] | uniform, normal and gamma samples from any generator |
+//! | [`random`] | uniform and normal samples from any generator |
 //! | [`snapshot`] | any state as bytes, and back, for boards that lose power |
 //! | [`particles`] | the cloud: a column per dimension of the state, and log-weights |
 //! | [`weights`], [`resample`] | normalisation in the log domain; four unbiased resampling schemes, in place |

@@ -8,7 +8,7 @@
 //! copies wherever a slot is free would lose that from the second step on, at the price of half as much
 //! Monte Carlo variance again.
 
-use crate::math::{exp, ln};
+use crate::math::{ln, one_minus_exp};
 use crate::random::{Rng, uniform, uniform_open};
 
 /// How copies are allotted. In order of variance, smallest first, as a rule.
@@ -131,13 +131,7 @@ impl<R: Rng + ?Sized> SortedUniforms<'_, R> {
     fn next(&mut self, left: u32) -> f32 {
         // The smallest of m uniforms exceeds t with probability (1 - t)^m.
         let x = -ln(uniform_open(self.rng)) / left.max(1) as f32;
-        // 1 - e^-x, which for many points is too small to be a difference.
-        let fraction = if x < 0.02 {
-            x * (1.0 - x * (0.5 - x / 6.0))
-        } else {
-            1.0 - exp(-x)
-        };
-        let gap = self.length * fraction;
+        let gap = self.length * one_minus_exp(x);
         self.length -= gap;
         gap
     }

@@ -3,8 +3,7 @@
 //! Log-weights are shifted by their maximum before the exponential, so the best particle always has a
 //! weight: a measurement that is a thousand sigmas away from every particle still ranks them.
 
-use core::fmt;
-
+use crate::error::messages;
 use crate::math::{exp_of_weight, ln};
 use crate::persist;
 use crate::random::Rng;
@@ -46,13 +45,9 @@ pub enum UpdateError {
     AllWeightsZero,
 }
 
-impl fmt::Display for UpdateError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("every particle finds the measurement impossible")
-    }
-}
-
-impl core::error::Error for UpdateError {}
+messages!(UpdateError {
+    Self::AllWeightsZero => "every particle finds the measurement impossible",
+});
 
 impl<const N: usize> Weights<N> {
     /// Equal weights, in bits that are all zero: [`Weights::weights`] holds zeros until the first call of any other method

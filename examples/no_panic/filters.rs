@@ -36,7 +36,6 @@ pub fn random(rng: &mut Xoshiro128PlusPlus) {
     black_box(random::uniform(rng));
     black_box(random::uniform_open(rng));
     black_box(random::normal(rng));
-    black_box(random::gamma(rng, any(0.0)));
 }
 
 pub fn cloud(rng: &mut Xoshiro128PlusPlus) {

@@ -3,16 +3,12 @@
 use core::hint::black_box;
 
 use foxhunt::{
-    fingerprint::{
-        Config, GaussianMatcher, Lattice, Matcher, PacketModel, Posterior, RadioMap, Reading,
-        TableMatcher, tracker,
-    },
+    fingerprint::{Config, Lattice, Matcher, Posterior, RadioMap, Reading, tracker},
     gateway,
-    model::Likelihood,
     random::Xoshiro128PlusPlus,
 };
 
-use crate::values::{any, some, some_mut};
+use crate::values::{any, some};
 
 /// With any configuration, also one that a check would refuse.
 fn site(bytes: &[u8]) -> Option<tracker::Site<'_>> {
@@ -104,25 +100,12 @@ pub fn fingerprints() {
     black_box((map.beacon(any(0)), map.beacon_index(any(0))));
     black_box((map.moments(any(0), any(0)), map.is_surveyed(any(0))));
     black_box(map.log_density(any(0), any(0.0), any(0)));
-    black_box(map.lattice().position(any(0)));
-    if let Ok(matcher) = GaussianMatcher::new(map, &config) {
-        _ = black_box(matcher.locate(scan, &mut posterior));
-    }
-    if let Ok(matcher) = TableMatcher::new(map, &config) {
-        _ = black_box(matcher.locate(scan, &mut posterior));
+    black_box((
+        map.lattice().position(any(0)),
+        map.lattice().nearest(any([0.0; 2])),
+    ));
+    if let Ok(matcher) = Matcher::new(map, &config) {
+        _ = black_box(any(matcher).locate(scan, &mut posterior));
     }
     black_box((posterior.weights(), posterior.covariance(map.lattice())));
-    let Ok(model) = PacketModel::new(&config) else {
-        return;
-    };
-    let model = any(model);
-    let packet = any(Reading {
-        beacon: 0,
-        rssi_dbm: 0.0,
-    });
-    if let Ok(likelihood) = map.packet_likelihood(packet, any(0.0), &model) {
-        let (x, y, mut out) = (any([0.0; 20]), any([0.0; 20]), any([0.0; 20]));
-        likelihood.log_likelihoods(&[some(&x), some(&y)], some_mut(&mut out));
-        black_box(likelihood.log_likelihood(&any([0.0; 2])));
-    }
 }

@@ -8,7 +8,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use foxhunt::{
     aoa::{Clean, Locate, MultiTarget, Observation, Robust, clean, multi, robust},
     fingerprint::{
-        Encoding, GaussianMatcher, Matcher, Posterior, RadioMap, Reading, TableMatcher,
+        Encoding, Matcher, Posterior, RadioMap, Reading,
         tracker::{self, Site, Tracker, Workspace},
     },
     gateway::{
@@ -152,7 +152,14 @@ pub fn ubx(text: &[u8]) -> Vec<u8> {
         *byte ^= said;
     }
     let pvt = framed(1, 7, &pvt);
-    [other, pvt, sentence(b"HEHDT,90.0,T"), text.to_vec(), b"\r\n".to_vec()].concat()
+    [
+        other,
+        pvt,
+        sentence(b"HEHDT,90.0,T"),
+        text.to_vec(),
+        b"\r\n".to_vec(),
+    ]
+    .concat()
 }
 
 fn framed(class: u8, identifier: u8, payload: &[u8]) -> Vec<u8> {
@@ -259,10 +266,7 @@ pub fn radio_map(data: &[u8]) {
         rssi_dbm,
     });
     let mut posterior = Box::new(Posterior::<1024>::EMPTY);
-    if let Ok(matcher) = GaussianMatcher::new(map, &config) {
-        let _ = matcher.locate(&scan, &mut posterior);
-    }
-    if let Ok(matcher) = TableMatcher::new(map, &config) {
+    if let Ok(matcher) = Matcher::new(map, &config) {
         let _ = matcher.locate(&scan, &mut posterior);
     }
     let site = Site::new(map, tracker::Config::DEFAULT);

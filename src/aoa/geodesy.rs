@@ -3,7 +3,7 @@
 //! An f32 holds degrees to half a metre at best, so coordinates stay integers of 1e-7 degree (11 mm) until
 //! their difference from an origin is taken; from there f32 metres resolve millimetres.
 
-use crate::error::messages;
+use super::ObservationError;
 use crate::math;
 use crate::snapshot::{by_value, value_as};
 
@@ -25,39 +25,17 @@ pub struct Geodetic {
     longitude_e7: i32,
 }
 
-/// Why a place was refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum GeodesyError {
-    /// The latitude is not within -90 and 90 degrees.
-    Latitude,
-    /// The longitude is not within -180 and 180 degrees.
-    Longitude,
-    /// A plane cannot have its origin within five degrees of a pole.
-    NearPole,
-    /// Not finite, or further than [`LocalPlane::MAX_RANGE_M`] from the origin of the plane.
-    Range,
-}
-
-messages!(GeodesyError {
-    Self::Latitude => "latitude is not within -90 and 90 degrees",
-    Self::Longitude => "longitude is not within -180 and 180 degrees",
-    Self::NearPole => "origin is within five degrees of a pole",
-    Self::Range => "position is not finite or too far from the origin",
-});
-
 impl Geodetic {
     /// From degrees times 1e7, north and east positive.
     ///
     /// # Errors
     /// Names the coordinate that is out of range.
-    pub const fn new(latitude_e7: i32, longitude_e7: i32) -> Result<Self, GeodesyError> {
+    pub const fn new(latitude_e7: i32, longitude_e7: i32) -> Result<Self, ObservationError> {
         if latitude_e7 < -QUARTER_TURN_E7 || latitude_e7 > QUARTER_TURN_E7 {
-            return Err(GeodesyError::Latitude);
+            return Err(ObservationError::Latitude);
         }
         if longitude_e7 < -HALF_TURN_E7 || longitude_e7 > HALF_TURN_E7 {
-            return Err(GeodesyError::Longitude);
+            return Err(ObservationError::Longitude);
         }
         Ok(Self {
             latitude_e7,
@@ -97,7 +75,7 @@ impl Geodetic {
 /// let [east, north] = plane.to_local(Geodetic::new(481_183_000, 115_166_667)?)?;
 /// assert!(east.abs() < 0.01 && (north - 111.2).abs() < 0.05);
 /// assert_eq!(plane.to_geodetic([0.0, 0.0])?, origin);
-/// # Ok::<(), foxhunt::aoa::geodesy::GeodesyError>(())
+/// # Ok::<(), foxhunt::aoa::ObservationError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -125,10 +103,10 @@ impl LocalPlane {
     /// The plane through `origin`.
     ///
     /// # Errors
-    /// [`GeodesyError::NearPole`] above 85 degrees north or south.
-    pub fn new(origin: Geodetic) -> Result<Self, GeodesyError> {
+    /// [`ObservationError::NearPole`] above 85 degrees north or south.
+    pub fn new(origin: Geodetic) -> Result<Self, ObservationError> {
         if origin.latitude_e7.abs() > Self::MAX_LATITUDE_E7 {
-            return Err(GeodesyError::NearPole);
+            return Err(ObservationError::NearPole);
         }
         let (sin, cos) = sin_cos_latitude(origin.latitude_e7);
         // Radius of the prime vertical N, and of the meridian M with its derivative by the latitude.
@@ -158,8 +136,8 @@ impl LocalPlane {
     /// Metres east and north of the origin.
     ///
     /// # Errors
-    /// [`GeodesyError::Range`] beyond [`Self::MAX_RANGE_M`].
-    pub fn to_local(&self, place: Geodetic) -> Result<[f32; 2], GeodesyError> {
+    /// [`ObservationError::Position`] beyond [`Self::MAX_RANGE_M`].
+    pub fn to_local(&self, place: Geodetic) -> Result<[f32; 2], ObservationError> {
         // Exact in integers; longitudes the short way round.
         let latitude_step = place.latitude_e7 - self.origin.latitude_e7;
         let longitude_step =
@@ -167,7 +145,7 @@ impl LocalPlane {
         let d = latitude_step as f32 * RADIANS_PER_E7;
         let l = longitude_step as f32 * RADIANS_PER_E7;
         if d.abs() > Self::MAX_LATITUDE_STEP_RAD || l.abs() > Self::MAX_LONGITUDE_STEP_RAD {
-            return Err(GeodesyError::Range);
+            return Err(ObservationError::Position);
         }
         let p = self.parallel(d);
         let [m1, m2, m3] = self.meridian;
@@ -179,8 +157,8 @@ impl LocalPlane {
     /// The place at `local` metres east and north of the origin.
     ///
     /// # Errors
-    /// [`GeodesyError::Range`] if not finite or beyond [`Self::MAX_RANGE_M`].
-    pub fn to_geodetic(&self, local: [f32; 2]) -> Result<Geodetic, GeodesyError> {
+    /// [`ObservationError::Position`] if not finite or beyond [`Self::MAX_RANGE_M`].
+    pub fn to_geodetic(&self, local: [f32; 2]) -> Result<Geodetic, ObservationError> {
         /// Each round leaves less than a tenth of the error, even at 85 degrees.
         const ROUNDS: u32 = 6;
         let [east, north] = within_range(local)?;
@@ -239,13 +217,13 @@ fn wrap_e7(longitude_e7: i64) -> i32 {
     wrapped as i32
 }
 
-fn within_range(local: [f32; 2]) -> Result<[f32; 2], GeodesyError> {
+fn within_range(local: [f32; 2]) -> Result<[f32; 2], ObservationError> {
     let [east, north] = local;
     // Not `>`: a NaN is out of range too.
     if east * east + north * north <= LocalPlane::MAX_RANGE_M * LocalPlane::MAX_RANGE_M {
         Ok(local)
     } else {
-        Err(GeodesyError::Range)
+        Err(ObservationError::Position)
     }
 }
 
@@ -378,11 +356,14 @@ mod tests {
 
     #[test]
     fn places_out_of_range_are_refused() {
-        assert_eq!(Geodetic::new(900_000_001, 0), Err(GeodesyError::Latitude));
-        assert_eq!(Geodetic::new(i32::MIN, 0), Err(GeodesyError::Latitude));
-        assert_eq!(Geodetic::new(0, i32::MAX), Err(GeodesyError::Longitude));
+        assert_eq!(
+            Geodetic::new(900_000_001, 0),
+            Err(ObservationError::Latitude)
+        );
+        assert_eq!(Geodetic::new(i32::MIN, 0), Err(ObservationError::Latitude));
+        assert_eq!(Geodetic::new(0, i32::MAX), Err(ObservationError::Longitude));
         let arctic = Geodetic::new(850_000_001, 0).unwrap();
-        assert_eq!(LocalPlane::new(arctic), Err(GeodesyError::NearPole));
+        assert_eq!(LocalPlane::new(arctic), Err(ObservationError::NearPole));
 
         let plane = LocalPlane::new(Geodetic::new(480_000_000, 110_000_000).unwrap()).unwrap();
         for (latitude, longitude) in [
@@ -393,7 +374,7 @@ mod tests {
             (-900_000_000, -1_800_000_000),
         ] {
             let place = Geodetic::new(latitude, longitude).unwrap();
-            assert_eq!(plane.to_local(place), Err(GeodesyError::Range));
+            assert_eq!(plane.to_local(place), Err(ObservationError::Position));
         }
         for local in [
             [1e5, 1e5],
@@ -401,7 +382,7 @@ mod tests {
             [0.0, f32::INFINITY],
             [1e30, 0.0],
         ] {
-            assert_eq!(plane.to_geodetic(local), Err(GeodesyError::Range));
+            assert_eq!(plane.to_geodetic(local), Err(ObservationError::Position));
         }
     }
 

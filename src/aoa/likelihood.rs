@@ -1,9 +1,9 @@
 //! The likelihood of a bearing.
 
-use core::f32::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+use core::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use super::Observation;
-use crate::math::{atan_coarse, ln, sin_cos};
+use crate::math::{LN_TAU, atan_coarse, ln, sin_cos};
 use crate::model::Likelihood;
 
 /// A bearing with a normally distributed error, wrapped round the circle.
@@ -67,9 +67,6 @@ impl BearingLikelihood {
         self.peak + self.curvature * (error * error)
     }
 }
-
-/// ln(2 pi)
-const LN_TAU: f32 = ln(TAU);
 
 /// Numerator and denominator of tan(angle - pi/4), which is within [-1, 1] for any offset.
 #[inline(always)]

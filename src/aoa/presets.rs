@@ -14,13 +14,7 @@ use super::robust::{self, Robust};
 /// Up to `K` sources in a city, any of which may drive off: 256 particles for each and a memory of 64 of its bearings.
 pub type City<const K: usize> = MultiTarget<K, Manoeuvring<Robust<256, 64>>>;
 
-/// Up to `K` stationary sources in a city, in half of the memory of [`City`].
-pub type StationaryCity<const K: usize> = MultiTarget<K, Robust<256, 64>>;
-
 /// The configuration of [`City`]: bearings with outliers, mirrored and correlated ones, of an array that may be turned by
 /// three degrees; places of an ordinary receiver.
 pub const CITY: multi::Config<manoeuvring::Config> =
     multi::Config::new(manoeuvring::Config::new(robust::Config::CITY));
-
-/// The configuration of [`StationaryCity`], with the same beliefs.
-pub const STATIONARY_CITY: multi::Config = multi::Config::new(robust::Config::CITY);

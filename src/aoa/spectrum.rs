@@ -6,22 +6,18 @@
 //! # Tempering
 //!
 //! A spectrum is no likelihood: its peaks are as high as the algorithm and the signal make them, not as the bearing is
-//! sure. [`Temper`] is the power to which it is raised to become one. A fitting one makes the sigmas of the peaks what
+//! sure. The temper is the power to which it is raised to become one. A fitting one makes the sigmas of the peaks what
 //! their errors are: drive past a known source, and multiply the temper by the square of the sigma that [`Spectrum::peaks`]
 //! states over the error that it makes. Until then, 0.2 suits a KrakenSDR with MUSIC, whose errors are those of reflections
 //! and calibration rather than of noise. A temper too low costs some accuracy, one too high makes
 //! regions that miss the source: if in doubt, lower.
 
-mod likelihood;
 mod peaks;
 
 use core::f32::consts::{LN_10, PI, TAU};
 
-use crate::ConfigError;
-use crate::config::require;
-use crate::error::messages;
-use crate::math::wrap;
-pub use likelihood::SpectrumLikelihood;
+use super::{Bearing, ObservationError};
+use crate::math::{atan2, wrap};
 pub use peaks::Peak;
 
 /// One value for every degree of the circle, counter-clockwise from the array's own axis.
@@ -29,7 +25,7 @@ pub use peaks::Peak;
 /// Takes 722 bytes. The values are taken one by one, as they come over a line.
 ///
 /// ```
-/// use foxhunt::aoa::spectrum::{Spectrum, Temper};
+/// use foxhunt::aoa::spectrum::Spectrum;
 ///
 /// let mut spectrum = Spectrum::new();
 /// for degree in 0..360 {
@@ -37,64 +33,18 @@ pub use peaks::Peak;
 ///     let decibels = (20.0 - 0.1 * direct * direct).max(17.0 - 0.1 * reflected * reflected).max(0.0);
 ///     spectrum.push(decibels)?;
 /// }
-/// let [Some(direct), Some(reflected), None] = spectrum.peaks(Temper { exponent: 0.5 }) else {
+/// let [Some(direct), Some(reflected), None] = spectrum.peaks(0.5) else {
 ///     panic!("there are two");
 /// };
 /// assert!((direct.angle_rad.to_degrees() - 40.3).abs() < 0.1);
 /// assert!(direct.probability > reflected.probability && direct.probability + reflected.probability > 0.999);
-/// # Ok::<(), foxhunt::aoa::spectrum::SpectrumError>(())
+/// # Ok::<(), foxhunt::aoa::ObservationError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Spectrum {
     /// In hundredths of a decibel: a KrakenSDR states no more.
     levels: [u16; Self::CELLS],
     count: u16,
-}
-
-/// The power to which a spectrum is raised to become a likelihood.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Temper {
-    /// The exponent, 0.001 to 10: 1 takes the spectrum for the likelihood itself.
-    pub exponent: f32,
-}
-
-/// What is wrong with a spectrum.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum SpectrumError {
-    /// There are more than [`Spectrum::CELLS`] values.
-    Values,
-    /// A level is not within 0 and [`Spectrum::MAX_DECIBELS`].
-    Level,
-}
-
-messages!(SpectrumError {
-    Self::Values => "more values than degrees",
-    Self::Level => "a level is out of range",
-});
-
-impl Temper {
-    /// For a KrakenSDR with MUSIC.
-    pub const DEFAULT: Self = Self { exponent: 0.2 };
-
-    /// Checks the exponent.
-    ///
-    /// # Errors
-    /// When it is out of range.
-    pub const fn check(&self) -> Result<(), ConfigError> {
-        require!(
-            self.exponent >= 0.001 && self.exponent <= 10.0,
-            "exponent is not within 0.001 and 10"
-        );
-        Ok(())
-    }
-
-    /// The logarithm of the likelihood that a level of a hundredth of a decibel stands for.
-    const fn per_level(self) -> f32 {
-        self.exponent * (LN_10 / 1000.0)
-    }
 }
 
 impl Spectrum {
@@ -124,20 +74,20 @@ impl Spectrum {
     ///
     /// # Errors
     /// When it is out of range or one too many; the spectrum is as before.
-    pub fn push(&mut self, decibels: f32) -> Result<(), SpectrumError> {
+    pub fn push(&mut self, decibels: f32) -> Result<(), ObservationError> {
         if !(0.0..=Self::MAX_DECIBELS).contains(&decibels) {
-            return Err(SpectrumError::Level);
+            return Err(ObservationError::Level);
         }
         self.push_level((100.0 * decibels + 0.5) as u16)
     }
 
     /// The same in hundredths of a decibel.
-    pub(crate) fn push_level(&mut self, level: u16) -> Result<(), SpectrumError> {
+    pub(crate) fn push_level(&mut self, level: u16) -> Result<(), ObservationError> {
         if level > Self::MAX_LEVEL {
-            return Err(SpectrumError::Level);
+            return Err(ObservationError::Level);
         }
         let place = self.levels.get_mut(usize::from(self.count));
-        *place.ok_or(SpectrumError::Values)? = level;
+        *place.ok_or(ObservationError::Degrees)? = level;
         self.count += 1;
         Ok(())
     }
@@ -170,8 +120,42 @@ impl Spectrum {
 
     /// The log-likelihood of a source in the direction `angle`, in radians counter-clockwise from the array's axis, less
     /// that of the highest degree; linear between two degrees.
-    pub fn log_likelihood(&self, angle: f32, temper: Temper) -> f32 {
-        temper.per_level() * (self.interpolate(angle) - self.highest())
+    pub fn log_likelihood(&self, angle: f32, temper: f32) -> f32 {
+        per_level(temper) * (self.interpolate(angle) - self.highest())
+    }
+
+    /// The spectrum as a [`Likelihood`](crate::model::Likelihood) of particles, if it was taken at a `position`, in metres,
+    /// by an array whose axis points in the direction `axis`: of any state whose first two dimensions are metres east and
+    /// north, up to a constant.
+    ///
+    /// It knows of all directions from which the source may be heard, where a
+    /// [`BearingLikelihood`](crate::aoa::BearingLikelihood) knows of one. Every particle costs an arc tangent and two
+    /// look-ups.
+    ///
+    /// ```
+    /// use foxhunt::aoa::{Bearing, spectrum::Spectrum};
+    ///
+    /// let mut spectrum = Spectrum::new();
+    /// for degree in 0..360 {
+    ///     spectrum.push(if degree == 90 { 20.0 } else { 0.0 })?;
+    /// }
+    /// // The array's axis points east, so its left is the north.
+    /// let at = spectrum.likelihood([0.0, 0.0], Bearing::from_radians(0.0), 0.2);
+    /// assert!(at(&[0.0, 500.0]) > at(&[500.0, 0.0]) + 0.9);
+    /// # Ok::<(), foxhunt::aoa::ObservationError>(())
+    /// ```
+    pub fn likelihood<const D: usize>(
+        &self,
+        position: [f32; 2],
+        axis: Bearing,
+        temper: f32,
+    ) -> impl Fn(&[f32; D]) -> f32 + Copy {
+        const { assert!(D >= 2, "a position takes two dimensions") };
+        let (scale, highest) = (per_level(temper), self.highest());
+        move |state| {
+            let direction = atan2(state[1] - position[1], state[0] - position[0]);
+            scale * (self.interpolate(direction - axis.radians()) - highest)
+        }
     }
 
     fn interpolate(&self, angle: f32) -> f32 {
@@ -183,6 +167,11 @@ impl Spectrum {
         let (here, next) = (self.level(cell), self.level(cell + 1));
         here + part * (next - here)
     }
+}
+
+/// The logarithm of the likelihood that a level of a hundredth of a decibel stands for.
+fn per_level(temper: f32) -> f32 {
+    temper * (LN_10 / 1000.0)
 }
 
 impl Default for Spectrum {

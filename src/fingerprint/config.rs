@@ -69,11 +69,6 @@ impl Config {
         rssi_dbm >= self.range_dbm[0] && rssi_dbm <= self.range_dbm[1]
     }
 
-    /// Variance in dB^2 that is added to that of the map.
-    pub(super) fn inflation_variance(&self) -> f32 {
-        self.inflation_sigma_db * self.inflation_sigma_db
-    }
-
     /// Fraction of the readings that follow the map.
     pub(super) fn inlier_rate(&self) -> f32 {
         1.0 - self.outlier_rate

@@ -3,43 +3,34 @@
 use core::f32::consts::TAU;
 
 use super::map::LOWEST_MEAN_DBM;
-use super::matcher::{accepted, locate_by_costs};
 use super::posterior::Scale;
-use super::{Config, Encoding, Match, Matcher, Posterior, RadioMap, Reading, ReadingError};
-use crate::ConfigError;
+use super::{Config, RadioMap, Reading};
 use crate::math::{exp, ln, sqrt};
 
-/// Compares scans with the mean and the sigma of every beacon at every point.
+/// What readings cost by the mean and the sigma of their beacon at a point.
 ///
 /// The likelihood of a reading is the larger one of the normal density, with the sigma of the map and the inflation of
 /// the configuration, and of the uniform density of the outliers: nearly their sum (max-mixture of Olson and Agarwal,
 /// 2013), computed in whole numbers. Its logarithm has steps of a 255th of the largest loss, 0.03 to 0.07, and for
 /// the largest sigmas an error of a hundredth.
-///
-/// Takes some 880 bytes.
 #[derive(Debug, Clone)]
-pub struct GaussianMatcher<'a> {
-    map: RadioMap<'a>,
-    config: Config,
+pub(super) struct Gaussian {
     /// By the code of the sigma, see [`entry`].
     costs: [u32; 64],
-    scale: Scale,
+    /// In dB^2, added to the variance of the map.
+    inflation: f32,
+    pub scale: Scale,
 }
 
 /// The largest cost of a reading, that of an outlier.
 const FLOOR: i32 = 255;
 
-impl<'a> GaussianMatcher<'a> {
-    /// Compares with a map of [`Encoding::Moments`].
-    ///
-    /// # Errors
-    /// For another map, or when a field of the configuration is out of range.
-    pub fn new(map: RadioMap<'a>, config: &Config) -> Result<Self, ConfigError> {
-        config.check()?;
-        map.check_encoding(Encoding::Moments)?;
+impl Gaussian {
+    pub fn new(config: &Config) -> Self {
+        let inflation = config.inflation_sigma_db * config.inflation_sigma_db;
         let variance = |code: usize| {
             let sigma = 0.25 * code as f32;
-            sigma * sigma + config.inflation_variance()
+            sigma * sigma + inflation
         };
         let log_density = |code| ln(config.inlier_rate()) - 0.5 * ln(TAU * variance(code));
         let top = log_density(1);
@@ -51,19 +42,43 @@ impl<'a> GaussianMatcher<'a> {
             let per_square = 4096.0 * 0.25 * 0.5 / (variance(code) * step);
             *cost = entry(4096.0 * (top - log_density(code)) / step, per_square);
         }
-        Ok(Self {
-            map,
-            config: *config,
+        Self {
             costs,
+            inflation,
             scale: Scale::new(top, step, config.tempering),
-        })
+        }
     }
 
-    /// The row of the map that a reading is compared with.
-    fn row(&self, reading: &Reading) -> Row<'a> {
-        let strength = 2.0 * (reading.rssi_dbm - LOWEST_MEAN_DBM) + 0.5;
-        let row = self.map.moments_row(reading.beacon.into());
-        (strength as i32, row.unwrap_or_default())
+    /// Sets the costs of all points to those of the readings.
+    pub fn set<'a>(
+        &self,
+        map: &RadioMap<'_>,
+        readings: impl Iterator<Item = &'a Reading>,
+        costs: &mut [u16],
+    ) {
+        let mut rows = readings.map(|reading| {
+            let strength = 2.0 * (reading.rssi_dbm - LOWEST_MEAN_DBM) + 0.5;
+            let row = map.moments_row(reading.beacon.into());
+            (strength as i32, row.unwrap_or_default())
+        });
+        // Four rows at once to begin with, the others one by one.
+        let mut first = [(0, [].as_slice()); 4];
+        let mut filled = 0;
+        for (place, row) in first.iter_mut().zip(rows.by_ref()) {
+            *place = row;
+            filled += 1;
+        }
+        if filled == 4 {
+            self.set_four(&first, costs);
+        } else {
+            costs.fill(0);
+            for row in first.into_iter().take(filled) {
+                self.add_one(row, costs);
+            }
+        }
+        for row in rows {
+            self.add_one(row, costs);
+        }
     }
 
     fn add_one(&self, (strength, row): Row<'_>, costs: &mut [u16]) {
@@ -83,9 +98,8 @@ impl<'a> GaussianMatcher<'a> {
     }
 
     /// Adds the cost of the absence of a beacon.
-    fn add_missing(&self, beacon: usize, costs: &mut [u16]) {
-        let (Some(row), Some(beacon)) = (self.map.moments_row(beacon), self.map.beacon(beacon))
-        else {
+    pub fn add_missing(&self, map: &RadioMap<'_>, beacon: usize, costs: &mut [u16]) {
+        let (Some(row), Some(beacon)) = (map.moments_row(beacon), map.beacon(beacon)) else {
             return;
         };
         for (sum, [sigma, mean]) in costs.iter_mut().zip(row) {
@@ -93,7 +107,7 @@ impl<'a> GaussianMatcher<'a> {
                 0.0
             } else {
                 let sigma = 0.25 * f32::from(*sigma);
-                let variance = sigma * sigma + self.config.inflation_variance();
+                let variance = sigma * sigma + self.inflation;
                 let above = 0.5 * f32::from(*mean) + LOWEST_MEAN_DBM - beacon.sensitivity_dbm;
                 // The normal distribution function, to 0.01.
                 1.0 / (1.0 + exp(-1.702 * above / sqrt(variance)))
@@ -119,7 +133,7 @@ impl<'a> GaussianMatcher<'a> {
 
 /// The entry for a cost at distance zero and a cost per squared half of a dB, both in 4096ths.
 fn entry(none: f32, per_square: f32) -> u32 {
-    // With distances of up to 296 halves of a dB, what [`GaussianMatcher::cost`] computes stays within 31 bits.
+    // With distances of up to 296 halves of a dB, what [`Gaussian::cost`] computes stays within 31 bits.
     let per_square = ((per_square + 0.5) as u32).min(24_000);
     // In steps of 16, with half a cost more, so that the result is rounded. A shift by 12 leaves 16ths of this, and of
     // the other half no more than 4.
@@ -129,37 +143,3 @@ fn entry(none: f32, per_square: f32) -> u32 {
 
 /// A strength in halves of a dB above the lowest mean, and the sigmas and means of its beacon.
 type Row<'a> = (i32, &'a [[u8; 2]]);
-
-impl Matcher for GaussianMatcher<'_> {
-    fn locate<const P: usize>(
-        &self,
-        scan: &[Reading],
-        posterior: &mut Posterior<P>,
-    ) -> Result<Match, ReadingError> {
-        let set = |costs: &mut [u16]| {
-            let mut rows = accepted(scan, &self.config).map(|reading| self.row(reading));
-            // Four rows at once to begin with, the others one by one.
-            let mut first = [(0, [].as_slice()); 4];
-            let mut filled = 0;
-            for (place, row) in first.iter_mut().zip(rows.by_ref()) {
-                *place = row;
-                filled += 1;
-            }
-            if filled == 4 {
-                self.set_four(&first, costs);
-            } else {
-                costs.fill(0);
-                for row in first.into_iter().take(filled) {
-                    self.add_one(row, costs);
-                }
-            }
-            for row in rows {
-                self.add_one(row, costs);
-            }
-        };
-        let how = (&self.map, &self.config, &self.scale);
-        locate_by_costs(how, scan, posterior, set, |beacon, costs| {
-            self.add_missing(beacon, costs);
-        })
-    }
-}

@@ -91,6 +91,18 @@ impl Lattice {
         self.place([column as f32, row as f32])
     }
 
+    /// The number of the point nearest to a place, which may be beyond the lattice; for NaN, the first along that axis.
+    #[inline(always)]
+    pub fn nearest(&self, [x, y]: [f32; 2]) -> usize {
+        let along = |coordinate: f32, origin: f32, points: usize| {
+            // Saturates; NaN becomes 0.
+            let steps = ((coordinate - origin) * self.per_metre() + 0.5) as usize;
+            steps.min(points.saturating_sub(1))
+        };
+        let [x0, y0] = self.origin;
+        along(y, y0, self.rows()) * self.columns() + along(x, x0, self.columns())
+    }
+
     /// One over the spacing.
     pub(super) const fn per_metre(&self) -> f32 {
         1.0 / self.spacing
@@ -142,6 +154,17 @@ mod tests {
         assert_eq!(lattice.position(2), [2.0, -2.0]);
         assert_eq!(lattice.position(3), [1.0, -1.5]);
         assert_eq!(lattice.position(5), [2.0, -1.5]);
+    }
+
+    #[test]
+    fn the_nearest_point_is_found_within_and_beyond() {
+        let lattice = Lattice::new([1.0, -2.0], 0.5, 3, 2).unwrap();
+        for point in 0..6 {
+            let [x, y] = lattice.position(point);
+            assert_eq!(lattice.nearest([x + 0.2, y - 0.2]), point);
+        }
+        assert_eq!(lattice.nearest([1e30, f32::INFINITY]), 5);
+        assert_eq!(lattice.nearest([f32::NEG_INFINITY, f32::NAN]), 0);
     }
 
     #[test]

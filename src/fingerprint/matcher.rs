@@ -1,20 +1,48 @@
 //! Matching a scan with a map.
 
+use super::gaussian::Gaussian;
 use super::posterior::Scale;
-use super::{Config, Match, Posterior, RadioMap, ReadingError};
+use super::scan::{MAX_READINGS, accepted};
+use super::{Config, Encoding, Match, Posterior, RadioMap, Reading, ReadingError, table};
+use crate::ConfigError;
 
-/// One beacon as a scan heard it: a packet, or the mean of several.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Reading {
-    /// The number of the beacon, see [`super::RadioMap::beacon_index`].
-    pub beacon: u8,
-    /// Strength in dBm. For whole scans: less the offset of the receiver.
-    pub rssi_dbm: f32,
+/// The most missing beacons that are modelled.
+const MAX_MISSING: usize = 128;
+
+/// Finds the place of a scan.
+///
+/// With a map of [`Encoding::Moments`], the likelihood of a reading is the larger one of the normal density, with the
+/// sigma of the map and the inflation of the configuration, and of the uniform density of the outliers: nearly their sum
+/// (max-mixture of Olson and Agarwal, 2013), in steps of 0.03 to 0.07 of its logarithm. With one of [`Encoding::Levels`],
+/// it is a kernel density that was computed from the samples beforehand (Cui et al. 2017, eq. 1 to 7).
+///
+/// Takes some 880 bytes.
+#[derive(Debug, Clone)]
+pub struct Matcher<'a> {
+    map: RadioMap<'a>,
+    config: Config,
+    gaussian: Gaussian,
 }
 
-/// A method that finds the place of a scan.
-pub trait Matcher {
+impl<'a> Matcher<'a> {
+    /// Compares with a map.
+    ///
+    /// # Errors
+    /// When a field of the configuration is out of range.
+    pub fn new(map: RadioMap<'a>, config: &Config) -> Result<Self, ConfigError> {
+        config.check()?;
+        let mut gaussian = Gaussian::new(config);
+        if map.encoding() == Encoding::Levels {
+            let levels = map.levels();
+            gaussian.scale = Scale::new(levels.top, levels.step, config.tempering);
+        }
+        Ok(Self {
+            map,
+            config: *config,
+            gaussian,
+        })
+    }
+
     /// Computes the posterior of a scan over the points of the map, all of which were equally probable before.
     ///
     /// Readings outside of the range of the configuration are left out, and so are those after the first
@@ -22,25 +50,39 @@ pub trait Matcher {
     ///
     /// # Errors
     /// When the scan says nothing of the place; the posterior is then as before.
-    fn locate<const P: usize>(
+    pub fn locate<const P: usize>(
         &self,
         scan: &[Reading],
         posterior: &mut Posterior<P>,
-    ) -> Result<Match, ReadingError>;
-}
-
-/// The most readings of a scan that are used.
-pub const MAX_READINGS: usize = 64;
-/// The most missing beacons that are modelled.
-const MAX_MISSING: usize = 128;
-
-/// The readings of a scan that can be used.
-pub(super) fn accepted<'a>(
-    scan: &'a [Reading],
-    config: &'a Config,
-) -> impl Iterator<Item = &'a Reading> {
-    let accepted = scan.iter().filter(|r| config.accepts(r.rssi_dbm));
-    accepted.take(MAX_READINGS)
+    ) -> Result<Match, ReadingError> {
+        let Self {
+            map,
+            config,
+            gaussian,
+        } = self;
+        let used = check::<P>(map, scan, config)?;
+        let costs = posterior.costs_mut(map.lattice().points());
+        let costs = costs.ok_or(ReadingError::Points)?;
+        let readings = accepted(scan, config);
+        match map.encoding() {
+            Encoding::Moments => gaussian.set(map, readings, costs),
+            Encoding::Levels => table::set(map, readings, costs),
+        }
+        if config.missing_beacons_count {
+            let heard = |beacon: usize, reading: &Reading| {
+                usize::from(reading.beacon) == beacon && config.accepts(reading.rssi_dbm)
+            };
+            let missing = (0..map.beacons())
+                .filter(|beacon| !scan.iter().any(|reading| heard(*beacon, reading)));
+            for beacon in missing.take(MAX_MISSING) {
+                match map.encoding() {
+                    Encoding::Moments => gaussian.add_missing(map, beacon, costs),
+                    Encoding::Levels => table::add_missing(map, beacon, costs),
+                }
+            }
+        }
+        posterior.of_costs(map, &gaussian.scale, used)
+    }
 }
 
 /// Counts the readings that can be used. Refuses a scan that has none, or of unknown beacons, and a map for which the
@@ -69,29 +111,4 @@ fn check<const P: usize>(
         0 => Err(ReadingError::Strength),
         used => Ok(used),
     }
-}
-
-/// Matches by the costs of the points: those of the readings, which `set` writes, and of each beacon that is missing, which
-/// `add` adds if the configuration says so.
-pub(super) fn locate_by_costs<const P: usize>(
-    (map, config, scale): (&RadioMap<'_>, &Config, &Scale),
-    scan: &[Reading],
-    posterior: &mut Posterior<P>,
-    set: impl FnOnce(&mut [u16]),
-    add: impl Fn(usize, &mut [u16]),
-) -> Result<Match, ReadingError> {
-    let used = check::<P>(map, scan, config)?;
-    let costs = posterior.costs_mut(map.lattice().points());
-    let costs = costs.ok_or(ReadingError::Points)?;
-    set(costs);
-    if config.missing_beacons_count {
-        let heard = |beacon: usize, reading: &Reading| {
-            usize::from(reading.beacon) == beacon && config.accepts(reading.rssi_dbm)
-        };
-        (0..map.beacons())
-            .filter(|beacon| !scan.iter().any(|reading| heard(*beacon, reading)))
-            .take(MAX_MISSING)
-            .for_each(|beacon| add(beacon, costs));
-    }
-    posterior.of_costs(map, scale, used)
 }

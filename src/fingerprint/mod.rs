@@ -4,30 +4,27 @@
 //! The survey becomes a [`RadioMap`] on a desk, a few bytes for each point and beacon that are read from flash in
 //! place.
 //!
-//! | to match a whole scan | needs | compares with |
-//! |---|---|---|
-//! | [`GaussianMatcher`] | a map of [`Encoding::Moments`] | mean and sigma |
-//! | [`TableMatcher`] | a map of [`Encoding::Levels`] | a kernel density, folded into a table |
-//!
-//! [`RadioMap::packet_likelihood`] weighs particles by one packet at a time, interpolated between the points. A [`tracker`]
-//! follows tags by their packets.
+//! A [`Matcher`] compares a whole scan: with the mean and the sigma of every beacon, or with a kernel density that is
+//! folded into a table, as the map has it. A [`tracker`] follows tags by their packets. For a filter of your own, the
+//! likelihood of a place is the weight of the point that is [`nearest`](Lattice::nearest) to it.
 //!
 //! ```
-//! use foxhunt::fingerprint::{Config, GaussianMatcher, Matcher, Posterior, RadioMap, Reading};
+//! use foxhunt::fingerprint::{Config, Matcher, Posterior, RadioMap, Reading};
 //!
 //! // A tunnel of 80 m, surveyed every metre. The map stays in flash.
 //! static TUNNEL: &[u8] =
 //!     include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/tunnel.map"));
 //!
 //! let map = RadioMap::new(TUNNEL)?;
-//! let matcher = GaussianMatcher::new(map, &Config::DEFAULT)?;
+//! let matcher = Matcher::new(map, &Config::DEFAULT)?;
 //! let mut posterior = Posterior::<81>::EMPTY;
 //! // What the four beacons sound like 20 m in, to a decibel or two.
 //! let heard = [-60.0, -55.0, -70.0, -72.0];
 //! let scan = [0, 1, 2, 3].map(|beacon| Reading { beacon, rssi_dbm: heard[usize::from(beacon)] });
 //! let found = matcher.locate(&scan, &mut posterior)?;
 //! assert!((found.mean[0] - 20.0).abs() < 5.0);
-//! assert!(posterior.weights()[20] > posterior.weights()[70]);
+//! let likelihood = |place| posterior.weights()[map.lattice().nearest(place)];
+//! assert!(likelihood([20.2, 0.0]) > likelihood([70.0, 0.0]));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -37,8 +34,8 @@ mod gaussian;
 mod lattice;
 mod map;
 mod matcher;
-mod packet;
 mod posterior;
+mod scan;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -46,10 +43,8 @@ pub mod tracker;
 
 pub use config::Config;
 pub use error::{MapError, ReadingError};
-pub use gaussian::GaussianMatcher;
 pub use lattice::Lattice;
 pub use map::{Beacon, Encoding, Moments, RadioMap};
-pub use matcher::{MAX_READINGS, Matcher, Reading};
-pub use packet::PacketModel;
+pub use matcher::Matcher;
 pub use posterior::{Match, Posterior};
-pub use table::TableMatcher;
+pub use scan::{MAX_READINGS, Reading};

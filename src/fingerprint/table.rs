@@ -1,38 +1,26 @@
 //! Matching by a table of log-densities.
 
-use super::map::Levels;
-use super::matcher::{accepted, locate_by_costs};
-use super::posterior::Scale;
-use super::{Config, Encoding, Match, Matcher, Posterior, RadioMap, Reading, ReadingError};
-use crate::ConfigError;
+use super::{RadioMap, Reading};
 
-/// Compares scans with a table of kernel densities by level, which were computed from the samples beforehand
-/// (Cui et al. 2017, eq. 1 to 7).
-///
-/// The inflation and the outlier rate of the configuration have no effect: the table has its own.
-///
-/// Takes some 620 bytes.
-#[derive(Debug, Clone)]
-pub struct TableMatcher<'a> {
-    map: RadioMap<'a>,
-    config: Config,
-    scale: Scale,
+/// Sets the costs of all points to those of the readings.
+pub(super) fn set<'a>(
+    map: &RadioMap<'_>,
+    readings: impl Iterator<Item = &'a Reading>,
+    costs: &mut [u16],
+) {
+    costs.fill(0);
+    for reading in readings {
+        let level = map.level(reading.rssi_dbm);
+        if let Some(row) = map.level_row(reading.beacon.into(), level) {
+            add(row, costs);
+        }
+    }
 }
 
-impl<'a> TableMatcher<'a> {
-    /// Compares with a map of [`Encoding::Levels`].
-    ///
-    /// # Errors
-    /// For another map, or when a field of the configuration is out of range.
-    pub fn new(map: RadioMap<'a>, config: &Config) -> Result<Self, ConfigError> {
-        config.check()?;
-        map.check_encoding(Encoding::Levels)?;
-        let Levels { top, step, .. } = *map.levels();
-        Ok(Self {
-            map,
-            config: *config,
-            scale: Scale::new(top, step, config.tempering),
-        })
+/// Adds the cost of the absence of a beacon, which is the level after the last.
+pub(super) fn add_missing(map: &RadioMap<'_>, beacon: usize, costs: &mut [u16]) {
+    if let Some(row) = map.level_row(beacon, map.levels().count.into()) {
+        add(row, costs);
     }
 }
 
@@ -57,31 +45,5 @@ fn add(row: &[u8], sums: &mut [u16]) {
         for (sum, code) in rest.iter_mut().zip(codes) {
             *sum += u16::from(code);
         }
-    }
-}
-
-impl Matcher for TableMatcher<'_> {
-    fn locate<const P: usize>(
-        &self,
-        scan: &[Reading],
-        posterior: &mut Posterior<P>,
-    ) -> Result<Match, ReadingError> {
-        let set = |costs: &mut [u16]| {
-            costs.fill(0);
-            for reading in accepted(scan, &self.config) {
-                let level = self.map.level(reading.rssi_dbm);
-                if let Some(row) = self.map.level_row(reading.beacon.into(), level) {
-                    add(row, costs);
-                }
-            }
-        };
-        // The level after the last is the absence.
-        let absence = usize::from(self.map.levels().count);
-        let how = (&self.map, &self.config, &self.scale);
-        locate_by_costs(how, scan, posterior, set, |beacon, costs| {
-            if let Some(row) = self.map.level_row(beacon, absence) {
-                add(row, costs);
-            }
-        })
     }
 }

@@ -1,9 +1,7 @@
 //! A normal distribution.
 
-use core::f32::consts::TAU;
-
 use super::Covariance;
-use crate::math::ln;
+use crate::math::LN_TAU;
 use crate::math::vector::{difference, plus_scaled};
 use crate::random::{Rng, normal};
 
@@ -16,9 +14,6 @@ pub struct Gaussian<const D: usize> {
     /// Its spread.
     pub covariance: Covariance<D>,
 }
-
-/// ln(2 pi)
-const LN_TAU: f32 = ln(TAU);
 
 impl<const D: usize> Gaussian<D> {
     /// A random sample.

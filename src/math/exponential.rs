@@ -35,8 +35,8 @@ pub const fn exp(x: f32) -> f32 {
 #[inline(never)]
 const fn exp_at_the_ends(x: f32) -> f32 {
     if x.is_nan() {
-        // The shift below would take the payload of a NaN for an exponent.
-        x
+        // Its bits are no number to shift.
+        f32::NAN
     } else if x < -110.0 {
         0.0
     } else if x > 90.0 {
@@ -57,6 +57,15 @@ pub(crate) const fn exp_of_weight(x: f32) -> f32 {
     // Below -126 these bits mean nothing, and the choice drops them. It is one of two numbers, not a branch.
     let w = exp2_bits(t);
     f32::from_bits(if t >= -60.0 { w } else { 0 })
+}
+
+/// 1 - e^-x, also where that is too small to be a difference.
+pub(crate) fn one_minus_exp(x: f32) -> f32 {
+    if x < 0.02 {
+        x * (1.0 - x * (0.5 - x / 6.0))
+    } else {
+        1.0 - exp(-x)
+    }
 }
 
 /// Natural logarithm: minus infinity for zero and subnormal numbers, NaN for a negative argument.

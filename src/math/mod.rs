@@ -35,10 +35,13 @@ pub(crate) mod vector;
 
 pub(crate) use angle::atan_coarse;
 pub use angle::{atan2, sin_cos, wrap};
-pub(crate) use exponential::exp_of_weight;
 pub use exponential::{exp, ln};
+pub(crate) use exponential::{exp_of_weight, one_minus_exp};
 pub use hardware::sqrt;
+
+/// ln(2 pi)
+pub(crate) const LN_TAU: f32 = ln(core::f32::consts::TAU);
 
 /// Adding and subtracting 1.5 * 2^23 rounds an f32 of magnitude below 2^22 to the nearest integer, which
 /// then stands in the low bits of the sum.
-const ROUND: f32 = 12_582_912.0;
+pub(crate) const ROUND: f32 = 12_582_912.0;

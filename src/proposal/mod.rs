@@ -34,7 +34,7 @@ mod unscented;
 mod tests;
 
 use crate::kalman::Covariance;
-use crate::math::{ln, sqrt};
+use crate::math::{LN_TAU, ln, sqrt};
 use crate::model::{Dynamics, Likelihood, RandomWalk};
 
 pub use auxiliary::AuxiliaryFilter;
@@ -63,9 +63,6 @@ pub trait Sensor<const D: usize, const M: usize>: Likelihood<D> {
     /// Covariance of the noise.
     fn noise(&self) -> Covariance<M>;
 }
-
-/// ln(2 pi)
-const LN_TAU: f32 = ln(core::f32::consts::TAU);
 
 impl<const D: usize> Transition<D> for RandomWalk<D> {
     fn mean(&self, from: &[f32; D], _dt: f32) -> [f32; D] {

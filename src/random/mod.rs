@@ -16,7 +16,6 @@ mod normal_table;
 pub use rand_core::{Rng, SeedableRng};
 pub use rand_xoshiro::Xoshiro128PlusPlus;
 
-use crate::math::{ln, sqrt};
 use normal_table::QUANTILE;
 
 const TWO_POW_MINUS_24: f32 = 1.0 / 16_777_216.0;
@@ -57,42 +56,6 @@ fn normal_quantile(distance: f32) -> f32 {
     let [c0, c1, c2, _] = QUANTILE[(bits >> 22 & 63) as usize];
     let g = distance.abs();
     f32::from_bits(c0.to_bits() ^ (bits & 0x8000_0000)) + distance * (c1 + g * c2)
-}
-
-/// Gamma with the given `shape` and scale 1; multiply by the scale, or divide by the rate.
-///
-/// Marsaglia and Tsang, "A simple method for generating gamma variables" (2000). Bounded: after 16 rejections
-/// in a row, one chance in 10^20, it returns the mode of the proposal. A shape that is not positive and
-/// finite gives NaN.
-pub fn gamma<R: Rng + ?Sized>(rng: &mut R, shape: f32) -> f32 {
-    if !(shape > 0.0 && shape <= f32::MAX) {
-        return f32::NAN;
-    }
-    if shape >= 1.0 {
-        return gamma_above_one(rng, shape);
-    }
-    // A gamma of shape a is one of shape a + 1 times a uniform to the power 1 / a.
-    let larger = gamma_above_one(rng, shape + 1.0);
-    larger * crate::math::exp(ln(uniform_open(rng)) / shape)
-}
-
-fn gamma_above_one<R: Rng + ?Sized>(rng: &mut R, shape: f32) -> f32 {
-    const TRIES: u32 = 16;
-    let d = shape - 1.0 / 3.0;
-    let c = 1.0 / (3.0 * sqrt(d));
-    for _ in 0..TRIES {
-        let x = normal(rng);
-        let v = 1.0 + c * x;
-        let u = uniform_open(rng);
-        if v <= 0.0 {
-            continue;
-        }
-        let v = v * v * v;
-        if ln(u) < 0.5 * x * x + d * (1.0 - v + ln(v)) {
-            return d * v;
-        }
-    }
-    d
 }
 
 #[cfg(test)]

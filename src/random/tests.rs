@@ -134,33 +134,3 @@ fn normal_is_normal() {
     assert!((beyond(4.0) - 63.3).abs() < 3.3 * 63.3f64.sqrt());
     assert!(beyond(5.0) <= 4.0);
 }
-
-#[test]
-fn gamma_is_gamma() {
-    // Distribution functions of whole shapes are short sums; moments serve the others.
-    let erlang3 = |x: f64| 1.0 - (-x).exp() * (1.0 + x + x * x / 2.0);
-    assert_distributed(&draw(4, |rng| gamma(rng, 3.0)), erlang3);
-    assert_distributed(&draw(5, |rng| gamma(rng, 1.0)), |x| 1.0 - (-x).exp());
-    // Half a chi-squared with one degree of freedom.
-    assert_distributed(&draw(6, |rng| gamma(rng, 0.5)), |x| libm::erf(x.sqrt()));
-    for shape in [0.3f64, 2.5, 40.0, 900.0] {
-        let rising = |k: i32| (0..k).map(|i| shape + f64::from(i)).product::<f64>();
-        let spread = |k: i32| (rising(2 * k) - rising(k) * rising(k)).sqrt();
-        let samples = draw(7, |rng| gamma(rng, shape as f32));
-        assert_moments(&samples, &[(rising(1), spread(1)), (rising(2), spread(2))]);
-        assert!(samples[0] >= 0.0);
-    }
-}
-
-#[test]
-fn gamma_refuses_a_shape_that_is_none() {
-    for shape in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        assert!(gamma(&mut Words(1), shape).is_nan());
-    }
-}
-
-#[test]
-fn a_stuck_generator_ends() {
-    // The word makes the normal as negative as can be, so that every proposal is rejected.
-    assert!(gamma(&mut Words(0xffff_ffff), 1.0) > 0.0);
-}

@@ -10,6 +10,7 @@ use core::ops::Range;
 
 use super::lengths::Scale;
 use super::population::Population;
+use crate::math::ROUND;
 use crate::math::vector::{difference, square};
 use crate::model::Likelihood;
 use crate::particles::read;
@@ -293,7 +294,6 @@ impl<const D: usize> Tiles<D> {
 #[inline(always)]
 fn nearest(x: f32) -> u8 {
     // The last bits of the sum are the integer.
-    const ROUND: f32 = 12_582_912.0;
     let shifted = (x + ROUND).to_bits().wrapping_sub(ROUND.to_bits() - 32_768);
     if shifted < 65_536 { shifted as u8 } else { 0 }
 }

@@ -6,7 +6,7 @@ use std::{format, string::String, vec, vec::Vec};
 use super::*;
 use crate::aoa::clean;
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
-use crate::aoa::robust::{self, Correlation, Errors, Tails};
+use crate::aoa::robust::{self, Correlation, Errors};
 use crate::aoa::testing::at;
 use crate::aoa::{
     Answer, Bearing, Clean, Locate, Manoeuvring, MultiTarget, Observation, Robust, manoeuvring,
@@ -135,25 +135,22 @@ fn so_does_one_with_any_moves() {
 #[test]
 fn so_does_a_robust_one() {
     type State = Robust<64, 12>;
-    for tails in [Tails::Normal, Tails::Student { freedom: 4 }] {
-        let errors = Errors {
-            tails,
-            bias_sigma_rad: 0.05,
-            position_sigma_m: 20.0,
-            correlation: Correlation {
-                at_rest: 0.9,
-                distance_m: 60.0,
-                time_s: 100.0,
-            },
-            ..Errors::DEFAULT
-        };
-        let config = robust::Config {
-            errors,
-            ..robust::Config::DEFAULT
-        };
-        let snapshot = goes_on::<State>(&config, true, |a, b| assert_eq!(text(a), text(b)));
-        assert!(snapshot.len() <= largest::<(State, Xoshiro128PlusPlus)>());
-    }
+    let errors = Errors {
+        bias_sigma_rad: 0.05,
+        position_sigma_m: 20.0,
+        correlation: Correlation {
+            at_rest: 0.9,
+            distance_m: 60.0,
+            time_s: 100.0,
+        },
+        ..Errors::DEFAULT
+    };
+    let config = robust::Config {
+        errors,
+        ..robust::Config::DEFAULT
+    };
+    let snapshot = goes_on::<State>(&config, true, |a, b| assert_eq!(text(a), text(b)));
+    assert!(snapshot.len() <= largest::<(State, Xoshiro128PlusPlus)>());
 }
 
 /// Of a source that is stationary and then drives off.

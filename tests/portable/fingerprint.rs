@@ -1,10 +1,8 @@
 use foxhunt::{
     fingerprint::{
-        Config, GaussianMatcher, Match, Matcher, PacketModel, Posterior, RadioMap, Reading,
-        TableMatcher,
+        Config, Match, Matcher, Posterior, RadioMap, Reading,
         tracker::{self, Site, State, Tracker, Workspace},
     },
-    model::Likelihood,
     random::{SeedableRng, Xoshiro128PlusPlus, uniform},
 };
 
@@ -12,7 +10,6 @@ use crate::{Case, digest::Digest};
 
 pub const CASES: &[Case] = &[
     ("fingerprint::scans", scans),
-    ("fingerprint::packets", packets),
     ("fingerprint::a_walk_is_tracked", a_walk_is_tracked),
 ];
 
@@ -41,8 +38,8 @@ fn scans() -> Digest {
             missing_beacons_count,
             ..Config::DEFAULT
         };
-        let gaussian = GaussianMatcher::new(moments, &config).expect("moments");
-        let table = TableMatcher::new(levels, &config).expect("levels");
+        let gaussian = Matcher::new(moments, &config).expect("moments");
+        let table = Matcher::new(levels, &config).expect("levels");
         for point in (0..80).step_by(7) {
             let scan = [0, 1, 2, 3].map(|beacon: u8| {
                 let there = moments.moments(beacon.into(), point).expect("surveyed");
@@ -67,30 +64,6 @@ fn scans() -> Digest {
                         .as_flattened(),
                 );
             }
-        }
-    }
-    digest
-}
-
-fn packets() -> Digest {
-    let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
-    let mut digest = Digest::new();
-    let model = PacketModel::new(&Config::DEFAULT).expect("the defaults");
-    let (mut x, mut y) = ([0.0; 200], [0.0; 200]);
-    x.fill_with(|| 90.0 * uniform(&mut rng) - 5.0);
-    y.fill_with(|| 18.0 * uniform(&mut rng) - 2.0);
-    for bytes in [MOMENTS, HALL] {
-        for rssi_dbm in [-80.0, -65.0, -50.0] {
-            let packet = Reading {
-                beacon: 2,
-                rssi_dbm,
-            };
-            let likelihood = open(bytes)
-                .packet_likelihood(packet, 3.7, &model)
-                .expect("known");
-            let mut out = [0.0; 200];
-            likelihood.log_likelihoods(&[&x, &y], &mut out);
-            digest.add(&out);
         }
     }
     digest

@@ -10,9 +10,6 @@ pub const CASES: &[Case] = &[
         samples(random::uniform, 0.5, 1.0 / 12.0)
     }),
     ("random::normal", || samples(random::normal, 0.0, 1.0)),
-    ("random::gamma", || {
-        samples(|rng| random::gamma(rng, 2.5), 2.5, 2.5)
-    }),
     ("resample::systematic", || copies(Scheme::Systematic)),
     ("resample::stratified", || copies(Scheme::Stratified)),
     ("resample::residual", || copies(Scheme::Residual)),

@@ -1,7 +1,7 @@
 use foxhunt::{
     aoa::{
         Bearing, Clean, Locate, Observation, Robust, clean,
-        robust::{self, Errors, Tails},
+        robust::{self, Errors},
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
     snapshot::{Persist, restore, save},
@@ -48,7 +48,6 @@ fn locator() -> Digest {
 
 fn robust_locator() -> Digest {
     let errors = Errors {
-        tails: Tails::Student { freedom: 5 },
         bias_sigma_rad: 0.05,
         ..Errors::DEFAULT
     };

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use foxhunt::fingerprint::{
-    Config, Encoding, GaussianMatcher, Lattice, Matcher, Posterior, RadioMap, Reading,
+    Config, Encoding, Lattice, Matcher, Posterior, RadioMap, Reading,
     tracker::{self, Site},
 };
 
@@ -179,7 +179,7 @@ impl Walk {
     /// # Errors
     /// If nothing can be said.
     pub fn matched(&self, packets: &[Packet], times: &[f64]) -> Result<Vec<[f64; 2]>> {
-        let matcher = GaussianMatcher::new(self.map()?, &Config::DEFAULT)?;
+        let matcher = Matcher::new(self.map()?, &Config::DEFAULT)?;
         let mut posterior = Posterior::<POINTS>::EMPTY;
         let mut at = |time: &f64| {
             let beacons = self.map()?.beacons();

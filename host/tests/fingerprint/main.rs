@@ -3,5 +3,4 @@
 mod maps;
 mod matching;
 mod missing;
-mod packets;
 mod site;

@@ -1,8 +1,7 @@
 //! Scans matched with a map.
 
 use foxhunt::fingerprint::{
-    Config, Encoding, GaussianMatcher, Match, Matcher, Posterior, RadioMap, Reading, ReadingError,
-    TableMatcher,
+    Config, Encoding, Match, Matcher, Posterior, RadioMap, Reading, ReadingError,
 };
 
 use crate::site::*;
@@ -15,8 +14,8 @@ fn matchers_differ_from_f64_by_their_steps() {
         RadioMap::new(&moments).unwrap(),
         RadioMap::new(&levels).unwrap(),
     );
-    let gaussian = GaussianMatcher::new(moments, &UNTEMPERED).unwrap();
-    let table = TableMatcher::new(levels, &UNTEMPERED).unwrap();
+    let gaussian = Matcher::new(moments, &UNTEMPERED).unwrap();
+    let table = Matcher::new(levels, &UNTEMPERED).unwrap();
     let mut posterior = Posterior::<100>::EMPTY;
     let check = |found: Match, weights: &[f32], log_likelihoods: &[f64], step: f64| {
         let (exact, mean, _) = exact(log_likelihoods);
@@ -79,10 +78,10 @@ fn all_methods_find_the_place() {
     for place in places() {
         let scan = scan(place);
         let found = [
-            GaussianMatcher::new(moments, &config)
+            Matcher::new(moments, &config)
                 .unwrap()
                 .locate(&scan, &mut posterior),
-            TableMatcher::new(levels, &config)
+            Matcher::new(levels, &config)
                 .unwrap()
                 .locate(&scan, &mut posterior),
         ];
@@ -114,10 +113,8 @@ fn scans_that_make_no_sense_are_refused_and_change_nothing() {
         RadioMap::new(&moments).unwrap(),
         RadioMap::new(&levels).unwrap(),
     );
-    assert!(GaussianMatcher::new(levels, &UNTEMPERED).is_err());
-    assert!(TableMatcher::new(moments, &UNTEMPERED).is_err());
-    let gaussian = GaussianMatcher::new(moments, &UNTEMPERED).unwrap();
-    let table = TableMatcher::new(levels, &UNTEMPERED).unwrap();
+    let gaussian = Matcher::new(moments, &UNTEMPERED).unwrap();
+    let table = Matcher::new(levels, &UNTEMPERED).unwrap();
     let reading = |beacon, rssi_dbm| Reading { beacon, rssi_dbm };
     let mut posterior = Posterior::<POINTS>::EMPTY;
     assert!(posterior.weights().is_empty());

@@ -1,8 +1,7 @@
 //! Beacons that are not heard, and points that nobody surveyed.
 
 use foxhunt::fingerprint::{
-    Config, Encoding, GaussianMatcher, Match, Matcher, Posterior, RadioMap, Reading, ReadingError,
-    TableMatcher,
+    Config, Encoding, Match, Matcher, Posterior, RadioMap, Reading, ReadingError,
 };
 use foxhunt_host::radio_map::{self, Options, SiteSurvey};
 
@@ -46,8 +45,8 @@ fn left(maps: &[Vec<u8>; 2], config: &Config, scan: &[Reading]) -> [f32; 2] {
         matcher(&mut posterior).unwrap();
         posterior.weights()[..10].iter().sum()
     };
-    let gaussian = GaussianMatcher::new(moments, config).unwrap();
-    let table = TableMatcher::new(levels, config).unwrap();
+    let gaussian = Matcher::new(moments, config).unwrap();
+    let table = Matcher::new(levels, config).unwrap();
     [
         left(&|posterior| gaussian.locate(scan, posterior)),
         left(&|posterior| table.locate(scan, posterior)),
@@ -93,15 +92,8 @@ fn points_far_from_the_survey_are_left_out() {
         assert!(!map.is_surveyed(80) && !map.is_surveyed(usize::MAX));
         let mut posterior = Posterior::<80>::EMPTY;
         let scan = scan([40.0, 1.75]);
-        match encoding {
-            Encoding::Moments => GaussianMatcher::new(map, &UNTEMPERED)
-                .unwrap()
-                .locate(&scan, &mut posterior),
-            _ => TableMatcher::new(map, &UNTEMPERED)
-                .unwrap()
-                .locate(&scan, &mut posterior),
-        }
-        .unwrap();
+        let matcher = Matcher::new(map, &UNTEMPERED).unwrap();
+        matcher.locate(&scan, &mut posterior).unwrap();
         assert!(posterior.weights()[31..49].iter().all(|w| *w == 0.0));
         assert!((posterior.weights().iter().sum::<f32>() - 1.0).abs() < 1e-5);
     }

@@ -2,7 +2,7 @@
 
 use super::component::Component;
 use super::config::Config;
-use crate::math::{exp, ln, sqrt};
+use crate::math::{ln, one_minus_exp, sqrt};
 use crate::random::{Rng, normal, uniform, uniform_open};
 
 /// On a straight road the velocity is remembered for so many times the time until a turn: the larger, the straighter a
@@ -30,7 +30,7 @@ impl Leg {
     /// `sigma_m_s` is that of either component of the velocity at any time; `memory_s` its correlation time.
     fn new(seconds: f32, memory_s: f32, sigma_m_s: f32) -> Self {
         let lengths = seconds / memory_s;
-        let lost = passed(lengths);
+        let lost = one_minus_exp(lengths);
         let tanh = lost / (2.0 - lost);
         // The difference of nearly equal numbers, unless by its series.
         let bend = if lengths < 0.5 {
@@ -57,15 +57,6 @@ impl Leg {
     }
 }
 
-/// 1 - e^-x, also where that is too small to be a difference.
-fn passed(x: f32) -> f32 {
-    if x < 0.02 {
-        x * (1.0 - x * (0.5 - x / 6.0))
-    } else {
-        1.0 - exp(-x)
-    }
-}
-
 /// An event that happens within some time with a probability.
 #[derive(Clone, Copy)]
 struct Event {
@@ -77,7 +68,7 @@ impl Event {
     fn new(seconds: f32, mean_s: f32) -> Self {
         Self {
             mean_s,
-            probability: passed(seconds / mean_s),
+            probability: one_minus_exp(seconds / mean_s),
         }
     }
 

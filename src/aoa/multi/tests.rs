@@ -472,5 +472,4 @@ fn configurations_are_checked() {
     assert_eq!(of(|c, v| c.track.range_m = v, 0.0), Some("range_m"));
     assert_eq!(of(|c, v| c.memory_s = v, f32::INFINITY), None);
     assert!(crate::aoa::presets::CITY.check().is_ok());
-    assert!(crate::aoa::presets::STATIONARY_CITY.check().is_ok());
 }

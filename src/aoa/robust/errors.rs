@@ -1,29 +1,14 @@
 //! How the errors of bearings are distributed, and how that is learned from the bearings themselves.
 
-use core::f32::consts::{PI, TAU};
-
 use crate::ConfigError;
 use crate::aoa::core::square_of_distance;
 use crate::aoa::{Mixture, Observation};
 use crate::config::{require, require_all, require_within};
-use crate::math::{exp, sqrt};
-
-/// How the errors of the bearings that are not outliers are distributed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Tails {
-    /// Normal, with the standard deviation of each observation.
-    Normal,
-    /// Student's t distribution, scaled by the standard deviation of each observation: as narrow in the middle, with more
-    /// errors of many standard deviations, up to a right angle. The rate of outliers covers most of those, so the normal
-    /// distribution is seldom worse.
-    Student {
-        /// Degrees of freedom, 3 to 30: the fewer, the heavier the tails.
-        freedom: u8,
-    },
-}
+use crate::math::exp;
 
 /// What is believed of the errors before any bearing. A zero switches a part off.
+///
+/// The error of a bearing that is not an outlier is normal, with the standard deviation of its observation.
 ///
 /// ```
 /// use foxhunt::aoa::{Mixture, robust::Errors};
@@ -38,8 +23,6 @@ pub enum Tails {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Errors {
-    /// The distribution of the errors of the bearings that are not outliers.
-    pub tails: Tails,
     /// The rates of direct, mirrored (0 to 0.9) and outlier bearings (0.001 to 0.9); at least 0.05 are direct. Where they
     /// are learned, the mean of what is expected.
     pub rates: Mixture,
@@ -113,7 +96,6 @@ impl Errors {
     /// Normal errors, 8 % mirrored bearings and 12 % outliers, learned as soon as there are more than 10; no bias; nine
     /// tenths of the error in common at one place, less by a factor of e every 5 m.
     pub const DEFAULT: Self = Self {
-        tails: Tails::Normal,
         rates: Mixture {
             direct: 0.8,
             mirrored: 0.08,
@@ -130,12 +112,6 @@ impl Errors {
     /// # Errors
     /// Names the field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
-        if let Tails::Student { freedom } = self.tails {
-            require!(
-                freedom >= 3 && freedom <= 30,
-                "freedom is not within 3 and 30"
-            );
-        }
         let rates = self.rates;
         require_within!(rates: mirrored 0.0..=0.9, outlier 0.001..=0.9);
         require!(rates.direct >= 0.05, "direct is less than 0.05");
@@ -183,24 +159,5 @@ impl Errors {
             mirrored: rate(self.rates.mirrored, counts.mirrored),
             outlier: rate(self.rates.outlier, counts.outlier),
         })
-    }
-}
-
-impl Tails {
-    /// Density of no error, for a standard deviation of one, beside that of a uniform angle.
-    pub(super) fn height(self) -> f32 {
-        let Self::Student { freedom } = self else {
-            return sqrt(TAU);
-        };
-        // gamma((n + 1) / 2) / gamma(n / 2), from one or two degrees up.
-        let odd = freedom & 1 == 1;
-        let mut ratio = if odd { 1.0 / sqrt(PI) } else { 0.5 * sqrt(PI) };
-        let mut n = if odd { 1.0 } else { 2.0 };
-        let freedom = f32::from(freedom);
-        while n < freedom {
-            ratio *= (n + 1.0) / n;
-            n += 2.0;
-        }
-        2.0 * sqrt(PI / freedom) * ratio
     }
 }

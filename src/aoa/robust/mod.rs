@@ -54,7 +54,7 @@ use crate::random::Rng;
 use crate::resample::Scheme;
 pub(super) use candidates::Candidates;
 pub use config::Config;
-pub use errors::{Correlation, Errors, Tails};
+pub use errors::{Correlation, Errors};
 pub(super) use evidence::Candidate;
 use evidence::{Change, Evidence};
 use mode::{Mode, Modes, hypotheses, plane, position};

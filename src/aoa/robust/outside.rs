@@ -1,11 +1,13 @@
 //! How one bearing looks to a locator that is built round this one.
 
-use super::errors::{Errors, Tails};
+use core::f32::consts::TAU;
+
+use super::errors::Errors;
 use super::evidence::{Lines, tempered};
 use super::term::{State, Term};
 use crate::aoa::core::{Comparison, Entry, square_of_distance};
 use crate::aoa::{Mixture, Observation};
-use crate::math::{exp, ln, sqrt};
+use crate::math::{exp, sqrt};
 
 /// A bearing that counts for no more than it tells beside earlier ones, which come with their ages in seconds.
 pub(in crate::aoa) fn independent<'a>(
@@ -49,16 +51,8 @@ impl Line {
             outlier,
         } = errors.rates;
         let rate = if self.mirrored { mirrored } else { direct };
-        let peak = errors.tails.height() / (sqrt(variance) * outlier);
-        let square = error * error / variance;
-        rate * peak
-            * match errors.tails {
-                Tails::Normal => exp(-0.5 * square),
-                Tails::Student { freedom } => {
-                    let freedom = f32::from(freedom);
-                    exp(-0.5 * (freedom + 1.0) * ln(1.0 + square / freedom))
-                }
-            }
+        let peak = sqrt(TAU) / (sqrt(variance) * outlier);
+        rate * peak * exp(-0.5 * (error * error / variance))
     }
 }
 

@@ -1,8 +1,8 @@
 //! The likelihood of one bearing that may be direct, mirrored or an outlier, with the common bias.
 
-use core::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use core::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-use super::errors::{Errors, Tails};
+use super::errors::Errors;
 use crate::aoa::core::{BLOCK, Block, Entry};
 use crate::aoa::{Mixture, Observation};
 use crate::math::{atan_coarse, exp_of_weight, ln, sin_cos, sqrt, wrap};
@@ -20,10 +20,8 @@ pub(super) struct Term {
     position: [f32; 2],
     sin: f32,
     cos: f32,
-    /// -1 / (2 sigma^2); for Student's tails 1 / (freedom sigma^2).
+    /// -1 / (2 sigma^2).
     curvature: f32,
-    /// Zero; for Student's tails (freedom + 1) / 2.
-    power: f32,
     /// Logarithm of the odds of no error, in front of the receiver and behind it.
     direct: f32,
     mirrored: f32,
@@ -60,20 +58,12 @@ impl Term {
     pub(super) fn new(observation: &Observation, errors: &Errors, variance: f32) -> Self {
         let (sin, cos) = sin_cos(observation.bearing().radians());
         let rates = errors.rates;
-        let peak = errors.tails.height() / (sqrt(variance) * rates.outlier);
-        let (curvature, power) = match errors.tails {
-            Tails::Normal => (-0.5 / variance, 0.0),
-            Tails::Student { freedom } => {
-                let freedom = f32::from(freedom);
-                (1.0 / (freedom * variance), 0.5 * (freedom + 1.0))
-            }
-        };
+        let peak = sqrt(TAU) / (sqrt(variance) * rates.outlier);
         Self {
             position: observation.position(),
             sin,
             cos,
-            curvature,
-            power,
+            curvature: -0.5 / variance,
             direct: ln(peak * rates.direct),
             mirrored: ln(peak * rates.mirrored),
         }
@@ -110,21 +100,10 @@ impl Term {
     }
 
     #[inline(always)]
-    fn odds_of<const STUDENT: bool>(&self, error: f32, mirrored: bool) -> f32 {
+    fn odds(&self, error: f32, mirrored: bool) -> f32 {
         let level = if mirrored { self.mirrored } else { self.direct };
-        let square = self.curvature * (error * error);
         // At most some 1e7, for sigmas and rates of a thousandth; next to none are none.
-        exp_of_weight(if STUDENT {
-            level - self.power * ln(1.0 + square)
-        } else {
-            level + square
-        })
-    }
-
-    #[inline(always)]
-    fn odds<const STUDENT: bool>(&self, place: [f32; 2], bias: f32) -> f32 {
-        let (error, mirrored) = self.fold(place, bias);
-        self.odds_of::<STUDENT>(error, mirrored)
+        exp_of_weight(level + self.curvature * (error * error))
     }
 
     /// Multiplies each product by one plus the odds at a state.
@@ -135,16 +114,9 @@ impl Term {
         biases: &[f32; BLOCK],
         products: &mut [f32; BLOCK],
     ) {
-        // The choice is made outside of the loop, which has no registers to spare.
-        let all = products.iter_mut().zip(x.iter().zip(y).zip(biases));
-        if self.power == 0.0 {
-            all.for_each(|(product, ((x, y), bias))| {
-                *product *= 1.0 + self.odds::<false>([*x, *y], *bias);
-            });
-        } else {
-            all.for_each(|(product, ((x, y), bias))| {
-                *product *= 1.0 + self.odds::<true>([*x, *y], *bias);
-            });
+        for (product, ((x, y), bias)) in products.iter_mut().zip(x.iter().zip(y).zip(biases)) {
+            let (error, mirrored) = self.fold([*x, *y], *bias);
+            *product *= 1.0 + self.odds(error, mirrored);
         }
     }
 
@@ -169,23 +141,12 @@ impl Term {
 
     #[inline(never)]
     fn reading(&self, error: f32, mirrored: bool) -> Reading {
-        let (odds, certain) = if self.power == 0.0 {
-            (
-                self.odds_of::<false>(error, mirrored),
-                -2.0 * self.curvature,
-            )
-        } else {
-            let square = self.curvature * error * error;
-            (
-                self.odds_of::<true>(error, mirrored),
-                2.0 * self.power * self.curvature / (1.0 + square),
-            )
-        };
+        let odds = self.odds(error, mirrored);
         Reading {
             error,
             mirrored,
             odds,
-            information: certain * odds / (1.0 + odds),
+            information: -2.0 * self.curvature * odds / (1.0 + odds),
         }
     }
 

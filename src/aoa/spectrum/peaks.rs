@@ -2,7 +2,7 @@
 
 use core::f32::consts::PI;
 
-use super::{Spectrum, Temper};
+use super::{Spectrum, per_level};
 use crate::aoa::Observation;
 use crate::math::{exp, sqrt, wrap};
 
@@ -51,8 +51,8 @@ impl Spectrum {
     /// [`Observation::MAX_SIGMA_RAD`], more than half the circle. A bearing of it would tell more than the spectrum
     /// does. So every peak makes an [`Observation`].
     ///
-    /// As bearings they exclude each other: [`Alternative`](crate::aoa::Alternative).
-    pub fn peaks(&self, temper: Temper) -> [Option<Peak>; PEAKS] {
+    /// As bearings they exclude each other: [`Alternative`](crate::aoa::Alternative). `temper` is 0.001 to 10.
+    pub fn peaks(&self, temper: f32) -> [Option<Peak>; PEAKS] {
         self.peaks_of_sigma(temper, None)
     }
 
@@ -60,10 +60,10 @@ impl Spectrum {
     #[inline(never)]
     pub(crate) fn peaks_of_sigma(
         &self,
-        temper: Temper,
+        temper: f32,
         sigma_rad: Option<f32>,
     ) -> [Option<Peak>; PEAKS] {
-        let scale = temper.per_level();
+        let scale = per_level(temper);
         let highest = self.highest();
         let mut hills = [None; PEAKS];
         let mut peaks = [None; PEAKS];

@@ -79,12 +79,19 @@ pub struct Observation {
     station: u8,
 }
 
-/// Why an [`Observation`] or an [`Alternative`] was refused.
+/// Why an [`Observation`], an [`Alternative`], a place or a spectrum was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ObservationError {
-    /// `position` is not finite, or further than [`Observation::MAX_COORDINATE_M`] from the origin.
+    /// The latitude is not within -90 and 90 degrees.
+    Latitude,
+    /// The longitude is not within -180 and 180 degrees.
+    Longitude,
+    /// A plane cannot have its origin within five degrees of a pole.
+    NearPole,
+    /// A position is not finite, or further from the origin than [`Observation::MAX_COORDINATE_M`], or than
+    /// [`LocalPlane::MAX_RANGE_M`](crate::aoa::geodesy::LocalPlane::MAX_RANGE_M) when it is converted.
     Position,
     /// `bearing` is not finite.
     Bearing,
@@ -92,13 +99,23 @@ pub enum ObservationError {
     Sigma,
     /// `probability` is not within 0 and 1.
     Probability,
+    /// A level of a spectrum is not within 0 and
+    /// [`Spectrum::MAX_DECIBELS`](crate::aoa::spectrum::Spectrum::MAX_DECIBELS).
+    Level,
+    /// A spectrum has more values than degrees.
+    Degrees,
 }
 
 messages!(ObservationError {
+    Self::Latitude => "latitude is not within -90 and 90 degrees",
+    Self::Longitude => "longitude is not within -180 and 180 degrees",
+    Self::NearPole => "origin is within five degrees of a pole",
     Self::Position => "position is not finite or too far from the origin",
     Self::Bearing => "bearing is not finite",
     Self::Sigma => "sigma_rad is out of range",
     Self::Probability => "probability is not within 0 and 1",
+    Self::Level => "a level is out of range",
+    Self::Degrees => "more values than degrees",
 });
 
 /// Why a bearing was not taken. The locator is as before.

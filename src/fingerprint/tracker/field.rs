@@ -140,18 +140,7 @@ impl<const P: usize> Field<P> {
     /// By the point nearest to a place: the probability of an offset, and the correction of its mean.
     #[inline(always)]
     pub fn offset_at(&self, lattice: &Lattice, place: [f32; 2]) -> [f32; 2] {
-        let nearest = |x: f32, origin: f32, points: usize| {
-            // Saturates.
-            let steps = ((x - origin) * lattice.per_metre() + 0.5) as usize;
-            steps.min(points.saturating_sub(1))
-        };
-        let [x0, y0] = lattice.origin();
-        let column = nearest(place[0], x0, lattice.columns());
-        let point = if lattice.rows() == 1 {
-            column
-        } else {
-            nearest(place[1], y0, lattice.rows()) * lattice.columns() + column
-        };
+        let point = lattice.nearest(place);
         match (self.probabilities.get(point), self.shifts.get(point)) {
             (Some(probability), Some(shift)) => [*probability, *shift],
             _ => [0.0; 2],

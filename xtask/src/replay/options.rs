@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use foxhunt::{
     aoa::{
         Mixture,
-        robust::{self, Correlation, Errors, Tails},
+        robust::{self, Correlation, Errors},
     },
     gateway::{
         self, BearingReference,
@@ -296,9 +296,6 @@ pub struct Belief {
     /// Metres over which the errors of neighbouring bearings become independent; unless given, 5.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     correlation_distance: Option<f32>,
-    /// Degrees of freedom of Student's t distribution, for errors with heavy tails; unless given, they are normal.
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
-    freedom: Option<u8>,
     /// The source is as likely nearer than this as farther away; unless given, 20000.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     range: Option<f32>,
@@ -316,7 +313,6 @@ impl Belief {
                 "--correlation-distance",
                 self.correlation_distance.is_some(),
             ),
-            ("--freedom", self.freedom.is_some()),
             ("--range", self.range.is_some()),
         ] {
             if given {
@@ -333,7 +329,6 @@ impl Belief {
     pub fn config(&self) -> Result<robust::Config> {
         let mut config = robust::Config::CITY;
         let Errors {
-            tails,
             rates,
             bias_sigma_rad,
             position_sigma_m,
@@ -352,9 +347,6 @@ impl Belief {
         );
         if let Some(metres) = self.correlation_distance {
             *distance_m = metres;
-        }
-        if let Some(freedom) = self.freedom {
-            *tails = Tails::Student { freedom };
         }
         if let Some(metres) = self.range {
             config.range_m = metres;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::aoa::Alternative;
-use crate::aoa::spectrum::{Spectrum, Temper};
+use crate::aoa::spectrum::Spectrum;
 
 /// Degrees counter-clockwise from one direction to another.
 fn apart(a: f32, b: f32) -> f32 {
@@ -31,7 +31,7 @@ fn spectrum(lobes: [f32; 2], second: f32) -> Spectrum {
 /// 95 % region holds the source. `None` without a fix.
 fn located(seed: u64, all: bool) -> Option<(f32, bool)> {
     let (mut rng, mut own) = (generator(seed ^ 0x5bec), generator(seed));
-    let temper = Temper { exponent: 0.3 };
+    let temper = 0.3;
     let mut locator = Clocked::<Robust<256, 64>>::new(with(independent()));
     let mut building = SOURCE;
     for i in 0..40 {

@@ -289,16 +289,6 @@ fn a_bias_is_found_with_its_sign() {
 }
 
 #[test]
-fn student_errors_are_located() {
-    let errors = Errors {
-        tails: Tails::Student { freedom: 4 },
-        ..Errors::DEFAULT
-    };
-    let locator: Clocked<Robust<256, 64>> = locate(errors, &drive(Track::A2, 0.1, 0.1, 10), 10);
-    assert!(off(&fix(locator.answer())) < 12.0);
-}
-
-#[test]
 fn a_clone_goes_on_as_the_original() {
     let observations = drive(Track::A1, 0.1, 0.2, 11);
     let (first, rest) = observations.split_at(30);
@@ -435,8 +425,6 @@ fn a_configuration_is_checked() {
         }),
         Err("rates")
     );
-    let tails = Tails::Student { freedom: 2 };
-    assert_eq!(field(Errors { tails, ..errors }), Err("freedom"));
     for prior_bearings in [0.5, f32::NAN] {
         let refused = field(Errors {
             prior_bearings,

@@ -35,8 +35,8 @@ mod spectrum;
 use super::format::{Format, Layout, Ray, Reading, Sentence};
 use super::{Config as All, Finder, Sense};
 use crate::ConfigError;
-use crate::aoa::spectrum::{Spectrum, Temper};
-use crate::config::{require, require_all};
+use crate::aoa::spectrum::Spectrum;
+use crate::config::{require, require_within};
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sentence::columns;
@@ -94,8 +94,8 @@ pub struct Config {
     /// Standard deviations by the quality, which is how far the maximum of the spectrum is above its mean, in percent of
     /// the maximum: 0 of a flat one, 99.7 of a needle. `None` takes those of [`gateway::Config`](crate::gateway::Config).
     pub sigmas: Option<&'static SigmaTable>,
-    /// The power to which a [spectrum](crate::aoa::spectrum) is raised for the probabilities of its peaks.
-    pub temper: Temper,
+    /// The power to which a [spectrum](crate::aoa::spectrum) is raised for the probabilities of its peaks: 0.001 to 10.
+    pub temper: f32,
 }
 
 impl Config {
@@ -107,7 +107,7 @@ impl Config {
         heading: Heading::Recognised,
         frequency_hz: None,
         sigmas: Some(&SIGMAS),
-        temper: Temper { exponent: 0.5 },
+        temper: 0.5,
     };
 
     /// krakensdr_doa of May 2022 to May 2023.
@@ -145,7 +145,7 @@ impl Config {
             !matches!(self.interval_ms, Some(60_001..)),
             "interval_ms is more than a minute"
         );
-        require_all!(self.temper);
+        require_within!(self: temper 0.001..=10.0);
         Ok(())
     }
 }

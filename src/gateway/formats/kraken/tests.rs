@@ -380,3 +380,14 @@ fn only_the_wanted_frequency_is_read() {
     };
     assert_eq!(none.check().unwrap_err().field(), "frequency_hz");
 }
+
+#[test]
+fn the_temper_is_checked() {
+    for temper in [0.0, 11.0, f32::NAN] {
+        let config = Config {
+            temper,
+            ..Config::DEFAULT
+        };
+        assert_eq!(config.check().unwrap_err().field(), "temper");
+    }
+}
