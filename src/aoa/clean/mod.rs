@@ -146,8 +146,9 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
         self.answer = if source.is_some() {
             // A normal likelihood is never zero, so the update cannot fail.
             let _ = self.filter.update(&BearingLikelihood::new(observation));
-            self.rejuvenate(config, rng);
-            Answer::Fix(self.cloud_fix())
+            self.rejuvenate(config, rng)
+                .map(|()| self.cloud_fix())
+                .into()
         } else {
             self.first_answer(config, rng)
         };
@@ -240,10 +241,8 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
             }
         }
         let Some(mode) = best.and_then(|(start, _)| mode(&self.bearings, start)) else {
-            // Are they as parallel as their errors let them be? Beyond four sigmas of chi-squared they part.
-            let freedom = have as f32 - 1.0;
-            let parallel = misfit_at_infinity < freedom + 4.0 * sqrt(2.0 * freedom);
-            return Err(if parallel {
+            // Are they as parallel as their errors let them be?
+            return Err(if is_consistent(misfit_at_infinity, have as f32 - 1.0) {
                 crossing(0.0).reason()
             } else {
                 NotObservable::NoIntersection
@@ -271,14 +270,55 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
     }
 
     /// Resamples and moves the particles if they are worth too few.
+    ///
+    /// # Errors
+    /// The reason if they turn out to be lost, and the bearings make no fix elsewhere.
     #[inline(never)]
-    fn rejuvenate<R: Rng + ?Sized>(&mut self, config: &Config<M>, rng: &mut R) {
+    fn rejuvenate<R: Rng + ?Sized>(
+        &mut self,
+        config: &Config<M>,
+        rng: &mut R,
+    ) -> Result<(), NotObservable> {
         let worth = self.filter.effective_sample_size();
-        if is_depleted(worth, N, config.resample_below) {
-            let (filter, memory) = (&mut self.filter, &mut self.memory);
-            let (refinement, posterior) = (&config.refinement, Posterior::new(&self.bearings));
-            refinement.rejuvenate(filter, &posterior, config.moves, memory, rng);
+        if !is_depleted(worth, N, config.resample_below) {
+            return Ok(());
         }
+        let (filter, memory) = (&mut self.filter, &mut self.memory);
+        let (refinement, posterior) = (&config.refinement, Posterior::new(&self.bearings));
+        refinement.rejuvenate(filter, &posterior, config.moves, memory, rng);
+        self.find_again(config, rng)
+    }
+
+    /// Starts again from the best intersection if the particles are at a mode that other bearings have left behind, as may
+    /// happen if errors are larger than stated, or have something in common.
+    ///
+    /// # Errors
+    /// The reason if the bearings make no fix any more, neither where the particles are nor elsewhere.
+    #[inline(never)]
+    fn find_again<R: Rng + ?Sized>(
+        &mut self,
+        config: &Config<M>,
+        rng: &mut R,
+    ) -> Result<(), NotObservable> {
+        /// Twice the logarithm of the odds, 8,000 to 1, at which another mode is believed instead.
+        const BETTER: f32 = 18.0;
+        let here = misfit(&self.bearings, self.filter.mean());
+        // Bearings with the errors that they state always fit.
+        if is_consistent(here, self.bearings.entries().len() as f32 - 2.0) {
+            return Ok(());
+        }
+        let mode = match self.observe(config, rng) {
+            Ok(mode) => mode,
+            // Beyond what bearings can tell from infinity.
+            Err(reason) if misfit_at_infinity(&self.bearings).0 - here < BETTER => {
+                return Err(reason);
+            }
+            Err(_) => return Ok(()),
+        };
+        if misfit(&self.bearings, mode.mean()) + BETTER < here {
+            self.start(mode, config, rng);
+        }
+        Ok(())
     }
 
     fn cloud_fix(&self) -> Fix {
@@ -290,6 +330,11 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
             self.bearings.count(),
         )
     }
+}
+
+/// Whether a sum of squares of errors in sigmas is within four sigmas of what it should be.
+fn is_consistent(misfit: f32, freedom: f32) -> bool {
+    misfit < freedom + 4.0 * sqrt(2.0 * freedom)
 }
 
 /// Where the rays of a random pair of bearings intersect.

@@ -2,9 +2,9 @@ extern crate std;
 use super::*;
 use crate::aoa::testing::{Clocked, Track, simulate};
 use crate::aoa::track::Track as _;
-use crate::aoa::{Bearing, PushError};
+use crate::aoa::{Bearing, Locator, PushError};
 use crate::estimate::Symmetric2;
-use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
+use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
 use crate::refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths};
 use std::vec::Vec;
 
@@ -396,12 +396,12 @@ fn greedy_refinements_find_the_source_but_not_their_error() {
             "{name}: {comparison}"
         );
     }
-    // In lengths of a cloud that shrinks, a school does not get anywhere.
+    // In lengths of a cloud that shrinks, a school does not get anywhere, until it counts as lost and starts again.
     let stuck = school(Lengths::Relative, 0.3, GREEDY);
     let stuck = fixes(|| Clocked::<Clean<100, 64, _>>::new(always(stuck)));
     let comparison = compare(&stuck, &posterior);
     std::println!("fish, relative: {comparison}");
-    assert!(comparison.apart > 2.0 && comparison.coverage < 0.5);
+    assert!(comparison.apart > 1.0 && comparison.coverage < 0.5);
 }
 
 #[test]
@@ -436,4 +436,55 @@ fn a_refinement_is_not_left_with_copies() {
             "seed {seed}: {across} x {along}"
         );
     }
+}
+
+/// Stops on a street, with some readings at each, that have an error in common which nothing tells the locator of.
+fn stops<R: Rng>(stops: u32, readings: u32, rng: &mut R) -> ([f32; 2], Vec<Observation>) {
+    const COMMON_RAD: f32 = 0.33;
+    const SIGMA_RAD: f32 = 0.05;
+    let source = [uniform(rng) * 60.0 - 10.0, 5.0 + 45.0 * uniform(rng)];
+    let mut all = Vec::new();
+    for stop in 0..stops {
+        let position = [40.0 * stop as f32 / (stops - 1) as f32, 3.0 * normal(rng)];
+        let common = COMMON_RAD * normal(rng);
+        let bearing = (source[1] - position[1]).atan2(source[0] - position[0]);
+        for _ in 0..readings {
+            let bearing = Bearing::from_radians(bearing + common + SIGMA_RAD * normal(rng));
+            let time_ms = 1000 * all.len() as u32;
+            all.push(Observation::new(time_ms, position, bearing, SIGMA_RAD).unwrap());
+        }
+    }
+    (source, all)
+}
+
+/// Sum of the squares of the errors, in sigmas, if the source is at a place.
+fn misfit_of(observations: &[Observation], place: [f32; 2]) -> f32 {
+    let square = |o: &Observation| {
+        let [x, y] = o.position();
+        let error = o.bearing().radians() - (place[1] - y).atan2(place[0] - x);
+        o.information() * crate::math::wrap(error).powi(2)
+    };
+    observations.iter().map(square).sum()
+}
+
+/// Without the search for a lost source, 48 fixes of 398 explain the bearings worse than the source does, up to 13 km away.
+#[test]
+fn common_errors_of_stops_do_not_lose_the_source() {
+    const RUNS: u64 = 400;
+    let (mut fixes, mut lost) = (0, 0);
+    for run in 0..RUNS {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(run);
+        let (source, observations) = stops(8, 12, &mut rng);
+        let mut locator = Locator::<Clean<100>>::new(Config::DEFAULT).unwrap();
+        for observation in &observations {
+            locator.push(observation, &mut rng).unwrap();
+        }
+        let Some(fix) = locator.fix() else { continue };
+        fixes += 1;
+        let [here, there] = [fix.position, source].map(|place| misfit_of(&observations, place));
+        // Bearings that were averaged weigh a little differently.
+        lost += u32::from(!(here < 1.05 * there));
+    }
+    assert!(fixes > 390);
+    assert_eq!(lost, 0);
 }
