@@ -18,11 +18,11 @@
 //! chapters 6 to 8.
 
 use super::format::{Format, Layout, Pose, Reading, Sentence};
-use super::{Config as All, Finder, agrelo, nmea};
+use super::{Config as All, Finder, agrelo};
 use crate::ConfigError;
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence::decimal;
+use crate::gateway::sentence::{decimal, place};
 use crate::gateway::sigma::SigmaTable;
 
 pub(super) const EXAMPLE: &str = "N0CALL>APRS,WIDE1-1:@092345z4903.50N/07201.75W\\088/036/270/729";
@@ -117,7 +117,7 @@ impl Format for Aprs {
         {
             return Err(Rejected::OtherFinder);
         }
-        let place = nmea::place(latitude, &[*north], longitude, &[*east])?;
+        let place = place([latitude, &[*north], longitude, &[*east]])?;
         let digits = [*b1, *b2, *b3];
         if ![b1, b2, b3, number, range, quality]
             .iter()

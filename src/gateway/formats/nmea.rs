@@ -33,10 +33,9 @@
 use super::format::{Format, Heading, Layout, Motion, Sentence, Statement};
 use super::{Config as All, Finder};
 use crate::ConfigError;
-use crate::aoa::geodesy::Geodetic;
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence::{self, decimal, fixed};
+use crate::gateway::sentence::{self, decimal};
 
 const METRES_PER_SECOND_PER_KNOT: f32 = 1852.0 / 3600.0;
 
@@ -150,16 +149,8 @@ fn refused(address: Option<&[u8]>, reason: Rejected) -> Result<Sentence, Rejecte
 
 #[inline(never)]
 fn rmc(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
-    let [
-        clock,
-        status,
-        latitude,
-        latitude_side,
-        longitude,
-        longitude_side,
-        speed,
-        course,
-    ] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
+    let columns: [&[u8]; 8] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
+    let [clock, status, place @ .., speed, course] = columns;
     let time = time(clock)?;
     let variation = [9, 10].map(|place| field(fields, place).unwrap_or_default());
     let mode = field(fields, 11);
@@ -169,7 +160,7 @@ fn rmc(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
     config.measured(mode)?;
     Ok(Sentence::Statement(Statement {
         time,
-        place: Some(place(latitude, latitude_side, longitude, longitude_side)?),
+        place: Some(sentence::place(place)?),
         motion: motion(course, speed)?,
         // Some state one that is none, such as 999.9.
         variation: eastward(variation).unwrap_or_default(),
@@ -179,14 +170,8 @@ fn rmc(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
 
 #[inline(never)]
 fn gga(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
-    let [
-        clock,
-        latitude,
-        latitude_side,
-        longitude,
-        longitude_side,
-        quality,
-    ] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
+    let columns: [&[u8]; 6] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
+    let [clock, place @ .., quality] = columns;
     let time = time(clock)?;
     match quality {
         _ if time.is_none() => return no_fix(time),
@@ -197,7 +182,7 @@ fn gga(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
     }
     Ok(Sentence::Statement(Statement {
         time,
-        place: Some(place(latitude, latitude_side, longitude, longitude_side)?),
+        place: Some(sentence::place(place)?),
         ..Statement::NOTHING
     }))
 }
@@ -368,43 +353,6 @@ fn angle(degrees: &[u8]) -> Result<f32, Rejected> {
         Ok(degrees)
     } else {
         Err(Rejected::OutOfRange)
-    }
-}
-
-/// From `ddmm.m`, `N` or `S`, `dddmm.m`, `E` or `W`.
-#[inline(never)]
-pub(super) fn place(
-    latitude: &[u8],
-    latitude_side: &[u8],
-    longitude: &[u8],
-    longitude_side: &[u8],
-) -> Result<Geodetic, Rejected> {
-    let latitude = degrees_e7(latitude, 4, latitude_side, *b"NS")?;
-    let longitude = degrees_e7(longitude, 5, longitude_side, *b"EW")?;
-    if latitude == 0 && longitude == 0 {
-        return Err(Rejected::NullPosition);
-    }
-    Geodetic::new(latitude, longitude).map_err(|_| Rejected::OutOfRange)
-}
-
-/// From `dddmm.mmmm`, with so many digits before the point, and one of the two `sides`, of which the second is negative.
-#[inline(never)]
-fn degrees_e7(text: &[u8], digits: usize, side: &[u8], sides: [u8; 2]) -> Result<i32, Rejected> {
-    let are_so_many = text.iter().take_while(|byte| byte.is_ascii_digit()).count() == digits
-        && text.get(digits) == Some(&b'.');
-    // Finer than the result, so that it is rounded once.
-    let value = fixed(text, 9)
-        .filter(|_| are_so_many)
-        .ok_or(Rejected::Unparsable)?;
-    let (degrees, minutes_e9) = (value / 100_000_000_000, value % 100_000_000_000);
-    if minutes_e9 >= 60_000_000_000 || degrees > 180 {
-        return Err(Rejected::OutOfRange);
-    }
-    let degrees_e7 = (degrees * 10_000_000 + (minutes_e9 + 3_000) / 6_000) as i32;
-    match sides.map(|s| side == [s]) {
-        [true, _] => Ok(degrees_e7),
-        [_, true] => Ok(-degrees_e7),
-        _ => Err(Rejected::Unparsable),
     }
 }
 

@@ -6,7 +6,7 @@ use crate::ConfigError;
 use crate::aoa::geodesy::Geodetic;
 use crate::config::require;
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence::{columns, fixed};
+use crate::gateway::sentence::{columns, fixed, turned};
 use crate::gateway::sigma::{SigmaTable, preset};
 
 pub(super) const EXAMPLE: &str = "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"CCF9579B21AE\",\"\",1129320";
@@ -161,12 +161,7 @@ impl Format for Ublox {
             Quality::Azimuth => 100.0 - degrees.abs() * (100.0 / 90.0),
         };
         let quality = if quality > 0.0 { quality } else { 0.0 };
-        let degrees = if degrees < 0.0 {
-            degrees + 360.0
-        } else {
-            degrees
-        };
-        let mut reading = Reading::new(degrees, quality, config.sigmas)?;
+        let mut reading = Reading::new(turned(degrees), quality, config.sigmas)?;
         if !config.anchors.is_empty() {
             let (station, anchor) = anchor_of(anchor, config.anchors)?;
             reading.station = Some(station);

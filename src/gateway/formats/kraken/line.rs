@@ -5,7 +5,7 @@ use crate::aoa::geodesy::Geodetic;
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::formats::format::Pose;
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence::{columns, decimal, fixed};
+use crate::gateway::sentence::{columns, decimal, fixed, turned};
 
 /// Scale of the confidence of a KrakenSDR: of the maximum of the spectrum over its mean, `m`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -223,13 +223,6 @@ fn angle(degrees: f32) -> Result<f32, Rejected> {
     } else {
         Err(Rejected::OutOfRange)
     }
-}
-
-/// The same direction within 0 and 360 degrees.
-pub(super) fn turned(degrees: f32) -> f32 {
-    let turns = (degrees * (1.0 / 360.0)) as i32;
-    let rest = degrees - 360.0 * turns as f32;
-    if rest < 0.0 { rest + 360.0 } else { rest }
 }
 
 /// A coordinate; `None` where there is none.

@@ -39,7 +39,7 @@ use crate::aoa::spectrum::Spectrum;
 use crate::config::{require, require_within};
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence::columns;
+use crate::gateway::sentence::{columns, half_turned, turned};
 use crate::gateway::sigma::{SigmaTable, preset};
 pub use line::{Confidence, Heading};
 use line::{Fields, Own};
@@ -284,12 +284,9 @@ fn vote(stated: f32, top: f32) -> i8 {
     is_told(clockwise, otherwise) - is_told(otherwise, clockwise)
 }
 
-/// Degrees between ahead and a direction, of up to two turns.
-#[inline(never)]
+/// Degrees between ahead and a direction.
 fn from_ahead(degrees: f32) -> f32 {
-    let turn = degrees.abs();
-    let turn = if turn > 360.0 { turn - 360.0 } else { turn };
-    if turn > 180.0 { 360.0 - turn } else { turn }
+    half_turned(degrees).abs()
 }
 
 /// Makes the bearing of a reading two, of which one counts clockwise, with this probability.
@@ -386,7 +383,7 @@ impl Format for KrakenSpectrum {
         let [best, others @ ..] = peaks.map(|peak| {
             let peak = peak?;
             Some(Ray {
-                degrees: line::turned(-peak.angle_rad.to_degrees()),
+                degrees: turned(-peak.angle_rad.to_degrees()),
                 sigma_rad: Some(peak.sigma_rad),
                 probability: peak.probability,
             })
