@@ -70,7 +70,7 @@ pub enum Rejected {
     /// A bearing of a port and time of which one has been used already: the page of a direction finder was read twice.
     Duplicate,
     /// A position that is simulated or was entered by hand: see
-    /// [`nmea::Config::simulated`](super::formats::nmea::Config::simulated).
+    /// [`formats::Config::simulated`](super::formats::Config::simulated).
     Simulated,
     /// The first position after a start or an outage, or one to which no vehicle can have got so soon: it waits for a
     /// later one that agrees. See [`Config::max_speed_m_s`](super::Config::max_speed_m_s).
