@@ -4,7 +4,7 @@ use super::formats;
 use super::formats::format::Station;
 use crate::ConfigError;
 use crate::aoa::Observation;
-use crate::config::{require, require_all};
+use crate::config::{require, require_all, require_within};
 
 /// Direction from which the angles of bearing lines count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,10 +108,7 @@ impl<C> Config<C> {
         if let Some(station) = &self.station {
             require_all!(station);
         }
-        require!(
-            self.min_quality >= 0.0 && self.min_quality <= 100.0,
-            "min_quality is not within 0 and 100"
-        );
+        require_within!(self: min_quality 0.0..=100.0);
         require!(
             self.best_sigma_rad >= Observation::MIN_SIGMA_RAD,
             "best_sigma_rad is less than an observation may have"

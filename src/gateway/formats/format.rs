@@ -2,7 +2,7 @@
 
 use crate::ConfigError;
 use crate::aoa::geodesy::Geodetic;
-use crate::config::require;
+use crate::config::require_within;
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sigma::SigmaTable;
@@ -163,10 +163,7 @@ impl Station {
     /// # Errors
     /// Names the field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
-        require!(
-            self.heading_deg >= 0.0 && self.heading_deg <= 360.0,
-            "heading_deg is not within 0 and 360"
-        );
+        require_within!(self: heading_deg 0.0..=360.0);
         Ok(())
     }
 }
