@@ -1,7 +1,7 @@
 //! Empty states are all zero bits, so that a `static` of them takes no flash.
 
 use foxhunt::{
-    aoa::{Clean, Locate, presets::City},
+    aoa::{Clean, Locate, presets::City, spectrum::Spectrum},
     filter::ParticleFilter,
     fingerprint::{
         Posterior,
@@ -10,7 +10,7 @@ use foxhunt::{
     gateway::{
         FullReport, Vehicle,
         beacon::BeaconGateway,
-        formats::{Agrelo, KrakenSpectrum, Nmea},
+        formats::{Agrelo, Kraken, Nmea},
     },
     proposal::{AuxiliaryFilter, PointMassFilter, UnscentedParticleFilter},
     refine::Memory,
@@ -47,6 +47,6 @@ fn empty_states_take_no_flash() {
         Trackers::EMPTY => Trackers<8, 300>,
         BeaconGateway::EMPTY => BeaconGateway<8, 300, 80>,
         Vehicle::EMPTY => Vehicle<Clean<60, 16>>,
-        Vehicle::EMPTY => Vehicle<Clean<60, 16>, (Nmea, Agrelo, KrakenSpectrum), FullReport, 3>,
+        Vehicle::EMPTY => Vehicle<Clean<60, 16>, (Nmea, Agrelo, Kraken<Spectrum>), FullReport, 3>,
     }
 }

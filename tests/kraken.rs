@@ -5,8 +5,9 @@
 use std::fs;
 use std::path::PathBuf;
 
+use foxhunt::aoa::spectrum::Spectrum;
 use foxhunt::aoa::{Observation, Robust, robust};
-use foxhunt::gateway::formats::{Formats, Kraken, KrakenSpectrum, Nmea};
+use foxhunt::gateway::formats::{Formats, Kraken, Nmea};
 use foxhunt::gateway::{Config, Event, Gateway, Rejected, ShortReport};
 
 type Whole<F> = Gateway<Robust<64, 64>, F, ShortReport>;
@@ -105,7 +106,7 @@ fn every_build_is_used_by_default() {
 
 #[test]
 fn every_build_is_used_by_default_with_its_spectra() {
-    all_lines_are_used::<(Nmea, KrakenSpectrum)>();
+    all_lines_are_used::<(Nmea, Kraken<Spectrum>)>();
 }
 
 /// What is odd about each line of `edges.csv`, and what becomes of it as a first line: by its fields, and by its spectrum.
@@ -149,7 +150,7 @@ fn every_edge_has_its_outcome() {
     for (place, (line, (what, by_fields, by_spectrum))) in lines.iter().zip(EDGES).enumerate() {
         let first = outcome(push(&mut gateway::<(Nmea, Kraken)>(), line));
         assert_eq!(first, by_fields, "{what}");
-        let first = outcome(push(&mut gateway::<(Nmea, KrakenSpectrum)>(), line));
+        let first = outcome(push(&mut gateway::<(Nmea, Kraken<Spectrum>)>(), line));
         assert_eq!(first, by_spectrum, "{what}");
         // They all have one spectrum, but for the last, which has none and is far from the first.
         let repeated = match place {

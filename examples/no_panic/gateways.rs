@@ -6,7 +6,7 @@ use foxhunt::{
     aoa::{Bearing, Clean, Locate, Robust, clean, robust, spectrum::Spectrum},
     gateway::{
         BearingReference, Config, FullReport, ReportForm, ShortReport, SigmaTable, Vehicle,
-        formats::{self, Agrelo, All, Finder, Formats, Kraken, KrakenSpectrum, Nmea, Sense, Ublox},
+        formats::{self, Agrelo, All, Finder, Formats, Kraken, Nmea, Sense, Ublox},
     },
     model::Likelihood,
     snapshot::Persist,
@@ -20,19 +20,19 @@ pub fn gateway() {
         black_box(table.sigma_rad(any(0.0)));
     }
     drive::<Clean<50, 16>, All, ShortReport, 2>(clean::Config::DEFAULT);
-    drive::<Robust<50, 16>, (Nmea, Agrelo, KrakenSpectrum), FullReport, 1>(robust::Config::DEFAULT);
+    drive::<Robust<50, 16>, (Nmea, Agrelo, Kraken<Spectrum>), FullReport, 1>(
+        robust::Config::DEFAULT,
+    );
     drive::<Clean<50, 16>, (Kraken, Ublox), FullReport, 1>(clean::Config::DEFAULT);
     spectrum();
 }
 
 fn config<C>(locator: C) -> Config<C> {
-    let sigmas = any(Some(&formats::agrelo::SIGMAS));
+    let sigmas = any(Some(&SigmaTable::BEAM_WIDTHS));
     Config {
         formats: formats::Config {
             finder: any(Some(Finder::Agrelo)),
-            nmea: formats::nmea::Config {
-                simulated: any(false),
-            },
+            simulated: any(false),
             agrelo: formats::agrelo::Config { sigmas },
             kraken: formats::kraken::Config {
                 sense: any(None),
@@ -47,7 +47,7 @@ fn config<C>(locator: C) -> Config<C> {
                 sense: any(Sense::Clockwise),
                 tag: any(None),
                 anchors: any(&[]),
-                quality: any(formats::ublox::Quality::Best),
+                quality_by_azimuth: any(false),
                 sigmas,
             },
             kn5r: formats::kn5r::Config { sigmas },

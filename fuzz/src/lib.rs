@@ -6,14 +6,16 @@
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use foxhunt::{
-    aoa::{Clean, Locate, MultiTarget, Observation, Robust, clean, multi, robust},
+    aoa::{
+        Clean, Locate, MultiTarget, Observation, Robust, clean, multi, robust, spectrum::Spectrum,
+    },
     fingerprint::{
         Encoding, Matcher, Posterior, RadioMap, Reading,
         tracker::{self, Site, Tracker, Workspace},
     },
     gateway::{
         Config, Event, FullReport, Gateway, Vehicle, beacon,
-        formats::{All, Finder, Formats, KrakenSpectrum, Nmea},
+        formats::{All, Finder, Formats, Kraken, Nmea},
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
     snapshot::{Persist, largest},
@@ -69,7 +71,7 @@ pub fn finder(data: &[u8]) {
 /// Gives a gateway that reads the spectra of a KrakenSDR lines made from those of `data`.
 pub fn spectra(data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
     let config = Config::new(robust::Config::DEFAULT);
-    lines::<Robust<24, 8>, (Nmea, KrakenSpectrum)>(config, data, line, |locator| {
+    lines::<Robust<24, 8>, (Nmea, Kraken<Spectrum>)>(config, data, line, |locator| {
         locator.observations().copied().collect()
     });
 }

@@ -4,10 +4,10 @@
 use std::{f64::consts::TAU, fmt::Write};
 
 use foxhunt::{
-    aoa::{Robust, robust},
+    aoa::{Robust, robust, spectrum::Spectrum},
     gateway::{
         BearingReference, Config, Event, Gateway, ShortReport,
-        formats::{Formats, Kraken, KrakenSpectrum},
+        formats::{Formats, Kraken},
     },
 };
 use nalgebra::{Complex, SMatrix, SVector};
@@ -198,7 +198,7 @@ pub struct Coverage {
 /// Readings of scenes, by the format that reads the bearing or by the one that reads the spectrum.
 pub fn coverage(method: Method, spectra: bool, runs: u64, seed: u64) -> Coverage {
     if spectra {
-        of_format::<(KrakenSpectrum,)>(method, runs, seed)
+        of_format::<(Kraken<Spectrum>,)>(method, runs, seed)
     } else {
         of_format::<(Kraken,)>(method, runs, seed)
     }

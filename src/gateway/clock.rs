@@ -1,7 +1,7 @@
 //! Time, as the stream tells it.
 
 use super::outcome::Rejected;
-use crate::snapshot::{Error, Reader, Value, Writer};
+use crate::snapshot::value_as;
 
 /// Milliseconds in a day.
 const DAY: i32 = 86_400_000;
@@ -77,20 +77,10 @@ impl TimeOfDay {
     }
 }
 
-impl Value for TimeOfDay {
-    const SIZE: usize = i32::SIZE;
-
-    fn write(&self, to: &mut Writer<'_>) {
-        self.0.write(to);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
-        match i32::read(from)? {
-            time if (0..DAY).contains(&time) => Ok(Self(time)),
-            _ => Err(Error::Malformed),
-        }
-    }
-}
+value_as!(TimeOfDay as i32:
+    |time| time.0,
+    |time| (0..DAY).contains(&time).then_some(Self(time)),
+);
 
 /// The clock of one talker: its time may stand still, pass midnight, but not run backwards.
 ///

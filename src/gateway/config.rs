@@ -1,30 +1,19 @@
 //! What a vehicle's gateway is told.
 
 use super::formats;
+use super::formats::format::Station;
 use crate::ConfigError;
 use crate::aoa::Observation;
-use crate::aoa::geodesy::Geodetic;
-use crate::config::{require, require_all};
+use crate::config::{require, require_all, require_within};
 
 /// Direction from which the angles of bearing lines count.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BearingReference {
     /// The bow: the heading of the vehicle is added.
-    #[default]
     Relative,
     /// True north: a rotating antenna with a compass of its own, or a fixed station.
     TrueNorth,
-}
-
-/// A direction finder that does not move.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Station {
-    /// Where it stands.
-    pub place: Geodetic,
-    /// Where relative bearings of 0 point, in degrees clockwise from true north.
-    pub heading_deg: f32,
 }
 
 /// How a [`Vehicle`](super::Vehicle) treats its lines, with the configuration `C` of its locator.
@@ -117,15 +106,9 @@ impl<C> Config<C> {
     pub const fn check(&self) -> Result<(), ConfigError> {
         require_all!(self.formats);
         if let Some(station) = &self.station {
-            require!(
-                station.heading_deg >= 0.0 && station.heading_deg <= 360.0,
-                "heading_deg is not within 0 and 360"
-            );
+            require_all!(station);
         }
-        require!(
-            self.min_quality >= 0.0 && self.min_quality <= 100.0,
-            "min_quality is not within 0 and 100"
-        );
+        require_within!(self: min_quality 0.0..=100.0);
         require!(
             self.best_sigma_rad >= Observation::MIN_SIGMA_RAD,
             "best_sigma_rad is less than an observation may have"

@@ -1,6 +1,7 @@
 //! Where the vehicle was and where it headed, for as long as bearings may be late.
 
 use super::clock::TimeOfDay;
+use super::sentence::{half_turned, turned};
 use crate::aoa::geodesy::Geodetic;
 
 /// A value that the receiver has stated, and how long ago.
@@ -26,27 +27,13 @@ pub(super) struct Compass(pub f32);
 impl Compass {
     /// Degrees from this to the other, within half a turn either way.
     fn to(self, other: Self) -> f32 {
-        let turn = other.0 - self.0;
-        if turn > 180.0 {
-            turn - 360.0
-        } else if turn < -180.0 {
-            turn + 360.0
-        } else {
-            turn
-        }
+        half_turned(other.0 - self.0)
     }
 }
 
 impl Between for Compass {
     fn towards(self, other: Self, fraction: f32) -> Self {
-        let degrees = self.0 + fraction * self.to(other);
-        Self(if degrees < 0.0 {
-            degrees + 360.0
-        } else if degrees >= 360.0 {
-            degrees - 360.0
-        } else {
-            degrees
-        })
+        Self(turned(self.0 + fraction * self.to(other)))
     }
 }
 

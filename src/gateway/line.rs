@@ -2,8 +2,8 @@
 
 use heapless::Vec;
 
-use super::formats;
-use super::formats::format::{Framing, Sentence, Set};
+use super::formats::format::{Framing, Sentence};
+use super::formats::{self, Formats};
 use super::outcome::Rejected;
 
 /// The most bytes of a line that are kept: those of a KrakenSDR before its spectrum.
@@ -13,7 +13,7 @@ const KEPT_BYTES: usize = 240;
 #[derive(Debug)]
 pub(super) struct LineReader<F> {
     formats: F,
-    /// The format of the line: see [`Set::which`].
+    /// The format of the line: see [`Set::which`](formats::format::Set::which).
     which: u8,
     bytes: Vec<u8, KEPT_BYTES>,
     /// All bytes of the line, also those not kept.
@@ -34,7 +34,7 @@ impl<F> LineReader<F> {
     }
 }
 
-impl<F: Set> LineReader<F> {
+impl<F: Formats> LineReader<F> {
     pub const EMPTY: Self = Self {
         formats: F::EMPTY,
         which: 0,
@@ -46,8 +46,8 @@ impl<F: Set> LineReader<F> {
 
     /// Takes a byte; says whether a line has ended with it, and if so whether it can be parsed. Empty lines end nothing.
     pub fn push(&mut self, byte: u8) -> Option<Result<(), Rejected>> {
-        if F::FRAMED && self.length > 0 && F::is_framed(self.which) {
-            let framing = if self.length > 1 || F::continues(self.which, byte) {
+        if F::FRAMED && self.length > 0 && self.is_framed() {
+            let framing = if self.length > 1 || self.continues(byte) {
                 self.formats.frame(self.which, byte)
             } else {
                 Framing::None
@@ -69,7 +69,7 @@ impl<F: Set> LineReader<F> {
             }
             _ if self.length == 0 => self.begin(byte),
             _ => {
-                while self.length == 1 && !F::continues(self.which, byte) {
+                while self.length == 1 && !self.continues(byte) {
                     let first = self.bytes.first().copied().unwrap_or_default();
                     self.begin_as(F::which(first, self.which), first);
                 }
@@ -93,7 +93,7 @@ impl<F: Set> LineReader<F> {
         let recent = recent.to_be_bytes();
         let mut begun = recent.iter().rev().take(usize::from(count)).rev();
         self.begin(begun.next().copied().unwrap_or_default());
-        let is_framed = F::is_framed(self.which);
+        let is_framed = self.is_framed();
         for byte in begun {
             self.extend(*byte);
             if is_framed {
@@ -106,6 +106,15 @@ impl<F: Set> LineReader<F> {
     /// What the line that has just ended says.
     pub fn parse(&mut self, config: &formats::Config) -> Result<Sentence, Rejected> {
         self.formats.parse(self.which, &self.bytes, config)
+    }
+
+    fn is_framed(&self) -> bool {
+        F::layout(self.which).is_some_and(|layout| layout.is_framed)
+    }
+
+    /// Whether this may be the second byte of the line.
+    fn continues(&self, byte: u8) -> bool {
+        F::layout(self.which).is_none_or(|layout| (layout.continues)(byte))
     }
 
     /// Whether a byte within this line begins another.

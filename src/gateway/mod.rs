@@ -19,7 +19,7 @@
 //! | `$PFOXR*53` | | a restart, to look for another source: [`Vehicle::restart`] |
 //! | `B5 62 01 07 ...` | [`Ubx`](formats::Ubx) | a binary frame `NAV-PVT` of a u-blox receiver: time, position, speed, course; heading and variation if valid |
 //! | `%BBB/Q` | [`Agrelo`](formats::Agrelo) | bearing in degrees, quality 0 to 9 |
-//! | `1756823719250, 297.0, 7.35, ...` | [`Kraken`](formats::Kraken) | KrakenSDR's app format: time, bearing, confidence, frequency, its own position and heading if it has them, where and how wide the maximum of its spectrum is; the whole spectrum by [`KrakenSpectrum`](formats::KrakenSpectrum) |
+//! | `1756823719250, 297.0, 7.35, ...` | [`Kraken`](formats::Kraken) | KrakenSDR's app format: time, bearing, confidence, frequency, its own position and heading if it has them, where and how wide the maximum of its spectrum is; the whole spectrum by [`Kraken<Spectrum>`](formats::Kraken) |
 //! | `+UUDF:6C1DEBA4241B,-65,26,...` | [`Ublox`](formats::Ublox) | tag and azimuth within a quarter turn of where the board faces; nine fields or ten |
 //! | `C3469960084001663117493011` | [`Kn5r`](formats::Kn5r) | KN5R-RDF: bearing, quality, time |
 //! | `N0CALL>APRS:=4903.50N/07201.75W\088/036/270/729` | [`Aprs`](formats::Aprs) | a direction finder that reports by APRS: its place, bearing from north, quality, time if stated |
@@ -103,7 +103,8 @@ mod sentence;
 mod sigma;
 mod vehicle;
 
-pub use config::{BearingReference, Config, Station};
+pub use config::{BearingReference, Config};
+pub use formats::format::Station;
 pub use history::Aged;
 pub use navigation::Receiver;
 pub use outcome::{Counters, Event, Rejected};

@@ -5,6 +5,7 @@ use super::config::{BearingReference, Config};
 use super::formats::format::{Heading, Motion, Reading, Sentence, Statement};
 use super::history::{Aged, Compass, History};
 use super::outcome::Rejected;
+use super::sentence::turned;
 use crate::aoa::Bearing;
 use crate::aoa::geodesy::Geodetic;
 
@@ -212,14 +213,7 @@ impl Navigation {
             return Ok(heading.degrees);
         }
         let variation = told.or(self.variation).ok_or(Rejected::NoVariation)?;
-        let mut degrees = heading.degrees + variation;
-        while degrees < 0.0 {
-            degrees += 360.0;
-        }
-        while degrees > 360.0 {
-            degrees -= 360.0;
-        }
-        Ok(degrees)
+        Ok(turned(heading.degrees + variation))
     }
 
     fn motion(&mut self, time: TimeOfDay, motion: Motion, min_speed_m_s: f32) {

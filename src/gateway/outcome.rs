@@ -1,9 +1,8 @@
 //! What became of the lines.
 
-use core::fmt;
-
 use crate::aoa::{Fix, NotObservable};
-use crate::snapshot::{Error, Reader, Value, Writer, value};
+use crate::error::messages;
+use crate::snapshot::value;
 
 /// What a line led to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,7 +70,7 @@ pub enum Rejected {
     /// A bearing of a port and time of which one has been used already: the page of a direction finder was read twice.
     Duplicate,
     /// A position that is simulated or was entered by hand: see
-    /// [`nmea::Config::simulated`](super::formats::nmea::Config::simulated).
+    /// [`formats::Config::simulated`](super::formats::Config::simulated).
     Simulated,
     /// The first position after a start or an outage, or one to which no vehicle can have got so soon: it waits for a
     /// later one that agrees. See [`Config::max_speed_m_s`](super::Config::max_speed_m_s).
@@ -86,64 +85,43 @@ pub enum Rejected {
     OtherAnchor,
 }
 
-impl Rejected {
-    /// Every reason, in the order of the status sentence.
-    pub const ALL: [Self; 22] = [
-        Self::Checksum,
-        Self::Overlong,
-        Self::Unparsable,
-        Self::NoFix,
-        Self::NullPosition,
-        Self::TimeBackwards,
-        Self::OutOfRange,
-        Self::NoPosition,
-        Self::StalePosition,
-        Self::NoHeading,
-        Self::Turning,
-        Self::LowQuality,
-        Self::OtherFrequency,
-        Self::OtherTag,
-        Self::OtherFinder,
-        Self::TooOld,
-        Self::Duplicate,
-        Self::Simulated,
-        Self::Unconfirmed,
-        Self::NoVariation,
-        Self::Frozen,
-        Self::OtherAnchor,
-    ];
-}
+/// The reasons of a rejection in their order, with what they say.
+macro_rules! reasons {
+    ($error:ident { $($reason:ident => $message:literal),+ $(,)? }) => {
+        impl $error {
+            /// Every reason, in the order of the status sentence.
+            pub const ALL: [Self; [$($message),+].len()] = [$(Self::$reason),+];
+        }
 
-impl fmt::Display for Rejected {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Checksum => "checksum is wrong or missing",
-            Self::Overlong => "line is too long",
-            Self::Unparsable => "line cannot be parsed",
-            Self::NoFix => "receiver has no fix",
-            Self::NullPosition => "position is 0 degrees north and east",
-            Self::TimeBackwards => "time runs backwards",
-            Self::OutOfRange => "value is out of range",
-            Self::NoPosition => "no position yet",
-            Self::StalePosition => "position is too old",
-            Self::NoHeading => "no heading: none is stated, and no course as the vehicle stands",
-            Self::Turning => "vehicle is turning and its heading is unknown",
-            Self::LowQuality => "quality is too low",
-            Self::OtherFrequency => "unexpected frequency",
-            Self::OtherTag => "unexpected tag",
-            Self::OtherFinder => "unexpected direction finder",
-            Self::TooOld => "bearing is older than all that are kept",
-            Self::Duplicate => "bearing was used already",
-            Self::Simulated => "position is simulated or entered by hand",
-            Self::Unconfirmed => "position waits for a later one that agrees",
-            Self::NoVariation => "magnetic variation is unknown",
-            Self::Frozen => "direction finder repeats its last spectrum: nothing is heard",
-            Self::OtherAnchor => "unexpected anchor",
-        })
-    }
+        messages!($error { $(Self::$reason => $message),+ });
+    };
 }
+pub(super) use reasons;
 
-impl core::error::Error for Rejected {}
+reasons!(Rejected {
+    Checksum => "checksum is wrong or missing",
+    Overlong => "line is too long",
+    Unparsable => "line cannot be parsed",
+    NoFix => "receiver has no fix",
+    NullPosition => "position is 0 degrees north and east",
+    TimeBackwards => "time runs backwards",
+    OutOfRange => "value is out of range",
+    NoPosition => "no position yet",
+    StalePosition => "position is too old",
+    NoHeading => "no heading: none is stated, and no course as the vehicle stands",
+    Turning => "vehicle is turning and its heading is unknown",
+    LowQuality => "quality is too low",
+    OtherFrequency => "unexpected frequency",
+    OtherTag => "unexpected tag",
+    OtherFinder => "unexpected direction finder",
+    TooOld => "bearing is older than all that are kept",
+    Duplicate => "bearing was used already",
+    Simulated => "position is simulated or entered by hand",
+    Unconfirmed => "position waits for a later one that agrees",
+    NoVariation => "magnetic variation is unknown",
+    Frozen => "direction finder repeats its last spectrum: nothing is heard",
+    OtherAnchor => "unexpected anchor",
+});
 
 /// How many lines there were, each of which is counted once more by what became of it. Counts stay at their maximum when
 /// they reach it.
@@ -162,7 +140,7 @@ pub struct Counters {
     pub queries: u32,
     /// Restarts by the host.
     pub restarts: u32,
-    rejected: Tally<{ Rejected::ALL.len() }>,
+    rejected: [u32; Rejected::ALL.len()],
 }
 
 impl Counters {
@@ -173,12 +151,12 @@ impl Counters {
         ignored: 0,
         queries: 0,
         restarts: 0,
-        rejected: Tally::new(),
+        rejected: [0; Rejected::ALL.len()],
     };
 
     /// How many lines were rejected for this reason.
     pub fn rejected(&self, reason: Rejected) -> u32 {
-        self.rejected.get(reason as usize)
+        self.rejected.get(reason as usize).copied().unwrap_or(0)
     }
 
     /// The counts in the order of the status sentence, but for rejections.
@@ -195,20 +173,20 @@ impl Counters {
 
     /// Counts a line, and by what it led to.
     pub(super) fn count(&mut self, event: &Event) {
-        self.lines = self.lines.saturating_add(1);
         let count = match event {
             Event::Used => &mut self.sentences,
             Event::Fix(_) | Event::NotObservable(_) => &mut self.bearings,
             Event::Other => &mut self.ignored,
             Event::Queried => &mut self.queries,
             Event::Restarted => &mut self.restarts,
-            Event::Rejected(reason) => return self.reject(*reason),
+            Event::Rejected(reason) => match self.rejected.get_mut(*reason as usize) {
+                Some(count) => count,
+                None => return,
+            },
         };
-        *count = count.saturating_add(1);
-    }
-
-    fn reject(&mut self, reason: Rejected) {
-        self.rejected.add(reason as usize);
+        for count in [&mut self.lines, count] {
+            *count = count.saturating_add(1);
+        }
     }
 }
 
@@ -222,46 +200,6 @@ value!(Counters {
     rejected,
 });
 
-/// Counts that stay at their maximum when they reach it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Tally<const K: usize>([u32; K]);
-
-impl<const K: usize> Tally<K> {
-    pub const fn new() -> Self {
-        Self([0; K])
-    }
-
-    /// Of thing number `which`.
-    pub fn get(&self, which: usize) -> u32 {
-        self.0.get(which).copied().unwrap_or(0)
-    }
-
-    pub fn add(&mut self, which: usize) {
-        if let Some(count) = self.0.get_mut(which) {
-            *count = count.saturating_add(1);
-        }
-    }
-}
-
-impl<const K: usize> Value for Tally<K> {
-    const SIZE: usize = <[u32; K]>::SIZE;
-
-    fn write(&self, to: &mut Writer<'_>) {
-        self.0.write(to);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
-        Value::read(from).map(Self)
-    }
-}
-
-impl<const K: usize> Default for Tally<K> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -271,7 +209,7 @@ mod tests {
         for (place, reason) in Rejected::ALL.into_iter().enumerate() {
             assert_eq!(reason as usize, place);
             let mut counters = Counters::EMPTY;
-            counters.reject(reason);
+            counters.count(&Event::Rejected(reason));
             for other in Rejected::ALL {
                 assert_eq!(counters.rejected(other), u32::from(other == reason));
             }

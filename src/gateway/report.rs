@@ -44,48 +44,23 @@ pub trait Form {
     fn status(&mut self, counters: &Counters);
 }
 
-/// Reports the best known source: one `$PFOXF` or `$PFOXN`.
+/// A form of reports in `BYTES`: of all that a locator knows, or of the best known source.
 #[derive(Debug)]
-pub struct ShortReport(Text<{ ShortReport::BYTES }>);
+pub struct Report<const ALL: bool, const BYTES: usize>(Text<BYTES>);
 
-/// Reports all that a locator knows: several sources, their motion, hypotheses, advice and the errors of bearings.
-#[derive(Debug)]
-pub struct FullReport(Text<{ FullReport::BYTES }>);
+/// Reports the best known source: one `$PFOXF` or `$PFOXN`. Has room for a fix and a status.
+pub type ShortReport = Report<false, 416>;
 
-impl ShortReport {
-    /// Room for a fix and a status.
-    pub const BYTES: usize = 416;
+/// Reports all that a locator knows: several sources, their motion, hypotheses, advice and the errors of bearings. Has
+/// room for four sources, what is known of the errors, and a status.
+pub type FullReport = Report<true, 1_152>;
+
+impl<const ALL: bool, const BYTES: usize> Report<ALL, BYTES> {
+    /// Room for a report.
+    pub const BYTES: usize = BYTES;
 }
 
-impl FullReport {
-    /// Room for four sources, what is known of the errors, and a status.
-    pub const BYTES: usize = 1_152;
-}
-
-impl Form for ShortReport {
-    const EMPTY: Self = Self(Text::new());
-
-    fn as_str(&self) -> &str {
-        self.0.as_str()
-    }
-
-    fn clear(&mut self) {
-        self.0.clear();
-    }
-
-    fn answer<L: Locate>(&mut self, locator: &L, _config: &L::Config, context: Context<'_>) {
-        match locator.answer() {
-            Answer::Fix(fix) => self.0.fix(context, &fix),
-            Answer::NotObservable(reason) => self.0.not_observable(context, reason),
-        }
-    }
-
-    fn status(&mut self, counters: &Counters) {
-        self.0.counts(counters);
-    }
-}
-
-impl Form for FullReport {
+impl<const ALL: bool, const BYTES: usize> Form for Report<ALL, BYTES> {
     const EMPTY: Self = Self(Text::new());
 
     fn as_str(&self) -> &str {
@@ -97,7 +72,13 @@ impl Form for FullReport {
     }
 
     fn answer<L: Locate>(&mut self, locator: &L, config: &L::Config, context: Context<'_>) {
-        self.0.all(locator, config, context);
+        if ALL {
+            return self.0.all(locator, config, context);
+        }
+        match locator.answer() {
+            Answer::Fix(fix) => self.0.fix(context, &fix),
+            Answer::NotObservable(reason) => self.0.not_observable(context, reason),
+        }
     }
 
     fn status(&mut self, counters: &Counters) {

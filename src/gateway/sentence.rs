@@ -3,6 +3,9 @@
 
 use heapless::String;
 
+use super::outcome::Rejected;
+use crate::aoa::geodesy::Geodetic;
+
 /// What stands between `$` or `!` and `*hh`, if its exclusive or is `hh`.
 pub(super) fn checked(line: &[u8]) -> Option<&[u8]> {
     let [b'$' | b'!', payload @ .., b'*', high, low] = line else {
@@ -103,8 +106,64 @@ pub(super) fn decimal(text: &[u8]) -> Option<f32> {
         .map(|value| value as f32 / 1e4)
 }
 
+/// From `ddmm.m`, `N` or `S`, `dddmm.m`, `E` or `W`.
+#[inline(never)]
+pub(super) fn place(fields: [&[u8]; 4]) -> Result<Geodetic, Rejected> {
+    let [latitude, north, longitude, east] = fields;
+    let latitude = degrees_e7(latitude, 4, north, *b"NS")?;
+    let longitude = degrees_e7(longitude, 5, east, *b"EW")?;
+    if latitude == 0 && longitude == 0 {
+        return Err(Rejected::NullPosition);
+    }
+    Geodetic::new(latitude, longitude).map_err(|_| Rejected::OutOfRange)
+}
+
+/// From `dddmm.mmmm`, with so many digits before the point, and one of the two `sides`, of which the second is negative.
+#[inline(never)]
+fn degrees_e7(text: &[u8], digits: usize, side: &[u8], sides: [u8; 2]) -> Result<i32, Rejected> {
+    let are_so_many = text.iter().take_while(|byte| byte.is_ascii_digit()).count() == digits
+        && text.get(digits) == Some(&b'.');
+    // Finer than the result, so that it is rounded once.
+    let value = fixed(text, 9)
+        .filter(|_| are_so_many)
+        .ok_or(Rejected::Unparsable)?;
+    let (degrees, minutes_e9) = (value / 100_000_000_000, value % 100_000_000_000);
+    if minutes_e9 >= 60_000_000_000 || degrees > 180 {
+        return Err(Rejected::OutOfRange);
+    }
+    let degrees_e7 = (degrees * 10_000_000 + (minutes_e9 + 3_000) / 6_000) as i32;
+    match sides.map(|s| side == [s]) {
+        [true, _] => Ok(degrees_e7),
+        [_, true] => Ok(-degrees_e7),
+        _ => Err(Rejected::Unparsable),
+    }
+}
+
 /// In a radian.
 pub(super) const DEGREES: f32 = 180.0 / core::f32::consts::PI;
+
+/// The same direction within 0 and 360 degrees.
+pub(super) fn turned(degrees: f32) -> f32 {
+    let rest = within_a_turn(degrees);
+    if rest < 0.0 { rest + 360.0 } else { rest }
+}
+
+/// The same direction within half a turn either way.
+pub(super) fn half_turned(degrees: f32) -> f32 {
+    match within_a_turn(degrees) {
+        rest if rest > 180.0 => rest - 360.0,
+        rest if rest < -180.0 => rest + 360.0,
+        rest => rest,
+    }
+}
+
+/// The same direction without whole turns.
+// Once in flash is enough.
+#[inline(never)]
+fn within_a_turn(degrees: f32) -> f32 {
+    let turns = (degrees * (1.0 / 360.0)) as i32;
+    degrees - 360.0 * turns as f32
+}
 
 /// How finely a number is written.
 #[derive(Clone, Copy)]

@@ -49,6 +49,19 @@ impl SigmaTable {
     /// 10 degrees at quality 0, 2 at 100.
     pub const LINEAR: Self = preset(&[(0.0, 10.0), (100.0, 2.0)]);
 
+    /// By the quality of an Agrelo or a station of APRS: half of the beam width that its digit stands for in APRS: less than 240 degrees for 1, 120
+    /// for 2, 64 for 3 and half of the one before from there on (APRS Protocol Reference 1.0.1, chapter 7). No less than 2
+    /// degrees, as nothing on a car is better.
+    pub const BEAM_WIDTHS: Self = preset(&[
+        (100.0 / 9.0, 120.0),
+        (200.0 / 9.0, 60.0),
+        (300.0 / 9.0, 32.0),
+        (400.0 / 9.0, 16.0),
+        (500.0 / 9.0, 8.0),
+        (600.0 / 9.0, 4.0),
+        (700.0 / 9.0, 2.0),
+    ]);
+
     /// From knots of quality (0 to 100, ascending) and standard deviation (radians).
     ///
     /// # Errors
@@ -150,5 +163,21 @@ mod tests {
         }
         let nine: [(f32, f32); 9] = core::array::from_fn(|i| (i as f32, 0.1));
         assert_eq!(SigmaTable::new(&nine).unwrap_err().field(), "knots");
+    }
+
+    #[test]
+    fn sigmas_follow_the_beam_width_of_aprs() {
+        for (digit, degrees) in [
+            (9.0, 2.0),
+            (7.0, 2.0),
+            (6.0, 4.0),
+            (3.0, 32.0),
+            (0.0, 120.0_f32),
+        ] {
+            let sigma = SigmaTable::BEAM_WIDTHS
+                .sigma_rad(digit * (100.0 / 9.0))
+                .to_degrees();
+            assert!((sigma - degrees).abs() < 1e-3, "{digit}");
+        }
     }
 }

@@ -5,11 +5,10 @@ use crate::config::{require, require_all};
 use crate::fingerprint::tracker::Site;
 
 /// How messages come over the line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Framing {
     /// `$PFOXB` sentences.
-    #[default]
     Lines,
     /// Binary frames, stuffed so that a zero ends each: a third of the bytes, and a better checksum.
     Frames,

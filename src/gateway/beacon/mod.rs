@@ -37,13 +37,12 @@
 mod config;
 mod input;
 mod outcome;
-mod packet;
 mod radios;
 mod report;
 
 pub use config::{Config, Framing};
+pub use input::Packet;
 pub use outcome::{Counters, Event, Rejected};
-pub use packet::Packet;
 
 use crate::fingerprint::tracker::{Tracker, Trackers, Workspace};
 use crate::fingerprint::{Reading, ReadingError};

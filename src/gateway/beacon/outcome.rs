@@ -1,9 +1,8 @@
 //! What messages lead to, and their counts.
 
-use core::fmt;
-
+use crate::error::messages;
 use crate::fingerprint::tracker::Fix;
-use crate::gateway::outcome::Tally;
+use crate::gateway::outcome::reasons;
 use crate::snapshot::value;
 
 /// What a message led to.
@@ -52,32 +51,14 @@ pub enum Rejected {
     TooOld,
 }
 
-impl Rejected {
-    /// Every reason, in the order of the status sentence.
-    pub const ALL: [Self; 6] = [
-        Self::Checksum,
-        Self::Overlong,
-        Self::Unparsable,
-        Self::OutOfRange,
-        Self::UnknownRadio,
-        Self::TooOld,
-    ];
-}
-
-impl fmt::Display for Rejected {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Checksum => "checksum is wrong or missing",
-            Self::Overlong => "message is too long",
-            Self::Unparsable => "message cannot be parsed",
-            Self::OutOfRange => "value is out of range",
-            Self::UnknownRadio => "radio is not in the map",
-            Self::TooOld => "packet is too old",
-        })
-    }
-}
-
-impl core::error::Error for Rejected {}
+reasons!(Rejected {
+    Checksum => "checksum is wrong or missing",
+    Overlong => "message is too long",
+    Unparsable => "message cannot be parsed",
+    OutOfRange => "value is out of range",
+    UnknownRadio => "radio is not in the map",
+    TooOld => "packet is too old",
+});
 
 /// How many messages there were of each kind. Counts stay at their maximum when they reach it.
 ///
@@ -98,7 +79,7 @@ pub struct Counters {
     pub restarts: u32,
     /// Trackers that were taken from one tag and given to another.
     pub evicted: u32,
-    rejected: Tally<{ Rejected::ALL.len() }>,
+    rejected: [u32; Rejected::ALL.len()],
 }
 
 value!(Counters {
@@ -119,25 +100,29 @@ impl Counters {
         queries: 0,
         restarts: 0,
         evicted: 0,
-        rejected: Tally::new(),
+        rejected: [0; Rejected::ALL.len()],
     };
 
     /// How many messages were rejected for this reason.
     pub fn rejected(&self, reason: Rejected) -> u32 {
-        self.rejected.get(reason as usize)
+        self.rejected.get(reason as usize).copied().unwrap_or(0)
     }
 
     /// Counts a message, and what it led to.
     pub(super) fn count(&mut self, event: &Event) {
-        self.messages = self.messages.saturating_add(1);
         let count = match event {
             Event::Taken { .. } | Event::Fix { .. } => &mut self.packets,
             Event::Queried => &mut self.queries,
             Event::Restarted => &mut self.restarts,
             Event::Other => &mut self.ignored,
-            Event::Rejected(reason) => return self.rejected.add(*reason as usize),
+            Event::Rejected(reason) => match self.rejected.get_mut(*reason as usize) {
+                Some(count) => count,
+                None => return,
+            },
         };
-        *count = count.saturating_add(1);
+        for count in [&mut self.messages, count] {
+            *count = count.saturating_add(1);
+        }
     }
 }
 

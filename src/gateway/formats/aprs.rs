@@ -18,11 +18,10 @@
 //! chapters 6 to 8.
 
 use super::format::{Format, Layout, Pose, Reading, Sentence};
-use super::{Config as All, Finder, agrelo, nmea};
 use crate::ConfigError;
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence::decimal;
+use crate::gateway::sentence::{decimal, place};
 use crate::gateway::sigma::SigmaTable;
 
 pub(super) const EXAMPLE: &str = "N0CALL>APRS,WIDE1-1:@092345z4903.50N/07201.75W\\088/036/270/729";
@@ -42,10 +41,10 @@ pub struct Config {
 }
 
 impl Config {
-    /// All stations, by the [width of the beam](agrelo::SIGMAS).
+    /// All stations, by the [width of the beam](SigmaTable::BEAM_WIDTHS).
     pub const DEFAULT: Self = Self {
         station: None,
-        sigmas: Some(&agrelo::SIGMAS),
+        sigmas: Some(&SigmaTable::BEAM_WIDTHS),
     };
 
     /// Checks all fields.
@@ -57,35 +56,21 @@ impl Config {
     }
 }
 
-impl Default for Config {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
 impl Format for Aprs {
-    const FINDER: Option<Finder> = Some(Finder::Aprs);
-    /// A comment may hold anything.
+    type Config = Config;
+    const DEFAULT: Config = Config::DEFAULT;
+    /// A callsign begins it, and a comment may hold anything.
     const LAYOUT: Layout = Layout {
         longest: 240,
-        fields: u8::MAX,
-        interrupts: false,
+        begins: |byte| byte.is_ascii_uppercase() || byte.is_ascii_digit(),
+        continues: |byte| byte.is_ascii_uppercase() || byte.is_ascii_digit(),
         holds: |line, byte| byte != b'$' && line.contains(&b':'),
+        ..Layout::TEXT
     };
     const EMPTY: Self = Self;
 
-    /// A callsign.
-    fn begins(byte: u8) -> bool {
-        byte.is_ascii_uppercase() || byte.is_ascii_digit()
-    }
-
-    fn continues(byte: u8) -> bool {
-        byte.is_ascii_uppercase() || byte.is_ascii_digit()
-    }
-
     #[inline(never)]
-    fn parse(&mut self, line: &[u8], config: &All) -> Result<Sentence, Rejected> {
-        let config = &config.aprs;
+    fn parse(&mut self, line: &[u8], config: &Config) -> Result<Sentence, Rejected> {
         let mut parts = line.splitn(2, |byte| *byte == b':');
         let (Some(header), Some(report)) = (parts.next(), parts.next()) else {
             return Err(Rejected::Unparsable);
@@ -117,7 +102,7 @@ impl Format for Aprs {
         {
             return Err(Rejected::OtherFinder);
         }
-        let place = nmea::place(latitude, &[*north], longitude, &[*east])?;
+        let place = place([latitude, &[*north], longitude, &[*east]])?;
         let digits = [*b1, *b2, *b3];
         if ![b1, b2, b3, number, range, quality]
             .iter()
@@ -170,7 +155,7 @@ mod tests {
     fn parsed(report: &str) -> Result<Sentence, Rejected> {
         Aprs.parse(
             format!("N0CALL-9>APRS,WIDE1-1:{report}").as_bytes(),
-            &All::DEFAULT,
+            &Config::DEFAULT,
         )
     }
 
@@ -202,7 +187,7 @@ mod tests {
         let quality = |nrq| reading(&format!("=4903.50N/07201.75W\\088/036/270/{nrq}")).quality;
         assert!((quality("724") - 400.0 / 9.0).abs() < 1e-4);
         assert_eq!(quality("029"), 0.0);
-        assert!(read::<Aprs>(EXAMPLE, &All::DEFAULT).is_ok());
+        assert!(read::<Aprs>(EXAMPLE, &Config::DEFAULT).is_ok());
     }
 
     #[test]
@@ -238,16 +223,16 @@ mod tests {
         let far = parsed("=4903.50N/07201.75W\\088/036/361/729");
         assert_eq!(far, Err(Rejected::OutOfRange));
         for line in ["N0CALL", "N0CALL:=4903.50N/07201.75W\\088/036/270/729"] {
-            let refused = Aprs.parse(line.as_bytes(), &All::DEFAULT);
+            let refused = Aprs.parse(line.as_bytes(), &Config::DEFAULT);
             assert_eq!(refused, Err(Rejected::Unparsable));
         }
     }
 
     #[test]
     fn hears_one_station_if_told() {
-        let mut config = All::DEFAULT;
+        let mut config = Config::DEFAULT;
         for (station, heard) in [("N0CALL", true), ("N0CALL-9", false), ("K1ABC", false)] {
-            config.aprs.station = Some(station);
+            config.station = Some(station);
             let found = read::<Aprs>(EXAMPLE, &config).map(|_| ());
             let expected = if heard {
                 Ok(())

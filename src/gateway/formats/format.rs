@@ -1,7 +1,8 @@
 //! What a format is, and what a set of formats is.
 
-use super::{Config, Finder};
+use crate::ConfigError;
 use crate::aoa::geodesy::Geodetic;
+use crate::config::require_within;
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sigma::SigmaTable;
@@ -135,6 +136,56 @@ impl Reading {
     }
 }
 
+/// Direction in which the angles of a direction finder grow: builds of the KrakenSDR differ, and so do mountings of a
+/// u-blox board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Sense {
+    /// Clockwise, as on a compass.
+    Clockwise,
+    /// Counter-clockwise, as in mathematics.
+    CounterClockwise,
+}
+
+/// A direction finder that does not move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Station {
+    /// Where it stands.
+    pub place: Geodetic,
+    /// Where relative bearings of 0 point, in degrees clockwise from true north.
+    pub heading_deg: f32,
+}
+
+impl Station {
+    /// Checks all fields.
+    ///
+    /// # Errors
+    /// Names the field that is out of range.
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        require_within!(self: heading_deg 0.0..=360.0);
+        Ok(())
+    }
+}
+
+/// What a format is told whose lines leave nothing open but what their quality means.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ByQuality {
+    /// Standard deviations by the quality, in place of those of [`gateway::Config`](crate::gateway::Config).
+    pub sigmas: Option<&'static SigmaTable>,
+}
+
+impl ByQuality {
+    /// Checks all fields.
+    ///
+    /// # Errors
+    /// None: every value is right.
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        Ok(())
+    }
+}
+
 /// How the lines of a format are found among bytes.
 #[derive(Debug, Clone, Copy)]
 pub struct Layout {
@@ -142,10 +193,29 @@ pub struct Layout {
     pub longest: u16,
     /// Fields, ended by commas, that are kept; what follows goes to [`Format::rest`].
     pub fields: u8,
+    /// Whether lines are binary frames, which no line end ends.
+    pub is_framed: bool,
+    /// Whether a line begins with this byte.
+    pub begins: fn(u8) -> bool,
+    /// Whether this may be the second byte of a line: if not, the line is of the next format that begins as it does.
+    pub continues: fn(u8) -> bool,
     /// Whether the first byte of a line begins one also in the middle of another, whose end was lost,
     pub interrupts: bool,
     /// unless that other line, of which these bytes are kept so far, may hold this byte.
     pub holds: fn(&[u8], u8) -> bool,
+}
+
+impl Layout {
+    /// A line of text that nothing begins yet, of which all fields are kept.
+    pub const TEXT: Self = Self {
+        longest: 0,
+        fields: u8::MAX,
+        is_framed: false,
+        begins: |_| false,
+        continues: |_| true,
+        interrupts: false,
+        holds: |_, _| false,
+    };
 }
 
 /// What a byte means to a binary frame.
@@ -163,24 +233,14 @@ pub enum Framing {
 
 /// A form of lines. A value of the type is what is known of the line at hand beyond the bytes that are kept.
 pub trait Format {
-    /// The direction finder that sends such lines, if it is one.
-    const FINDER: Option<Finder>;
+    /// What it is told.
+    type Config: 'static;
+    /// What it is told by default.
+    const DEFAULT: Self::Config;
     /// How lines are found.
     const LAYOUT: Layout;
     /// Nothing is known; all bits are zero.
     const EMPTY: Self;
-    /// Whether it reads what follows the fields that are kept.
-    const RESTS: bool = false;
-    /// Whether lines are binary frames, which no line end ends.
-    const FRAMED: bool = false;
-
-    /// Whether a line begins with this byte.
-    fn begins(byte: u8) -> bool;
-
-    /// Whether this may be the second byte of a line: if not, the line is of the next format that begins as it does.
-    fn continues(_byte: u8) -> bool {
-        true
-    }
 
     /// A line begins.
     fn begin(&mut self) {}
@@ -197,16 +257,17 @@ pub trait Format {
     ///
     /// # Errors
     /// Why the line is of no use.
-    fn parse(&mut self, line: &[u8], config: &Config) -> Result<Sentence, Rejected>;
+    fn parse(&mut self, line: &[u8], config: &Self::Config) -> Result<Sentence, Rejected>;
 }
 
-/// A set of formats: a tuple of up to eight, such as [`All`](super::All) or `(Nmea, Agrelo)`.
-pub trait Formats: Set {}
-
-impl<S: Set> Formats for S {}
+/// A format that has a part in the configuration `C` of all formats.
+pub trait Told<C>: Format {
+    /// That part; `None` if its lines are not heard.
+    fn told(all: &C) -> Option<&Self::Config>;
+}
 
 /// What a line reader asks of a set, whose formats count from 1; 0 is none of them.
-pub trait Set {
+pub trait Set<C> {
     /// Nothing is known; all bits are zero.
     const EMPTY: Self;
     /// Whether any reads what follows the fields that are kept.
@@ -217,9 +278,6 @@ pub trait Set {
     /// The format of a line that begins with this byte, among those after another.
     fn which(byte: u8, after: u8) -> u8;
 
-    /// See [`Format::continues`].
-    fn continues(which: u8, byte: u8) -> bool;
-
     /// How its lines are found.
     fn layout(which: u8) -> Option<&'static Layout>;
 
@@ -229,9 +287,6 @@ pub trait Set {
     /// See [`Format::rest`].
     fn rest(&mut self, which: u8, byte: u8);
 
-    /// See [`Format::FRAMED`].
-    fn is_framed(which: u8) -> bool;
-
     /// See [`Format::frame`].
     fn frame(&mut self, which: u8, byte: u8) -> Framing;
 
@@ -239,28 +294,21 @@ pub trait Set {
     ///
     /// # Errors
     /// Why the line is of no use.
-    fn parse(&mut self, which: u8, line: &[u8], config: &Config) -> Result<Sentence, Rejected>;
+    fn parse(&mut self, which: u8, line: &[u8], config: &C) -> Result<Sentence, Rejected>;
 }
 
 macro_rules! sets {
     ($(($($format:ident $place:tt $number:literal),+))+) => {$(
-        impl<$($format: Format),+> Set for ($($format,)+) {
+        impl<C, $($format: Told<C>),+> Set<C> for ($($format,)+) {
             const EMPTY: Self = ($($format::EMPTY,)+);
-            const RESTS: bool = false $(|| $format::RESTS)+;
-            const FRAMED: bool = false $(|| $format::FRAMED)+;
+            const RESTS: bool = false $(|| $format::LAYOUT.fields < u8::MAX)+;
+            const FRAMED: bool = false $(|| $format::LAYOUT.is_framed)+;
 
             fn which(byte: u8, after: u8) -> u8 {
-                $(if $number > after && $format::begins(byte) {
+                $(if $number > after && ($format::LAYOUT.begins)(byte) {
                     return $number;
                 })+
                 0
-            }
-
-            fn continues(which: u8, byte: u8) -> bool {
-                match which {
-                    $($number => $format::continues(byte),)+
-                    _ => true,
-                }
             }
 
             fn layout(which: u8) -> Option<&'static Layout> {
@@ -284,13 +332,6 @@ macro_rules! sets {
                 }
             }
 
-            fn is_framed(which: u8) -> bool {
-                match which {
-                    $($number => $format::FRAMED,)+
-                    _ => false,
-                }
-            }
-
             fn frame(&mut self, which: u8, byte: u8) -> Framing {
                 match which {
                     $($number => self.$place.frame(byte),)+
@@ -298,19 +339,13 @@ macro_rules! sets {
                 }
             }
 
-            fn parse(
-                &mut self,
-                which: u8,
-                line: &[u8],
-                config: &Config,
-            ) -> Result<Sentence, Rejected> {
-                let is_heard = |finder: Option<Finder>| {
-                    finder.is_none() || config.finder.is_none() || finder == config.finder
-                };
+            fn parse(&mut self, which: u8, line: &[u8], config: &C) -> Result<Sentence, Rejected> {
                 match which {
-                    $($number if is_heard($format::FINDER) => self.$place.parse(line, config),)+
-                    0 => Err(Rejected::Unparsable),
-                    _ => Err(Rejected::OtherFinder),
+                    $($number => {
+                        let told = $format::told(config).ok_or(Rejected::OtherFinder)?;
+                        self.$place.parse(line, told)
+                    })+
+                    _ => Err(Rejected::Unparsable),
                 }
             }
         }
@@ -320,10 +355,10 @@ macro_rules! sets {
 sets! {
     (A 0 1)
     (A 0 1, B 1 2)
-    (A 0 1, B 1 2, C 2 3)
-    (A 0 1, B 1 2, C 2 3, D 3 4)
-    (A 0 1, B 1 2, C 2 3, D 3 4, E 4 5)
-    (A 0 1, B 1 2, C 2 3, D 3 4, E 4 5, F 5 6)
-    (A 0 1, B 1 2, C 2 3, D 3 4, E 4 5, F 5 6, G 6 7)
-    (A 0 1, B 1 2, C 2 3, D 3 4, E 4 5, F 5 6, G 6 7, H 7 8)
+    (A 0 1, B 1 2, D 2 3)
+    (A 0 1, B 1 2, D 2 3, E 3 4)
+    (A 0 1, B 1 2, D 2 3, E 3 4, F 4 5)
+    (A 0 1, B 1 2, D 2 3, E 3 4, F 4 5, G 5 6)
+    (A 0 1, B 1 2, D 2 3, E 3 4, F 4 5, G 5 6, H 6 7)
+    (A 0 1, B 1 2, D 2 3, E 3 4, F 4 5, G 5 6, H 6 7, I 7 8)
 }

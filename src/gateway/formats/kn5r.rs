@@ -13,9 +13,8 @@
 //! A set without a signal goes on sending: the quality alone tells. Source: rotaryclub's `kn5r-format.md`, which quotes
 //! KN5R's `data-format.md` for the places and KR6DD's `RPiDDFengine` for what they hold.
 
+pub use super::format::ByQuality as Config;
 use super::format::{Format, Layout, Reading, Sentence};
-use super::{Config as All, Finder};
-use crate::ConfigError;
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sentence::fixed;
@@ -27,36 +26,6 @@ pub(super) const EXAMPLE: &str = "C3469960084001663117493011";
 /// The "C" sentence of KN5R-RDF.
 #[derive(Debug)]
 pub struct Kn5r;
-
-/// What the format is told.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Config {
-    /// Standard deviations by the quality, such as [`SIGMAS`], in place of those of
-    /// [`gateway::Config`](crate::gateway::Config).
-    pub sigmas: Option<&'static SigmaTable>,
-}
-
-impl Config {
-    /// By [`SIGMAS`].
-    pub const DEFAULT: Self = Self {
-        sigmas: Some(&SIGMAS),
-    };
-
-    /// Checks all fields.
-    ///
-    /// # Errors
-    /// None: every value is right.
-    pub const fn check(&self) -> Result<(), ConfigError> {
-        Ok(())
-    }
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
 
 /// The standard deviation of the single zero crossing, which follows from the mean's length R as sqrt(-2 ln R). That of the
 /// mean of many is less, but for reflections, which are common to all; no less than 3 degrees: an estimate.
@@ -75,25 +44,20 @@ pub const SIGMAS: SigmaTable = preset(&[
 const LATENCY_MS: u32 = 25;
 
 impl Format for Kn5r {
-    const FINDER: Option<Finder> = Some(Finder::Kn5r);
+    type Config = Config;
+    const DEFAULT: Config = Config {
+        sigmas: Some(&SIGMAS),
+    };
     const LAYOUT: Layout = Layout {
         longest: 26,
-        fields: u8::MAX,
-        interrupts: false,
-        holds: |_, _| false,
+        begins: |byte| byte == b'C',
+        continues: |byte| byte.is_ascii_digit(),
+        ..Layout::TEXT
     };
     const EMPTY: Self = Self;
 
-    fn begins(byte: u8) -> bool {
-        byte == b'C'
-    }
-
-    fn continues(byte: u8) -> bool {
-        byte.is_ascii_digit()
-    }
-
     #[inline(never)]
-    fn parse(&mut self, line: &[u8], config: &All) -> Result<Sentence, Rejected> {
+    fn parse(&mut self, line: &[u8], config: &Config) -> Result<Sentence, Rejected> {
         let [b'C', digits @ ..] = line else {
             return Err(Rejected::Unparsable);
         };
@@ -110,7 +74,7 @@ impl Format for Kn5r {
         Ok(Sentence::Reading(Reading {
             time: Some(TimeOfDay::from_epoch(time)),
             latency_ms: LATENCY_MS,
-            ..Reading::new(tenths as f32 * 0.1, quality.min(100.0), config.kn5r.sigmas)?
+            ..Reading::new(tenths as f32 * 0.1, quality.min(100.0), config.sigmas)?
         }))
     }
 }
@@ -122,19 +86,19 @@ mod tests {
 
     #[test]
     fn reads_bearing_magnitude_and_time() {
-        let line = read::<Kn5r>(EXAMPLE, &All::DEFAULT).unwrap();
+        let line = read::<Kn5r>(EXAMPLE, &Kn5r::DEFAULT).unwrap();
         assert!((line.best.degrees - 346.9).abs() < 1e-3);
         assert!((line.quality - 96.096).abs() < 1e-3);
         // 1,663,117,493.011 s after 1970: 01:04:53.011 UTC.
         assert_eq!(line.time, TimeOfDay::from_nmea(b"010453.011"));
         assert_eq!(line.latency_ms, 25);
-        let full = read::<Kn5r>("C0000999084001663117493011", &All::DEFAULT).unwrap();
+        let full = read::<Kn5r>("C0000999084001663117493011", &Kn5r::DEFAULT).unwrap();
         assert!((full.quality - 100.0).abs() < 1e-4);
     }
 
     #[test]
     fn refuses_malformed_lines() {
-        let refused = |line| read::<Kn5r>(line, &All::DEFAULT).unwrap_err();
+        let refused = |line| read::<Kn5r>(line, &Kn5r::DEFAULT).unwrap_err();
         assert_eq!(refused("C3601960084001663117493011"), Rejected::OutOfRange);
         for line in [
             "C346996008400166311749301",

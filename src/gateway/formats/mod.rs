@@ -15,31 +15,25 @@ mod ubx;
 
 pub use agrelo::Agrelo;
 pub use aprs::Aprs;
-pub use format::Formats;
+pub use format::Sense;
 pub use kn5r::Kn5r;
-pub use kraken::{Kraken, KrakenSpectrum};
+pub use kraken::Kraken;
 pub use nmea::Nmea;
 pub use ublox::Ublox;
 pub use ubx::Ubx;
 
 use crate::ConfigError;
 use crate::config::require_all;
+use format::{Format, Set, Told};
 
-/// Direction in which the angles of a direction finder grow: builds of the KrakenSDR differ, and so do mountings of a
-/// u-blox board.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Sense {
-    /// Clockwise, as on a compass.
-    #[default]
-    Clockwise,
-    /// Counter-clockwise, as in mathematics.
-    CounterClockwise,
-}
+/// A set of formats: a tuple of up to eight, such as [`All`] or `(Nmea, Agrelo)`.
+pub trait Formats: Set<Config> {}
+
+impl<S: Set<Config>> Formats for S {}
 
 /// Lists the direction finders: what a program may choose from, their configurations, and the tuple of all formats.
 macro_rules! finders {
-    ($($(#[$doc:meta])* $module:ident: $format:ident,)+) => {
+    ($($(#[$doc:meta])* $module:ident: $format:ident $(<$kept:ident>)?,)+) => {
         /// A kind of direction finder.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -73,8 +67,9 @@ macro_rules! finders {
         pub struct Config {
             /// The only direction finder that is heard, where others are on the line, too; `None` for every one.
             pub finder: Option<Finder>,
-            /// Receivers and compasses.
-            pub nmea: nmea::Config,
+            /// Whether places, courses and headings are used that a simulator made or that were entered by hand, as the
+            /// receiver of a fixed station may send them: GGA of quality 7 or 8; RMC, VTG and THS of mode `M` or `S`.
+            pub simulated: bool,
             $($(#[$doc])* pub $module: $module::Config,)+
         }
 
@@ -82,8 +77,8 @@ macro_rules! finders {
             /// Every direction finder is heard.
             pub const DEFAULT: Self = Self {
                 finder: None,
-                nmea: nmea::Config::DEFAULT,
-                $($module: $module::Config::DEFAULT,)+
+                simulated: Nmea::DEFAULT,
+                $($module: <$format as Format>::DEFAULT,)+
             };
 
             /// Checks all fields.
@@ -96,6 +91,13 @@ macro_rules! finders {
             }
         }
 
+        $(impl$(<$kept: $module::$kept>)? Told<Config> for $format$(<$kept>)? {
+            fn told(all: &Config) -> Option<&Self::Config> {
+                let is_heard = all.finder.is_none() || all.finder == Some(Finder::$format);
+                is_heard.then_some(&all.$module)
+            }
+        })+
+
         /// Every format.
         pub type All = (Nmea, Ubx, $($format),+);
     };
@@ -105,7 +107,7 @@ finders! {
     /// An Agrelo: `%BBB/Q`.
     agrelo: Agrelo,
     /// A KrakenSDR, in its app format.
-    kraken: Kraken,
+    kraken: Kraken<Kept>,
     /// A u-blox board: `+UUDF:`.
     ublox: Ublox,
     /// A KN5R-RDF: `C` and 25 digits.
@@ -114,9 +116,15 @@ finders! {
     aprs: Aprs,
 }
 
-impl Default for Config {
-    fn default() -> Self {
-        Self::DEFAULT
+impl Told<Config> for Nmea {
+    fn told(all: &Config) -> Option<&bool> {
+        Some(&all.simulated)
+    }
+}
+
+impl Told<Config> for Ubx {
+    fn told(_all: &Config) -> Option<&()> {
+        Some(&())
     }
 }
 

@@ -3,7 +3,7 @@
 //! | sentence | field | unit, sense | taken as |
 //! |---|---|---|---|
 //! | `$--RMC` | 1 time | `hhmmss`, decimals | UTC |
-//! | | 2 status, 12 mode | `A`; not `N`; `M`, `S` if [configured](Config::simulated) | whether there is a position |
+//! | | 2 status, 12 mode | `A`; not `N`; `M`, `S` if [configured](super::Config::simulated) | whether there is a position |
 //! | | 3 to 6 place | `ddmm.m`, `N` or `S`, `dddmm.m`, `E` or `W` | latitude, longitude, to 1e-7 degree |
 //! | | 7 speed | knots | speed over ground |
 //! | | 8 course | degrees clockwise from true north | course over ground |
@@ -31,12 +31,9 @@
 //! it (float parsing, slices of strings). The tests hold this one to what the `nmea` crate reads.
 
 use super::format::{Format, Heading, Layout, Motion, Sentence, Statement};
-use super::{Config as All, Finder};
-use crate::ConfigError;
-use crate::aoa::geodesy::Geodetic;
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence::{self, decimal, fixed};
+use crate::gateway::sentence::{self, decimal};
 
 const METRES_PER_SECOND_PER_KNOT: f32 = 1852.0 / 3600.0;
 
@@ -44,71 +41,37 @@ const METRES_PER_SECOND_PER_KNOT: f32 = 1852.0 / 3600.0;
 #[derive(Debug)]
 pub struct Nmea;
 
-/// What the format is told.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Config {
-    /// Whether places, courses and headings are used that a simulator made or that were entered by hand, as the receiver of
-    /// a fixed station may send them: GGA of quality 7 or 8; RMC, VTG and THS of mode `M` or `S`.
-    pub simulated: bool,
-}
-
-impl Config {
-    /// Only what was measured.
-    pub const DEFAULT: Self = Self { simulated: false };
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
-impl Config {
-    /// Checks all fields.
-    ///
-    /// # Errors
-    /// None: every value is right.
-    pub const fn check(&self) -> Result<(), ConfigError> {
-        Ok(())
-    }
-
-    /// Refuses what was not measured, by the mode that a sentence states.
-    fn measured(self, mode: Option<&[u8]>) -> Result<(), Rejected> {
-        match mode {
-            Some(b"M" | b"S") if !self.simulated => Err(Rejected::Simulated),
-            _ => Ok(()),
-        }
+/// Refuses what was not measured, by the mode that a sentence states.
+fn measured(mode: Option<&[u8]>, simulated: bool) -> Result<(), Rejected> {
+    match mode {
+        Some(b"M" | b"S") if !simulated => Err(Rejected::Simulated),
+        _ => Ok(()),
     }
 }
 
 impl Format for Nmea {
-    const FINDER: Option<Finder> = None;
+    /// Whether what was not measured is used.
+    type Config = bool;
+    const DEFAULT: bool = false;
     /// The standard says 82 bytes, receivers send up to 102.
     const LAYOUT: Layout = Layout {
         longest: 120,
-        fields: u8::MAX,
+        begins: |byte| matches!(byte, b'$' | b'!'),
+        continues: |byte| byte.is_ascii_uppercase(),
         interrupts: true,
         holds: |_, byte| matches!(byte, b'%' | b'!'),
+        ..Layout::TEXT
     };
     const EMPTY: Self = Self;
 
-    fn begins(byte: u8) -> bool {
-        matches!(byte, b'$' | b'!')
-    }
-
-    fn continues(byte: u8) -> bool {
-        byte.is_ascii_uppercase()
-    }
-
-    fn parse(&mut self, line: &[u8], config: &All) -> Result<Sentence, Rejected> {
-        parse(line, config.nmea)
+    fn parse(&mut self, line: &[u8], simulated: &bool) -> Result<Sentence, Rejected> {
+        parse(line, *simulated)
     }
 }
 
 /// Checks the sentence `$payload*hh` and reads it.
 #[inline(never)]
-fn parse(line: &[u8], config: Config) -> Result<Sentence, Rejected> {
+fn parse(line: &[u8], simulated: bool) -> Result<Sentence, Rejected> {
     let Some(payload) = sentence::checked(line) else {
         return refused(line.get(1..7), Rejected::Checksum);
     };
@@ -126,11 +89,11 @@ fn parse(line: &[u8], config: Config) -> Result<Sentence, Rejected> {
         b"PTNTHT" => ptnthtm(fields),
         _ if line.starts_with(b"!") => Ok(Sentence::Other),
         [b'P', ..] => Ok(Sentence::Other),
-        [_, _, b'R', b'M', b'C', b','] => rmc(fields, config),
-        [_, _, b'G', b'G', b'A', b','] => gga(fields, config),
-        [_, _, b'V', b'T', b'G', b','] => vtg(fields, config),
+        [_, _, b'R', b'M', b'C', b','] => rmc(fields, simulated),
+        [_, _, b'G', b'G', b'A', b','] => gga(fields, simulated),
+        [_, _, b'V', b'T', b'G', b','] => vtg(fields, simulated),
         [_, _, b'H', b'D', b'T', b','] => hdt(fields),
-        [_, _, b'T', b'H', b'S', b','] => ths(fields, config),
+        [_, _, b'T', b'H', b'S', b','] => ths(fields, simulated),
         [_, _, b'H', b'D', b'G', b','] => hdg(fields),
         [_, _, b'H', b'D', b'M', b','] => hdm(fields),
         _ => Ok(Sentence::Other),
@@ -149,27 +112,19 @@ fn refused(address: Option<&[u8]>, reason: Rejected) -> Result<Sentence, Rejecte
 }
 
 #[inline(never)]
-fn rmc(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
-    let [
-        clock,
-        status,
-        latitude,
-        latitude_side,
-        longitude,
-        longitude_side,
-        speed,
-        course,
-    ] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
+fn rmc(fields: &[u8], simulated: bool) -> Result<Sentence, Rejected> {
+    let columns: [&[u8]; 8] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
+    let [clock, status, place @ .., speed, course] = columns;
     let time = time(clock)?;
     let variation = [9, 10].map(|place| field(fields, place).unwrap_or_default());
     let mode = field(fields, 11);
     if time.is_none() || status != b"A" || mode == Some(b"N") {
         return no_fix(time);
     }
-    config.measured(mode)?;
+    measured(mode, simulated)?;
     Ok(Sentence::Statement(Statement {
         time,
-        place: Some(place(latitude, latitude_side, longitude, longitude_side)?),
+        place: Some(sentence::place(place)?),
         motion: motion(course, speed)?,
         // Some state one that is none, such as 999.9.
         variation: eastward(variation).unwrap_or_default(),
@@ -178,26 +133,20 @@ fn rmc(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
 }
 
 #[inline(never)]
-fn gga(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
-    let [
-        clock,
-        latitude,
-        latitude_side,
-        longitude,
-        longitude_side,
-        quality,
-    ] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
+fn gga(fields: &[u8], simulated: bool) -> Result<Sentence, Rejected> {
+    let columns: [&[u8]; 6] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
+    let [clock, place @ .., quality] = columns;
     let time = time(clock)?;
     match quality {
         _ if time.is_none() => return no_fix(time),
         b"0" | b"" => return no_fix(time),
-        b"7" | b"8" if !config.simulated => return Err(Rejected::Simulated),
+        b"7" | b"8" if !simulated => return Err(Rejected::Simulated),
         [b'1'..=b'9'] => {}
         _ => return Err(Rejected::Unparsable),
     }
     Ok(Sentence::Statement(Statement {
         time,
-        place: Some(place(latitude, latitude_side, longitude, longitude_side)?),
+        place: Some(sentence::place(place)?),
         ..Statement::NOTHING
     }))
 }
@@ -219,14 +168,14 @@ fn no_fix(time: Option<TimeOfDay>) -> Result<Sentence, Rejected> {
 }
 
 #[inline(never)]
-fn vtg(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
+fn vtg(fields: &[u8], simulated: bool) -> Result<Sentence, Rejected> {
     let [course, _, _, _, speed] = sentence::columns(fields).ok_or(Rejected::Unparsable)?;
     let mode = field(fields, 8);
     let motion = motion(course, speed)?;
     if motion.is_none() || mode == Some(b"N") {
         return Ok(Sentence::NoFix(None));
     }
-    config.measured(mode)?;
+    measured(mode, simulated)?;
     Ok(Sentence::Statement(Statement {
         motion,
         ..Statement::NOTHING
@@ -242,11 +191,11 @@ fn hdt(fields: &[u8]) -> Result<Sentence, Rejected> {
 }
 
 /// `heading,mode`
-fn ths(fields: &[u8], config: Config) -> Result<Sentence, Rejected> {
+fn ths(fields: &[u8], simulated: bool) -> Result<Sentence, Rejected> {
     match sentence::columns(fields) {
         Some([_, b"V"]) => Ok(Sentence::NoFix(None)),
         Some([degrees, mode @ [b'A' | b'E' | b'M' | b'S']]) => {
-            config.measured(Some(mode))?;
+            measured(Some(mode), simulated)?;
             heading(degrees, None, false)
         }
         _ => Err(Rejected::Unparsable),
@@ -368,43 +317,6 @@ fn angle(degrees: &[u8]) -> Result<f32, Rejected> {
         Ok(degrees)
     } else {
         Err(Rejected::OutOfRange)
-    }
-}
-
-/// From `ddmm.m`, `N` or `S`, `dddmm.m`, `E` or `W`.
-#[inline(never)]
-pub(super) fn place(
-    latitude: &[u8],
-    latitude_side: &[u8],
-    longitude: &[u8],
-    longitude_side: &[u8],
-) -> Result<Geodetic, Rejected> {
-    let latitude = degrees_e7(latitude, 4, latitude_side, *b"NS")?;
-    let longitude = degrees_e7(longitude, 5, longitude_side, *b"EW")?;
-    if latitude == 0 && longitude == 0 {
-        return Err(Rejected::NullPosition);
-    }
-    Geodetic::new(latitude, longitude).map_err(|_| Rejected::OutOfRange)
-}
-
-/// From `dddmm.mmmm`, with so many digits before the point, and one of the two `sides`, of which the second is negative.
-#[inline(never)]
-fn degrees_e7(text: &[u8], digits: usize, side: &[u8], sides: [u8; 2]) -> Result<i32, Rejected> {
-    let are_so_many = text.iter().take_while(|byte| byte.is_ascii_digit()).count() == digits
-        && text.get(digits) == Some(&b'.');
-    // Finer than the result, so that it is rounded once.
-    let value = fixed(text, 9)
-        .filter(|_| are_so_many)
-        .ok_or(Rejected::Unparsable)?;
-    let (degrees, minutes_e9) = (value / 100_000_000_000, value % 100_000_000_000);
-    if minutes_e9 >= 60_000_000_000 || degrees > 180 {
-        return Err(Rejected::OutOfRange);
-    }
-    let degrees_e7 = (degrees * 10_000_000 + (minutes_e9 + 3_000) / 6_000) as i32;
-    match sides.map(|s| side == [s]) {
-        [true, _] => Ok(degrees_e7),
-        [_, true] => Ok(-degrees_e7),
-        _ => Err(Rejected::Unparsable),
     }
 }
 

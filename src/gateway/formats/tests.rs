@@ -2,12 +2,12 @@
 
 extern crate std;
 
-use super::format::{Format, Reading, Sentence, Set};
+use super::format::{Reading, Sentence};
 use super::*;
 use crate::gateway::outcome::Rejected;
 
 /// The reading of a line of one format.
-pub fn read<F: Format>(line: &str, config: &Config) -> Result<Reading, Rejected> {
+pub fn read<F: Format>(line: &str, config: &F::Config) -> Result<Reading, Rejected> {
     let mut format = F::EMPTY;
     match format.parse(line.as_bytes(), config)? {
         Sentence::Reading(reading) => Ok(reading),

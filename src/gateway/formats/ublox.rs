@@ -1,12 +1,10 @@
 //! Events of u-blox direction finders.
 
-use super::format::{Format, Layout, Pose, Reading, Sentence};
-use super::{Config as All, Finder, Sense};
+use super::format::{Format, Layout, Pose, Reading, Sense, Sentence, Station};
 use crate::ConfigError;
-use crate::aoa::geodesy::Geodetic;
-use crate::config::require;
+use crate::config::{require, require_all};
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence::{columns, fixed};
+use crate::gateway::sentence::{columns, fixed, turned};
 use crate::gateway::sigma::{SigmaTable, preset};
 
 pub(super) const EXAMPLE: &str = "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"CCF9579B21AE\",\"\",1129320";
@@ -14,7 +12,7 @@ pub(super) const EXAMPLE: &str = "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"CCF9579B2
 /// The event `+UUDF:` of u-connectLocate: tag, RSSI, azimuth, elevation, RSSI of the other polarisation, channel,
 /// "anchor", "text", milliseconds since the board was switched on, and in later versions a counter.
 ///
-/// The board's time is not that of the receiver, so none is taken; it states no quality: see [`Quality`].
+/// The board's time is not that of the receiver, so none is taken; it states no quality: see [`Config::quality_by_azimuth`].
 #[derive(Debug)]
 pub struct Ublox;
 
@@ -27,54 +25,31 @@ pub struct Config {
     /// The tag that is looked for: a board reports all that it hears, and lines of others are rejected as
     /// [`Rejected::OtherTag`]. `None` takes every tag for the source.
     pub tag: Option<u64>,
-    /// The boards, where there are several on one port or they do not move: each is a station of its own, numbered from
-    /// [`Anchor::FIRST_STATION`] on, and lines of others are rejected as [`Rejected::OtherAnchor`]. Without any, all lines
+    /// The boards by their identifiers, 12 hexadecimal digits in the field `"anchor"`, where there are several on one port
+    /// or they do not move: each is a [station](crate::aoa::Observation::station) of its own, numbered from
+    /// [`Self::FIRST_STATION`] on, and lines of others are rejected as [`Rejected::OtherAnchor`]. Without any, all lines
     /// are of one board on the vehicle.
-    pub anchors: &'static [Anchor],
-    /// What stands for the quality.
-    pub quality: Quality,
+    pub anchors: &'static [(u64, Station)],
+    /// Whether the quality is 100 straight ahead of the board and 0 at a right angle: a flat array is the worse the
+    /// further from there. Else it is 100, always: a board states none.
+    pub quality_by_azimuth: bool,
     /// Standard deviations by that quality, such as [`SIGMAS`], in place of those of
     /// [`gateway::Config`](crate::gateway::Config).
     pub sigmas: Option<&'static SigmaTable>,
 }
 
-/// A board that does not move.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Anchor {
-    /// Its identifier, the field `"anchor"`: 12 hexadecimal digits.
-    pub id: u64,
-    /// Where it is.
-    pub place: Geodetic,
-    /// Where it faces, in degrees clockwise from north, 0 to 360.
-    pub boresight_deg: f32,
-}
-
-impl Anchor {
-    /// The [station](crate::aoa::Observation::station) of the first anchor; those below are of ports.
+impl Config {
+    /// The station of the first anchor; those below are of ports.
     pub const FIRST_STATION: u8 = 64;
     /// The most anchors.
-    pub const MOST: usize = 64;
-}
+    pub const MOST_ANCHORS: usize = 64;
 
-/// The quality of a bearing of a board that states none.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Quality {
-    /// 100, always.
-    #[default]
-    Best,
-    /// 100 straight ahead of the board, 0 at a right angle: a flat array is the worse the further from there.
-    Azimuth,
-}
-
-impl Config {
     /// Every tag, clockwise, of one board, of the best quality.
     pub const DEFAULT: Self = Self {
         sense: Sense::Clockwise,
         tag: None,
         anchors: &[],
-        quality: Quality::Best,
+        quality_by_azimuth: false,
         sigmas: None,
     };
 
@@ -84,28 +59,19 @@ impl Config {
     /// Names the field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
         require!(
-            self.anchors.len() <= Anchor::MOST,
+            self.anchors.len() <= Self::MOST_ANCHORS,
             "anchors are more than 64"
         );
         let mut rest = self.anchors;
-        while let [anchor, others @ ..] = rest {
-            require!(
-                anchor.boresight_deg >= 0.0 && anchor.boresight_deg <= 360.0,
-                "boresight_deg is not within 0 and 360"
-            );
+        while let [(_, station), others @ ..] = rest {
+            require_all!(station);
             rest = others;
         }
         Ok(())
     }
 }
 
-impl Default for Config {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
-/// By the [azimuth](Quality::Azimuth): 5 degrees straight ahead, an estimate, divided by the cosine of the azimuth, as a
+/// By the [azimuth](Config::quality_by_azimuth): 5 degrees straight ahead, an estimate, divided by the cosine of the azimuth, as a
 /// flat array has it.
 pub const SIGMAS: SigmaTable = preset(&[
     (100.0 / 9.0, 28.8),
@@ -117,23 +83,19 @@ pub const SIGMAS: SigmaTable = preset(&[
 ]);
 
 impl Format for Ublox {
-    const FINDER: Option<Finder> = Some(Finder::Ublox);
+    type Config = Config;
+    const DEFAULT: Config = Config::DEFAULT;
     /// With two texts of 30 characters.
     const LAYOUT: Layout = Layout {
         longest: 160,
-        fields: u8::MAX,
-        interrupts: false,
+        begins: |byte| byte == b'+',
         holds: |_, byte| byte == b'%',
+        ..Layout::TEXT
     };
     const EMPTY: Self = Self;
 
-    fn begins(byte: u8) -> bool {
-        byte == b'+'
-    }
-
     #[inline(never)]
-    fn parse(&mut self, line: &[u8], config: &All) -> Result<Sentence, Rejected> {
-        let config = &config.ublox;
+    fn parse(&mut self, line: &[u8], config: &Config) -> Result<Sentence, Rejected> {
         let fields = line.strip_prefix(b"+UUDF:").ok_or(Rejected::Unparsable)?;
         let columns: [&[u8]; 9] = columns(fields).ok_or(Rejected::Unparsable)?;
         let [tag, _rssi, azimuth, _, _, _, anchor, _, time] = columns;
@@ -156,23 +118,19 @@ impl Format for Ublox {
             Sense::Clockwise => azimuth as f32,
             Sense::CounterClockwise => -azimuth as f32,
         };
-        let quality = match config.quality {
-            Quality::Best => 100.0,
-            Quality::Azimuth => 100.0 - degrees.abs() * (100.0 / 90.0),
+        let quality = if config.quality_by_azimuth {
+            100.0 - degrees.abs() * (100.0 / 90.0)
+        } else {
+            100.0
         };
         let quality = if quality > 0.0 { quality } else { 0.0 };
-        let degrees = if degrees < 0.0 {
-            degrees + 360.0
-        } else {
-            degrees
-        };
-        let mut reading = Reading::new(degrees, quality, config.sigmas)?;
+        let mut reading = Reading::new(turned(degrees), quality, config.sigmas)?;
         if !config.anchors.is_empty() {
             let (station, anchor) = anchor_of(anchor, config.anchors)?;
             reading.station = Some(station);
             reading.pose = Some(Pose {
                 place: anchor.place,
-                heading: Some(anchor.boresight_deg),
+                heading: Some(anchor.heading_deg),
             });
         }
         Ok(Sentence::Reading(reading))
@@ -180,14 +138,18 @@ impl Format for Ublox {
 }
 
 /// The anchor of a quoted identifier, and its station.
-fn anchor_of<'a>(text: &[u8], anchors: &'a [Anchor]) -> Result<(u8, &'a Anchor), Rejected> {
+fn anchor_of(
+    text: &[u8],
+    anchors: &'static [(u64, Station)],
+) -> Result<(u8, &'static Station), Rejected> {
     let [b'"', id @ .., b'"'] = text else {
         return Err(Rejected::Unparsable);
     };
     let id = identifier(id);
-    let mut stations = (Anchor::FIRST_STATION..).zip(anchors);
-    let anchor = stations.find(|(_, anchor)| Some(anchor.id) == id);
-    anchor.ok_or(Rejected::OtherAnchor)
+    let mut stations = (Config::FIRST_STATION..).zip(anchors);
+    let anchor = stations.find(|(_, (known, _))| Some(*known) == id);
+    let (number, (_, station)) = anchor.ok_or(Rejected::OtherAnchor)?;
+    Ok((number, station))
 }
 
 /// Twelve hexadecimal digits.
@@ -204,31 +166,25 @@ fn identifier(text: &[u8]) -> Option<u64> {
 mod tests {
     extern crate std;
     use super::*;
+    use crate::aoa::geodesy::Geodetic;
     use crate::gateway::formats::tests::read;
 
     /// In the form of the manual, and of boards in use.
     const NINE: &str = EXAMPLE;
     const TEN: &str = "+UUDF:F4CE5FC91A6A,-50,-12,20,0,20,\"CD84C98B935D\",\"a,b\",238777,40871";
 
-    fn with(config: Config) -> All {
-        All {
-            ublox: config,
-            ..All::DEFAULT
-        }
-    }
-
     fn degrees(line: &str) -> Result<f32, Rejected> {
-        read::<Ublox>(line, &All::DEFAULT).map(|line| line.best.degrees)
+        read::<Ublox>(line, &Config::DEFAULT).map(|line| line.best.degrees)
     }
 
     #[test]
     fn reads_nine_fields_and_ten() {
         assert_eq!(degrees(NINE), Ok(26.0));
         assert_eq!(degrees(TEN), Ok(348.0));
-        let other_way = with(Config {
+        let other_way = Config {
             sense: Sense::CounterClockwise,
             ..Config::DEFAULT
-        });
+        };
         let line = read::<Ublox>(TEN, &other_way).unwrap();
         assert_eq!(
             (line.best.degrees, line.quality, line.time),
@@ -238,10 +194,10 @@ mod tests {
 
     #[test]
     fn quality_falls_with_the_azimuth() {
-        let config = with(Config {
-            quality: Quality::Azimuth,
+        let config = Config {
+            quality_by_azimuth: true,
             ..Config::DEFAULT
-        });
+        };
         for (azimuth, quality) in [("0", 100.0), ("45", 50.0), ("-45", 50.0), ("-90", 0.0)] {
             let line = std::format!("+UUDF:6C1DEBA4241B,-65,{azimuth},-65,6,37,\"\",\"\",1");
             let line = read::<Ublox>(&line, &config).unwrap();
@@ -251,34 +207,30 @@ mod tests {
 
     #[test]
     fn only_the_wanted_tag_is_read() {
-        let config = with(Config {
+        let config = Config {
             tag: Some(0x6c1d_eba4_241b),
             ..Config::DEFAULT
-        });
+        };
         assert!(read::<Ublox>(NINE, &config).is_ok());
         assert_eq!(read::<Ublox>(TEN, &config), Err(Rejected::OtherTag));
     }
 
     #[test]
     fn anchors_are_stations() {
-        const fn anchor(id: u64, boresight_deg: f32) -> Anchor {
+        const fn anchor(id: u64, heading_deg: f32) -> (u64, Station) {
             let Ok(place) = Geodetic::new(481_000_000, 115_000_000) else {
                 panic!("it is on earth");
             };
-            Anchor {
-                id,
-                place,
-                boresight_deg,
-            }
+            (id, Station { place, heading_deg })
         }
-        const ANCHORS: [Anchor; 2] = [
+        const ANCHORS: [(u64, Station); 2] = [
             anchor(0xccf9_579b_21ae, 90.0),
             anchor(0xcd84_c98b_935d, 180.0),
         ];
-        let config = with(Config {
+        let config = Config {
             anchors: &ANCHORS,
             ..Config::DEFAULT
-        });
+        };
         for (line, station, boresight_deg) in [(NINE, 64, 90.0), (TEN, 65, 180.0)] {
             let line = read::<Ublox>(line, &config).unwrap();
             assert_eq!(line.station, Some(station));
@@ -288,7 +240,7 @@ mod tests {
         assert_eq!(read::<Ublox>(&other, &config), Err(Rejected::OtherAnchor));
         let none = NINE.replace("CCF9579B21AE", "");
         assert_eq!(read::<Ublox>(&none, &config), Err(Rejected::OtherAnchor));
-        assert_eq!(read::<Ublox>(NINE, &All::DEFAULT).unwrap().pose, None);
+        assert_eq!(read::<Ublox>(NINE, &Config::DEFAULT).unwrap().pose, None);
     }
 
     #[test]

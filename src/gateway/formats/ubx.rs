@@ -25,7 +25,6 @@
 //! either stands in one of 10^6 frames of a kilobyte.
 
 use super::format::{Format, Framing, Heading, Layout, Motion, Sentence, Statement};
-use super::{Config, Finder};
 use crate::aoa::geodesy::Geodetic;
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::outcome::Rejected;
@@ -51,12 +50,15 @@ const HEADER: u16 = 6;
 const CHECKSUM: u16 = 2;
 
 impl Format for Ubx {
-    const FINDER: Option<Finder> = None;
+    type Config = ();
+    const DEFAULT: () = ();
     const LAYOUT: Layout = Layout {
         longest: LONGEST,
-        fields: u8::MAX,
+        is_framed: true,
+        begins: |byte| byte == 0xb5,
+        continues: |byte| byte == 0x62,
         interrupts: true,
-        holds: |_, _| false,
+        ..Layout::TEXT
     };
     const EMPTY: Self = Self {
         count: 0,
@@ -64,15 +66,6 @@ impl Format for Ubx {
         sums: [0; 2],
         recent: 0,
     };
-    const FRAMED: bool = true;
-
-    fn begins(byte: u8) -> bool {
-        byte == 0xb5
-    }
-
-    fn continues(byte: u8) -> bool {
-        byte == 0x62
-    }
 
     fn begin(&mut self) {
         *self = Self {
@@ -115,7 +108,7 @@ impl Format for Ubx {
     }
 
     #[inline(never)]
-    fn parse(&mut self, frame: &[u8], _config: &Config) -> Result<Sentence, Rejected> {
+    fn parse(&mut self, frame: &[u8], _config: &()) -> Result<Sentence, Rejected> {
         let [_, _, class, identifier, _, _, payload @ ..] = frame else {
             return Err(Rejected::Unparsable);
         };

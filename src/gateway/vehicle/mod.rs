@@ -123,7 +123,7 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
         port.map_or(&[], |port| port.line.bytes())
     }
 
-    /// What the formats of a port keep beside its line, such as a [spectrum](super::formats::KrakenSpectrum).
+    /// What the formats of a port keep beside its line, such as a [spectrum](super::formats::Kraken).
     pub fn formats(&self, port: usize) -> Option<&F> {
         Some(self.ports.get(port)?.line.formats())
     }

@@ -9,8 +9,8 @@ use foxhunt::{
         robust::{self, Correlation, Errors},
     },
     gateway::{
-        self, BearingReference,
-        formats::{Finder, Sense as Turn, agrelo, kn5r, kraken, ublox},
+        self, BearingReference, SigmaTable,
+        formats::{Finder, Sense as Turn, kn5r, kraken, ublox},
     },
 };
 
@@ -255,10 +255,10 @@ impl Input {
         };
         let formats = &mut config.formats;
         formats.finder = self.finder;
-        formats.nmea.simulated = self.simulated;
+        formats.simulated = self.simulated;
         formats.kn5r.sigmas = by_device.then_some(&kn5r::SIGMAS);
-        formats.aprs.sigmas = by_device.then_some(&agrelo::SIGMAS);
-        formats.agrelo.sigmas = by_device.then_some(&agrelo::SIGMAS);
+        formats.aprs.sigmas = by_device.then_some(&SigmaTable::BEAM_WIDTHS);
+        formats.agrelo.sigmas = by_device.then_some(&SigmaTable::BEAM_WIDTHS);
         formats.kraken = kraken::Config {
             sense,
             confidence,
@@ -266,11 +266,11 @@ impl Input {
             frequency_hz: self.frequency,
             ..kraken::Config::DEFAULT
         };
-        formats.ublox.sense = sense.unwrap_or_default();
+        formats.ublox.sense = sense.unwrap_or(Turn::Clockwise);
         formats.ublox.tag = self.tag;
         if by_device {
             formats.ublox.sigmas = Some(&ublox::SIGMAS);
-            formats.ublox.quality = ublox::Quality::Azimuth;
+            formats.ublox.quality_by_azimuth = true;
         }
         Ok(config)
     }

@@ -5,14 +5,13 @@ use crate::aoa::geodesy::Geodetic;
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::formats::format::Pose;
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence::{columns, decimal, fixed};
+use crate::gateway::sentence::{columns, decimal, fixed, turned};
 
 /// Scale of the confidence of a KrakenSDR: of the maximum of the spectrum over its mean, `m`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Confidence {
     /// `10 log10(m)`, of at most 25.6.
-    #[default]
     Decibels,
     /// `(m - 1) / 3`, of at most 1, which says no more than that `m` is at least 4.
     Fraction,
@@ -20,13 +19,12 @@ pub enum Confidence {
 
 /// Which heading of a KrakenSDR's line holds, and when. The one by its GPS is a course or a number that somebody has
 /// entered, or that nobody has: it is zero then.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Heading {
     /// The one that the line names. By GPS, it holds while the KrakenSDR moves; of one that has never moved, if it has
     /// never changed and is not zero. Before a second has shown whether it moves, it holds; if it then was none, the next
     /// bearing takes the place of those that rested on it.
-    #[default]
     Recognised,
     /// The one that the line names; by GPS only while the KrakenSDR moves.
     Vehicle,
@@ -223,13 +221,6 @@ fn angle(degrees: f32) -> Result<f32, Rejected> {
     } else {
         Err(Rejected::OutOfRange)
     }
-}
-
-/// The same direction within 0 and 360 degrees.
-pub(super) fn turned(degrees: f32) -> f32 {
-    let turns = (degrees * (1.0 / 360.0)) as i32;
-    let rest = degrees - 360.0 * turns as f32;
-    if rest < 0.0 { rest + 360.0 } else { rest }
 }
 
 /// A coordinate; `None` where there is none.

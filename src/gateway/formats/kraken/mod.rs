@@ -18,7 +18,7 @@
 //! | GPS heading, compass heading | degrees clockwise from north, any turn | the heading, unless it is `None` or `nan` |
 //! | which of them | `GPS` or `Compass` | see [`Heading`] |
 //! | four times `R` | | nothing |
-//! | 360 values | decibels over the least, counter-clockwise from the bow, a degree apart | the sense, the width, whether it is new; by [`KrakenSpectrum`], the bearings |
+//! | 360 values | decibels over the least, counter-clockwise from the bow, a degree apart | the sense, the width, whether it is new; by `Kraken<Spectrum>`, the bearings |
 //!
 //! Numbers are as Python writes them: `-5e-05`, `433920000.0`. Builds differ:
 //!
@@ -32,42 +32,45 @@
 mod line;
 mod spectrum;
 
-use super::format::{Format, Layout, Ray, Reading, Sentence};
-use super::{Config as All, Finder, Sense};
+use super::format::{Format, Layout, Ray, Reading, Sense, Sentence};
 use crate::ConfigError;
 use crate::aoa::spectrum::Spectrum;
 use crate::config::{require, require_within};
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::outcome::Rejected;
-use crate::gateway::sentence::columns;
+use crate::gateway::sentence::{columns, half_turned};
 use crate::gateway::sigma::{SigmaTable, preset};
 pub use line::{Confidence, Heading};
 use line::{Fields, Own};
+pub(super) use spectrum::Kept;
 use spectrum::{Digest, SpectrumReader};
 
 pub(super) const EXAMPLE: &str = "1756823719250, 297.0, 7.35, -32.5, 433920000, UCA, 437, fox-1, \
     52.2296756, -21.0122287, 12.5, 12.5, GPS, R, R, R, R";
 
 /// The CSV line of the app format. Of its spectrum only is kept what tells of the whole: where its maximum is, how wide
-/// it is, and whether it is another than before.
+/// it is, and whether it is another than before. A line whose spectrum is cut or malformed counts as one without, whose
+/// sense may not be known.
 ///
-/// A line whose spectrum is cut or malformed counts as one without, whose sense may not be known.
-#[derive(Debug)]
-pub struct Kraken(Device);
-
-/// The same line as for [`Kraken`], with its spectrum read, in 800 bytes: a bearing is what the peaks are, each with its
+/// `Kraken<Spectrum>` keeps the whole [`Spectrum`], in 800 bytes: a bearing is what the peaks are, each with its
 /// probability and standard deviation, in place of the one that the line states. A locator that takes no alternatives has
-/// the largest alone.
-///
-/// A line with more or fewer than 360 values or with one that is no such number, or above [`Spectrum::MAX_DECIBELS`], is
-/// [`Rejected::Unparsable`]; one without a peak, flat or as good as flat, is [`Rejected::LowQuality`].
+/// the largest alone. A line with more or fewer than 360 values or with one that is no such number, or above
+/// [`Spectrum::MAX_DECIBELS`], is [`Rejected::Unparsable`]; one without a peak, flat or as good as flat, is
+/// [`Rejected::LowQuality`].
 #[derive(Debug)]
-pub struct KrakenSpectrum {
-    device: Device,
-    spectrum: Spectrum,
+pub struct Kraken<S = ()> {
+    spectrum: S,
+    reader: SpectrumReader,
+    /// Lines that tell that bearings are clockwise, less those that tell that they are not.
+    votes: i8,
+    /// Hashes of the last spectra, and when each came first, in milliseconds after midnight.
+    seen: [(u32, u32); 4],
+    /// Counts them.
+    next: u8,
+    own: Own,
 }
 
-impl KrakenSpectrum {
+impl Kraken<Spectrum> {
     /// The spectrum of the last line, if [whole](Spectrum::is_whole).
     pub const fn spectrum(&self) -> &Spectrum {
         &self.spectrum
@@ -150,12 +153,6 @@ impl Config {
     }
 }
 
-impl Default for Config {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
 /// By simulations of a circle of five antennas, 0.2 to 0.42 wavelengths in radius, of 10 to 30 dB, with one reflection of
 /// 0.2 to 0.6 from anywhere: the standard deviations that hold 95 % of the errors of MUSIC, Capon and Bartlett within
 /// 1.96 of them. No less than 2 degrees, as nothing on a car is better.
@@ -169,42 +166,13 @@ pub const SIGMAS: SigmaTable = preset(&[
     (99.7, 2.0),
 ]);
 
-/// Lines hold the name of a station, with whatever is in it.
-const LAYOUT: Layout = Layout {
-    longest: 8_192,
-    fields: 17,
-    interrupts: false,
-    holds: is_in_station,
-};
-
 /// Whether the line that begins with these bytes has come to the name of its station, which may be anything.
 fn is_in_station(line: &[u8], _byte: u8) -> bool {
     let commas = line.iter().filter(|byte| **byte == b',').count();
     commas == 7 && columns(line).is_some_and(|[time]| time.iter().all(u8::is_ascii_digit))
 }
 
-/// What is known of a KrakenSDR by its lines so far.
-#[derive(Debug)]
-struct Device {
-    spectrum: SpectrumReader,
-    /// Lines that tell that bearings are clockwise, less those that tell that they are not.
-    votes: i8,
-    /// Hashes of the last spectra, and when each came first, in milliseconds after midnight.
-    seen: [(u32, u32); 4],
-    /// Counts them.
-    next: u8,
-    own: Own,
-}
-
-impl Device {
-    const EMPTY: Self = Self {
-        spectrum: SpectrumReader::EMPTY,
-        votes: 0,
-        seen: [(0, 0); 4],
-        next: 0,
-        own: Own::EMPTY,
-    };
-
+impl<S: Kept> Kraken<S> {
     /// The reading of a line whose spectrum has ended.
     #[inline(never)]
     fn reading(&mut self, line: &[u8], config: &Config) -> Result<Reading, Rejected> {
@@ -215,7 +183,7 @@ impl Device {
         let time = fields.time()?;
         let stated = fields.bearing()?;
         let interval_ms = config.interval_ms.map_or_else(|| fields.latency_ms(), Ok)?;
-        let digest = self.spectrum.digest().copied();
+        let digest = self.reader.digest().copied();
         let quality = match &digest {
             Some(digest) => 100.0 - digest.width * (100.0 / 360.0),
             None => fields.quality(config.confidence)?,
@@ -284,12 +252,9 @@ fn vote(stated: f32, top: f32) -> i8 {
     is_told(clockwise, otherwise) - is_told(otherwise, clockwise)
 }
 
-/// Degrees between ahead and a direction, of up to two turns.
-#[inline(never)]
+/// Degrees between ahead and a direction.
 fn from_ahead(degrees: f32) -> f32 {
-    let turn = degrees.abs();
-    let turn = if turn > 360.0 { turn - 360.0 } else { turn };
-    if turn > 180.0 { 360.0 - turn } else { turn }
+    half_turned(degrees).abs()
 }
 
 /// Makes the bearing of a reading two, of which one counts clockwise, with this probability.
@@ -316,83 +281,45 @@ fn either_way(reading: &mut Reading, clockwise: f32) {
     }
 }
 
-impl Format for Kraken {
-    const FINDER: Option<Finder> = Some(Finder::Kraken);
-    const LAYOUT: Layout = LAYOUT;
-    const EMPTY: Self = Self(Device::EMPTY);
-    const RESTS: bool = true;
-
-    fn begins(byte: u8) -> bool {
-        byte.is_ascii_digit()
-    }
-
-    fn continues(byte: u8) -> bool {
-        byte.is_ascii_digit()
-    }
-
-    fn begin(&mut self) {
-        self.0.spectrum.begin();
-    }
-
-    fn rest(&mut self, byte: u8) {
-        self.0.spectrum.take(byte);
-    }
-
-    fn parse(&mut self, line: &[u8], config: &All) -> Result<Sentence, Rejected> {
-        self.0.spectrum.end();
-        let reading = self.0.reading(line, &config.kraken)?;
-        Ok(Sentence::Reading(reading))
-    }
-}
-
-impl Format for KrakenSpectrum {
-    const FINDER: Option<Finder> = Some(Finder::Kraken);
-    const LAYOUT: Layout = LAYOUT;
-    const EMPTY: Self = Self {
-        device: Device::EMPTY,
-        spectrum: Spectrum::new(),
+impl<S: Kept> Format for Kraken<S> {
+    type Config = Config;
+    const DEFAULT: Config = Config::DEFAULT;
+    /// Lines hold the name of a station, with whatever is in it.
+    const LAYOUT: Layout = Layout {
+        longest: 8_192,
+        fields: 17,
+        begins: |byte| byte.is_ascii_digit(),
+        continues: |byte| byte.is_ascii_digit(),
+        holds: is_in_station,
+        ..Layout::TEXT
     };
-    const RESTS: bool = true;
-
-    fn begins(byte: u8) -> bool {
-        byte.is_ascii_digit()
-    }
-
-    fn continues(byte: u8) -> bool {
-        byte.is_ascii_digit()
-    }
+    const EMPTY: Self = Self {
+        spectrum: S::EMPTY,
+        reader: SpectrumReader::EMPTY,
+        votes: 0,
+        seen: [(0, 0); 4],
+        next: 0,
+        own: Own::EMPTY,
+    };
 
     fn begin(&mut self) {
-        self.device.spectrum.begin();
-        self.spectrum.clear();
+        self.reader.begin();
+        self.spectrum.begin();
     }
 
     fn rest(&mut self, byte: u8) {
-        if let Some(level) = self.device.spectrum.take(byte) {
-            let _ = self.spectrum.push_level(level);
+        if let Some(level) = self.reader.take(byte) {
+            self.spectrum.take(level);
         }
     }
 
-    fn parse(&mut self, line: &[u8], config: &All) -> Result<Sentence, Rejected> {
-        if let Some(level) = self.device.spectrum.end() {
-            let _ = self.spectrum.push_level(level);
+    fn parse(&mut self, line: &[u8], config: &Config) -> Result<Sentence, Rejected> {
+        if let Some(level) = self.reader.finish() {
+            self.spectrum.take(level);
         }
-        let config = &config.kraken;
-        let mut reading = self.device.reading(line, config)?;
-        if self.device.spectrum.digest().is_none() {
-            return Err(Rejected::Unparsable);
-        }
-        let peaks = (self.spectrum).peaks_of_sigma(config.temper, reading.best.sigma_rad);
-        let [best, others @ ..] = peaks.map(|peak| {
-            let peak = peak?;
-            Some(Ray {
-                degrees: line::turned(-peak.angle_rad.to_degrees()),
-                sigma_rad: Some(peak.sigma_rad),
-                probability: peak.probability,
-            })
-        });
-        reading.best = best.ok_or(Rejected::LowQuality)?;
-        reading.others = others;
+        let mut reading = self.reading(line, config)?;
+        let is_whole = self.reader.digest().is_some();
+        self.spectrum.read(&mut reading, is_whole, config.temper)?;
         Ok(Sentence::Reading(reading))
     }
 }

@@ -3,6 +3,9 @@
 use core::f32::consts::LN_10;
 
 use crate::aoa::spectrum::Spectrum;
+use crate::gateway::formats::format::{Ray, Reading};
+use crate::gateway::outcome::Rejected;
+use crate::gateway::sentence::turned;
 use crate::math::exp_of_weight;
 
 /// Reads the values of one line after the other, and keeps what tells of their whole.
@@ -124,19 +127,15 @@ impl SpectrumReader {
         None
     }
 
-    /// The line has ended: gives the last level.
-    pub fn end(&mut self) -> Option<u16> {
-        self.finish()
-    }
-
-    /// What is known of the spectrum, after [`Self::end`], if it was well-formed and whole.
+    /// What is known of the spectrum, after [`Self::finish`], if it was well-formed and whole.
     pub fn digest(&self) -> Option<&Digest> {
         let whole = usize::from(self.digest.count) == Spectrum::CELLS;
         (whole && !self.malformed).then_some(&self.digest)
     }
 
+    /// The number has ended, with a comma or with the line: gives its level.
     #[inline(never)]
-    fn finish(&mut self) -> Option<u16> {
+    pub fn finish(&mut self) -> Option<u16> {
         let stage = core::mem::replace(&mut self.stage, Stage::Blank);
         let scale = match self.decimals {
             0 => 100,
@@ -155,6 +154,60 @@ impl SpectrumReader {
     }
 }
 
+/// What is kept of a spectrum beside its digest: nothing, or all of it.
+pub trait Kept {
+    /// All bits are zero.
+    const EMPTY: Self;
+
+    /// A line begins.
+    fn begin(&mut self) {}
+
+    /// Takes the next level, in hundredths of a decibel.
+    fn take(&mut self, _level: u16) {}
+
+    /// Makes the bearings of a reading those of its spectrum.
+    ///
+    /// # Errors
+    /// Why it has none.
+    fn read(&self, _: &mut Reading, _is_whole: bool, _temper: f32) -> Result<(), Rejected> {
+        Ok(())
+    }
+}
+
+impl Kept for () {
+    const EMPTY: Self = ();
+}
+
+impl Kept for Spectrum {
+    const EMPTY: Self = Self::new();
+
+    fn begin(&mut self) {
+        self.clear();
+    }
+
+    fn take(&mut self, level: u16) {
+        let _ = self.push_level(level);
+    }
+
+    fn read(&self, reading: &mut Reading, is_whole: bool, temper: f32) -> Result<(), Rejected> {
+        if !is_whole {
+            return Err(Rejected::Unparsable);
+        }
+        let peaks = self.peaks_of_sigma(temper, reading.best.sigma_rad);
+        let [best, others @ ..] = peaks.map(|peak| {
+            let peak = peak?;
+            Some(Ray {
+                degrees: turned(-peak.angle_rad.to_degrees()),
+                sigma_rad: Some(peak.sigma_rad),
+                probability: peak.probability,
+            })
+        });
+        reading.best = best.ok_or(Rejected::LowQuality)?;
+        reading.others = others;
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     extern crate std;
@@ -167,7 +220,7 @@ mod tests {
         reader.take(b'x');
         reader.begin();
         let mut levels: Vec<u16> = text.bytes().filter_map(|byte| reader.take(byte)).collect();
-        levels.extend(reader.end());
+        levels.extend(reader.finish());
         reader.digest().map(|digest| (levels, *digest))
     }
 

@@ -9,19 +9,12 @@ use std::{format, string::String, vec::Vec};
 const START: i64 = 1_756_823_719_250;
 const NOWHERE: &str = "0.0, 0.0, 0.0, 0.0, GPS";
 
-fn all(kraken: Config) -> All {
-    All {
-        kraken,
-        ..All::DEFAULT
-    }
-}
-
 fn line(text: &str) -> Result<Reading, Rejected> {
     with(text, Config::DEFAULT)
 }
 
 fn with(text: &str, kraken: Config) -> Result<Reading, Rejected> {
-    read::<Kraken>(text, &all(kraken))
+    read::<Kraken>(text, &kraken)
 }
 
 /// The example with another field.
@@ -40,7 +33,7 @@ struct Lines {
 impl Lines {
     fn new(config: Config) -> Self {
         Self {
-            kraken: Kraken::EMPTY,
+            kraken: Format::EMPTY,
             config,
         }
     }
@@ -48,7 +41,7 @@ impl Lines {
     fn push(&mut self, kept: &str, spectrum: &str) -> Result<Reading, Rejected> {
         self.kraken.begin();
         spectrum.bytes().for_each(|byte| self.kraken.rest(byte));
-        match self.kraken.parse(kept.as_bytes(), &all(self.config))? {
+        match self.kraken.parse(kept.as_bytes(), &self.config)? {
             Sentence::Reading(reading) => Ok(reading),
             other => panic!("{other:?}"),
         }

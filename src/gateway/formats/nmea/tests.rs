@@ -2,10 +2,11 @@
 
 extern crate std;
 use super::*;
+use crate::aoa::geodesy::Geodetic;
 use std::{format, string::String};
 
 fn parse(line: &[u8]) -> Result<Sentence, Rejected> {
-    super::parse(line, Config::DEFAULT)
+    super::parse(line, false)
 }
 
 fn with_checksum(payload: &str) -> String {
@@ -255,7 +256,7 @@ fn what_was_not_measured_is_used_if_configured() {
             "{payload}"
         );
         let line = with_checksum(payload);
-        let used = super::parse(line.as_bytes(), Config { simulated: true });
+        let used = super::parse(line.as_bytes(), true);
         assert!(matches!(used, Ok(Sentence::Statement(_))), "{payload}");
     }
     // Estimated, differential, real-time kinematic.

@@ -2,7 +2,7 @@
 
 extern crate std;
 use super::*;
-use crate::gateway::formats::{Agrelo, Nmea};
+use crate::gateway::formats::{Agrelo, Config, Nmea};
 use crate::gateway::line::LineReader;
 use std::{vec, vec::Vec};
 

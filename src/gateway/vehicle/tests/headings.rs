@@ -133,7 +133,7 @@ fn bearings_by_a_heading_that_nobody_has_entered_are_retracted() {
 
 #[test]
 fn a_station_is_where_it_is_said_to_be() {
-    use crate::gateway::config::Station;
+    use crate::gateway::Station;
     let place = Geodetic::new(481_000_000, 115_000_000).unwrap();
     let station = Station {
         place,

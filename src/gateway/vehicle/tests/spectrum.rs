@@ -3,10 +3,11 @@
 use super::*;
 use crate::aoa::Robust;
 use crate::aoa::robust::{self, Correlation, Errors};
-use crate::gateway::formats::{Agrelo, KrakenSpectrum, Nmea};
+use crate::aoa::spectrum::Spectrum;
+use crate::gateway::formats::{Agrelo, Kraken, Nmea};
 use crate::gateway::report::FullReport;
 
-type Whole<L> = Gateway<L, (Nmea, Agrelo, KrakenSpectrum), FullReport>;
+type Whole<L> = Gateway<L, (Nmea, Agrelo, Kraken<Spectrum>), FullReport>;
 
 const BY_NORTH: Config<robust::Config> = Config {
     reference: BearingReference::TrueNorth,
