@@ -122,6 +122,8 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
     }
 
     /// Weighted mean of the states.
+    // Once in flash.
+    #[inline(never)]
     pub fn mean(&self) -> [f32; D] {
         estimate::mean(&self.particles.columns(), self.weights())
     }

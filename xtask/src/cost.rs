@@ -90,6 +90,7 @@ pub fn run(options: &Options) -> Result<()> {
     let firmware = firmware()?;
     let mut figures = firmware.clone();
     figures.extend(kernels::errors()?);
+    figures.extend(formats()?);
     figures.extend(host()?);
     if !options.no_peers {
         figures.extend(peers()?);
@@ -159,6 +160,35 @@ fn memory(firmware: &str) -> Result<Vec<Figure>> {
     let figures =
         parts.map(|(part, bytes)| Figure::new(format!("{name}.{part}.bytes"), bytes, "bytes"));
     Ok(figures.into())
+}
+
+/// What each format adds to the flash of a vehicle that reads NMEA, in the order of the example `one_format`.
+fn formats() -> Result<Vec<Figure>> {
+    const NAMES: [&str; 7] = [
+        "ubx",
+        "agrelo",
+        "kraken",
+        "kraken.spectrum",
+        "ublox",
+        "kn5r",
+        "aprs",
+    ];
+    let flash = |number: usize| {
+        let number = number.to_string();
+        let elf = project::firmware_with("one_format", &[("FOXHUNT_FORMAT", number.as_ref())])?;
+        anyhow::Ok(sections::occupied(&elf)?.flash as f64)
+    };
+    let nmea = flash(0)?;
+    let mut figures = vec![Figure::new(
+        "format.nmea.vehicle.flash.bytes",
+        nmea,
+        "bytes",
+    )];
+    for (index, name) in NAMES.iter().enumerate() {
+        let name = format!("format.{name}.flash.bytes");
+        figures.push(Figure::new(name, flash(index + 1)? - nmea, "bytes"));
+    }
+    Ok(figures)
 }
 
 /// What the figures of a firmware begin with.
