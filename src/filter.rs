@@ -104,7 +104,7 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
     }
 
     /// Moves the particles by the log-density `target` and leaves their weights as they are: see [`crate::refine`]
-    /// for when and by what.
+    /// for when and by what. ([`crate::proposal::UnscentedParticleFilter::refine`] makes the weights equal.)
     pub fn refine<R: Rng + ?Sized>(
         &mut self,
         refinement: &impl Refinement<D>,

@@ -145,6 +145,7 @@ pub fn propose(rng: &mut Xoshiro128PlusPlus) {
     let covariance = any(Covariance::diagonal([0.0]));
     let mut unscented = any(UnscentedParticleFilter::<1, 10>::EMPTY);
     unscented.initialise(rng, &covariance, |_| any([0.0]));
+    unscented.forget();
     let mut auxiliary = any(AuxiliaryFilter::<1, 10>::EMPTY);
     auxiliary.initialise(rng, |_| any([0.0]));
     let mut points = any(PointMassFilter::<1, 10>::EMPTY);

@@ -20,8 +20,11 @@ use crate::weights::{self, Weights};
 /// the centre of its cell.
 /// The estimate is the mean over the grids of all particles, taken before any of them is drawn.
 ///
-/// Takes 4 N (4 D + 3) bytes and a few more. The grid has `G` cells, which the caller lends; each particle evaluates
-/// the model on it about three times a step, at most thirteen times.
+/// Takes 4 N (4 D + 3) bytes and a few more. The grid has `G` cells, which the caller lends: at least 16 in one
+/// dimension; in two, `G` is a square, at least 256. Each particle evaluates the model on it about three times a step,
+/// at most thirteen times.
+///
+/// A likelihood with the tails of an outlier needs no gate here.
 ///
 /// ```
 /// use foxhunt_problems::gamma;
@@ -89,7 +92,8 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
     }
 
     /// Goes `dt` seconds ahead to a measurement, and returns its log-evidence, as
-    /// [`crate::filter::ParticleFilter::update`] does.
+    /// [`crate::filter::ParticleFilter::update`] does. If there is no measurement, pass one that every state explains:
+    /// `&|_: &[f32; D]| 0.0`.
     ///
     /// # Errors
     /// When no particle can reach a state that explains the measurement; the filter is then as before.

@@ -81,7 +81,8 @@ impl<const D: usize, const N: usize> PointMassFilter<D, N> {
     }
 
     /// Goes `dt` seconds ahead to a measurement, and returns its log-evidence, as
-    /// [`crate::filter::ParticleFilter::update`] does.
+    /// [`crate::filter::ParticleFilter::update`] does. If there is no measurement, pass one that every state explains:
+    /// `&|_: &[f32; D]| 0.0`.
     ///
     /// # Errors
     /// When no state that can be reached explains the measurement; the filter is then as before.

@@ -4,7 +4,7 @@ extern crate std;
 use super::*;
 use crate::filter::UpdateError;
 use crate::kalman::{Gaussian, Unscented};
-use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
+use crate::random::{Rng, SeedableRng, Xoshiro128PlusPlus, normal};
 use crate::resample::Scheme;
 
 /// Every dimension of a state, measured with its own sigma.
@@ -182,6 +182,92 @@ fn the_unscented_particle_filter_is_nearly_the_kalman_filter() {
     assert!(error.evidence.abs() < 1.0, "{}", error.evidence);
 }
 
+/// A position and a velocity, of which the position is measured: the noise of a step is small beside what is known of them.
+struct Rolling;
+
+impl Dynamics<2> for Rolling {
+    fn step<R: Rng + ?Sized>(&self, from: [f32; 2], dt: f32, rng: &mut R) -> [f32; 2] {
+        let (mean, covariance) = (self.mean(&from, dt), Transition::noise(self, dt));
+        Gaussian { mean, covariance }.draw(rng)
+    }
+}
+
+impl Transition<2> for Rolling {
+    fn mean(&self, [x, v]: &[f32; 2], dt: f32) -> [f32; 2] {
+        [x + v * dt, *v]
+    }
+
+    fn noise(&self, _dt: f32) -> Covariance<2> {
+        Covariance::diagonal([0.05, 0.02])
+    }
+
+    fn log_transition(&self, from: &[f32; 2], to: &[f32; 2], dt: f32) -> f32 {
+        let (mean, covariance) = (self.mean(from, dt), Transition::noise(self, dt));
+        Gaussian { mean, covariance }.log_density(*to)
+    }
+}
+
+struct Position(f32);
+
+impl Likelihood<2> for Position {
+    fn log_likelihood(&self, [x, _]: &[f32; 2]) -> f32 {
+        let (value, sigma) = ([self.0], [1.0]);
+        Seen { value, sigma }.log_likelihood(&[*x])
+    }
+}
+
+impl Sensor<2, 1> for Position {
+    fn residual(&self, [x, _]: &[f32; 2]) -> [f32; 1] {
+        [self.0 - x]
+    }
+
+    fn noise(&self) -> Covariance<1> {
+        Covariance::diagonal([1.0])
+    }
+}
+
+/// Mean square distance from the Kalman filter's mean in posterior sigmas, of 100 steps of 200 particles.
+fn roll(seed: u64, forget: bool) -> f32 {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+    let mut exact = Gaussian {
+        mean: [0.0; 2],
+        covariance: Covariance::diagonal([0.5, 0.1]),
+    };
+    let mut state = exact.draw(&mut rng);
+    let mut filter = UnscentedParticleFilter::<2, 200>::EMPTY;
+    filter.initialise(&mut rng, &Covariance::ZERO, |rng| exact.draw(rng));
+    let mut squares = 0.0;
+    for _ in 0..100 {
+        state = Rolling.step(state, 1.0, &mut rng);
+        let seen = Position(state[0] + normal(&mut rng));
+        let noise = Transition::noise(&Rolling, 1.0);
+        exact.predict(&[[1.0, 1.0], [0.0, 1.0]], &noise).unwrap();
+        exact
+            .update(&[[1.0, 0.0]], [seen.0], &seen.noise())
+            .unwrap();
+        if forget {
+            filter.forget();
+        }
+        filter
+            .step(&Unscented::DEFAULT, &Rolling, &seen, 1.0, &mut rng)
+            .unwrap();
+        squares += off(filter.mean(), &exact).powi(2) / 100.0;
+        filter.resample(Scheme::Systematic, &mut rng);
+    }
+    squares
+}
+
+/// In 1,000 runs each, 2.4 % of those that forget are above a half, and 0.5 % of the others below: of nine, five are on
+/// the wrong side in one of a million, or fewer.
+#[test]
+fn with_little_noise_covariances_are_to_be_forgotten() {
+    for forget in [true, false] {
+        let mut runs: [f32; 9] = core::array::from_fn(|seed| roll(57 + seed as u64, forget));
+        runs.sort_by(f32::total_cmp);
+        assert_eq!(runs[4] < 0.5, forget, "{runs:?}");
+    }
+}
+
 #[test]
 fn resampling_carries_the_covariances_along() {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(54);
@@ -256,6 +342,59 @@ fn a_measurement_that_nothing_explains_is_refused() {
                 .all(|x| x.is_finite())
         );
     }
+}
+
+struct Missing;
+
+impl Likelihood<1> for Missing {
+    fn log_likelihood(&self, _: &[f32; 1]) -> f32 {
+        0.0
+    }
+}
+
+impl Sensor<1, 1> for Missing {
+    fn residual(&self, _: &[f32; 1]) -> [f32; 1] {
+        [f32::NAN]
+    }
+
+    fn noise(&self) -> Covariance<1> {
+        Covariance::diagonal([1.0])
+    }
+}
+
+#[test]
+fn without_a_measurement_a_step_is_a_prediction() {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(56);
+    let dynamics = RandomWalk { sigma: [2.0] };
+    let mut cloud = AuxiliaryFilter::<1, 20>::EMPTY;
+    cloud.initialise(&mut rng, |_| [3.0]);
+    let evidence = cloud.step(&dynamics, &Missing, 1.0, &mut [0.0; 64], &mut rng);
+    assert!(evidence.unwrap().abs() < 1e-3);
+    let mut points = PointMassFilter::<1, 20>::EMPTY;
+    points.initialise_at([3.0]);
+    let evidence = points.step(&dynamics, &Missing, 1.0, &mut [0.0; 64]);
+    assert!(evidence.unwrap().abs() < 1e-3);
+    for (mean, variance) in [
+        (cloud.mean(), cloud.covariance()),
+        (points.mean(), points.covariance()),
+    ] {
+        assert!((mean[0] - 3.0).abs() < 1e-3, "{mean:?}");
+        assert!((variance[0][0] - 4.0).abs() < 0.01, "{variance:?}");
+    }
+
+    let mut filter = UnscentedParticleFilter::<1, 20>::EMPTY;
+    filter.initialise(&mut rng, &Covariance::diagonal([0.5]), |_| [3.0]);
+    let mut blind = filter.cloud().clone();
+    blind.predict(&dynamics, 1.0, &mut rng.clone());
+    let evidence = filter.step(&Unscented::DEFAULT, &dynamics, &Missing, 1.0, &mut rng);
+    assert!(evidence.unwrap().abs() < 1e-5);
+    assert_eq!(
+        filter.cloud().particles().columns(),
+        blind.particles().columns()
+    );
+    assert_eq!(filter.covariance_of(7), Covariance::diagonal([0.5]));
+    filter.forget();
+    assert_eq!(filter.covariance_of(7), Covariance::ZERO);
 }
 
 #[test]

@@ -13,8 +13,15 @@ use crate::resample::Scheme;
 /// to see where the measurement draws it.
 ///
 /// van der Merwe, Doucet, de Freitas and Wan, "The unscented particle filter" (2000): a particle samples its next
-/// state from its own filter's posterior, and weighs likelihood times transition over the density it was drawn from,
-/// so the weights are exact whatever the proposal. Its covariance stays with it, also when it is resampled.
+/// state from its own filter's posterior, and weighs likelihood times transition over the density it was drawn from.
+/// Its covariance stays with it, also when it is resampled.
+///
+/// The weights are exact in expectation, but useful only while a particle's covariance is not much wider than
+/// [`Transition::noise`]: few of the states that it proposes can then be reached from where the particle is. Where
+/// the noise is small beside what is known of the state, call [`UnscentedParticleFilter::forget`] before each step.
+///
+/// An outlier draws every particle away. Return NaN from [`Sensor::residual`] beyond some sigmas: the particle then
+/// moves blindly, and [`Likelihood::log_likelihood`] has the tails.
 ///
 /// Takes 4 N (D^2 + D + 2) + 8 bytes. `4 D + 4` calls of the model a particle and step.
 ///
@@ -50,7 +57,7 @@ impl<const D: usize, const N: usize> UnscentedParticleFilter<D, N> {
     };
 
     /// Draws the state of every particle from `draw`, and gives each the same `covariance` of its own to start with:
-    /// that of the prior as a rule, none when the state is known.
+    /// [`Covariance::ZERO`] if `draw` samples the prior, that of the prior if `draw` returns its mean.
     pub fn initialise<R: Rng + ?Sized>(
         &mut self,
         rng: &mut R,
@@ -63,10 +70,20 @@ impl<const D: usize, const N: usize> UnscentedParticleFilter<D, N> {
         }
     }
 
+    /// Sets the covariances of all particles to zero; their states and weights stay.
+    ///
+    /// To be called before each step where the noise of the transition is small beside what is known of the state. A
+    /// particle then proposes from the noise of one step: a local linearisation, Doucet, Godsill and Andrieu, "On
+    /// sequential Monte Carlo sampling methods for Bayesian filtering" (2000), section II.D.
+    pub fn forget(&mut self) {
+        self.factors = [[[0.0; N]; D]; D];
+    }
+
     /// Moves every particle by `dt` seconds to where the measurement `sensor` draws it, and weighs it. Returns the
     /// log-evidence, as [`crate::filter::ParticleFilter::update`] does.
     ///
-    /// A particle whose Kalman filter fails moves blindly, as in a bootstrap filter, and keeps its covariance.
+    /// A particle whose Kalman filter fails moves blindly, as in a bootstrap filter, and keeps its covariance. So do all
+    /// without a measurement: its residual is NaN, and its log-likelihood 0.
     ///
     /// # Errors
     /// When no particle is left with any weight. The particles then are where they were drawn, with their weights
@@ -119,8 +136,9 @@ impl<const D: usize, const N: usize> UnscentedParticleFilter<D, N> {
         });
     }
 
-    /// Moves the particles by `refinement` towards or within the density `target`, and makes their weights equal: in
-    /// place of resampling if it is greedy, after it if it keeps the target. Their covariances stay for the next step.
+    /// Moves the particles by `refinement` towards or within the density `target`, and makes their weights equal,
+    /// which [`ParticleFilter::refine`] does not: in place of resampling if it is greedy, after it if it keeps the target.
+    /// Their covariances stay for the next step.
     ///
     /// With a greedy [`crate::refine::DifferentialEvolution`] this is the UPFDE of Li, Wang and Wang (2011). The target
     /// that it takes is [`crate::proposal::Posterior`]: with the likelihood alone it forgets what was known before.
