@@ -19,7 +19,7 @@ pub struct BearingLikelihood {
     /// -1 / (2 sigma^2)
     curvature: f32,
     /// -ln(sigma sqrt(2 pi))
-    peak: f32,
+    pub(super) peak: f32,
 }
 
 /// Added to a distance: the ratio is finite for a particle at the receiver, too, and its error is zero. The product of four

@@ -110,6 +110,10 @@ const RANGE_M: f32 = 20_000.0;
 /// Least moves of every particle before the first fix: fewer keep traces of the intersections, more take time.
 const START_MOVES: u8 = 8;
 
+/// A bearing is surprising if the particles find it this much less likely than one without an error, as a logarithm: derived,
+/// an error of four sigmas, which one in 16,000 has.
+const SURPRISING: f32 = 8.0;
+
 impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
     type Config = Config<M>;
 
@@ -144,9 +148,10 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
         let new = Entry::new(*observation, 1.0);
         self.bearings.add(new, &source);
         self.answer = if source.is_some() {
+            let likelihood = BearingLikelihood::new(observation);
             // A normal likelihood is never zero, so the update cannot fail.
-            let _ = self.filter.update(&BearingLikelihood::new(observation));
-            self.rejuvenate(config, rng)
+            let evidence = self.filter.update(&likelihood).unwrap_or(likelihood.peak);
+            self.rejuvenate(likelihood.peak - evidence > SURPRISING, config, rng)
                 .map(|()| self.cloud_fix())
                 .into()
         } else {
@@ -269,24 +274,30 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
         sweep(self.filter.columns_mut(), &posterior, &mode, moves, rng);
     }
 
-    /// Resamples and moves the particles if they are worth too few.
+    /// Resamples and moves the particles if they are worth too few, and looks for a better place if they have moved or the
+    /// last bearing was surprising: of a cloud that has shrunk to a point, all particles weigh the same.
     ///
     /// # Errors
     /// The reason if they turn out to be lost, and the bearings make no fix elsewhere.
     #[inline(never)]
     fn rejuvenate<R: Rng + ?Sized>(
         &mut self,
+        surprising: bool,
         config: &Config<M>,
         rng: &mut R,
     ) -> Result<(), NotObservable> {
         let worth = self.filter.effective_sample_size();
-        if !is_depleted(worth, N, config.resample_below) {
-            return Ok(());
+        let depleted = is_depleted(worth, N, config.resample_below);
+        if depleted {
+            let (filter, memory) = (&mut self.filter, &mut self.memory);
+            let (refinement, posterior) = (&config.refinement, Posterior::new(&self.bearings));
+            refinement.rejuvenate(filter, &posterior, config.moves, memory, rng);
         }
-        let (filter, memory) = (&mut self.filter, &mut self.memory);
-        let (refinement, posterior) = (&config.refinement, Posterior::new(&self.bearings));
-        refinement.rejuvenate(filter, &posterior, config.moves, memory, rng);
-        self.find_again(config, rng)
+        if depleted || surprising {
+            self.find_again(config, rng)
+        } else {
+            Ok(())
+        }
     }
 
     /// Starts again from the best intersection if the particles are at a mode that other bearings have left behind, as may
