@@ -305,6 +305,38 @@ fn every_flipped_bit_and_every_truncation_is_refused() {
 }
 
 #[test]
+fn renamed_and_swapped_fields_are_refused() {
+    /// Refuses snapshots of types with other fields.
+    macro_rules! others {
+        ($($first:ident, $second:ident);+) => {$({
+            #[derive(Debug, Default)]
+            struct State { $first: u32, $second: u32 }
+            crate::persist!(State { $first, $second });
+            assert_eq!(assert_refused(&mut State::default(), &snapshots().0), Error::Shape);
+
+            #[derive(Debug, Default)]
+            struct Plain { $first: u32, $second: u32 }
+            value!(Plain { $first, $second });
+            assert_eq!(assert_refused(&mut Plain::default(), &snapshots().1), Error::Shape);
+        })+};
+    }
+    fn snapshots() -> (Vec<u8>, Vec<u8>) {
+        struct State {
+            a: u32,
+            b: u32,
+        }
+        crate::persist!(State { a, b });
+        struct Plain {
+            a: u32,
+            b: u32,
+        }
+        value!(Plain { a, b });
+        (saved(&State { a: 1, b: 2 }), saved(&Plain { a: 1, b: 2 }))
+    }
+    others!(b, a; a, c);
+}
+
+#[test]
 fn other_shapes_are_refused() {
     let snapshot = saved(&small().0);
     let shape = Error::Shape;

@@ -199,9 +199,9 @@ pub(in crate::aoa) struct Entry {
     pub(in crate::aoa) observation: Observation,
     /// The probability, beside others of the same reading, that it is the one if any is.
     pub(in crate::aoa) probability: f32,
-    /// How many readings it is the mean of,
+    /// Number of readings averaged.
     pub(in crate::aoa) readings: f32,
-    /// and how many independent ones these are worth.
+    /// Number of independent readings that carry the same information.
     pub(in crate::aoa) worth: f32,
     /// When the first of them was taken.
     pub(in crate::aoa) first_ms: u32,

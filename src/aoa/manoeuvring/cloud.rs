@@ -88,7 +88,7 @@ impl Cloud {
         };
         // Every so many components one is new.
         let mut due = 0.0;
-        let (log_weights, _) = self.weights.columns_mut();
+        let log_weights = self.weights.log_weights_mut();
         for (component, weight) in self.components.iter_mut().zip(log_weights) {
             due += count;
             let is_new = due >= all;
@@ -115,7 +115,7 @@ impl Cloud {
 
     /// Takes a bearing into all components, and returns the mean of one plus its odds.
     pub(super) fn update(&mut self, observation: &Observation, errors: &Errors) -> f32 {
-        let (_, log_likelihoods) = self.weights.columns_mut();
+        let log_likelihoods = self.weights.log_likelihoods_mut();
         for (component, value) in self.components.iter_mut().zip(log_likelihoods) {
             *value = ln(component.update(observation, errors, self.bias));
         }

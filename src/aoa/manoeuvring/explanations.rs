@@ -59,10 +59,11 @@ const BEARINGS_TO_START_OVER: u32 = 40;
 /// The latest bearings that everything starts again with: fewer take longer to a fix, more are from before the loss.
 const BEARINGS_KEPT: usize = 12;
 
-/// The source is lost when more of the latest bearings are outliers: lower searches for sources that were never lost,
+/// Fraction of outliers among the latest bearings from which the source counts as lost: lower searches for sources that
+/// were never lost.
 const TOO_MANY: f32 = 0.7;
 
-/// and it is seen again when fewer are.
+/// Fraction below which a lost source counts as found again. The gap to `TOO_MANY` keeps the state from flickering.
 const FEW_ENOUGH: f32 = 0.5;
 
 /// Fraction of the components that each bearing on a lost source puts on its ray: the more, the sooner one of them is right,
