@@ -158,7 +158,7 @@ fn so_does_a_robust_one() {
 fn so_does_one_of_a_manoeuvring_source() {
     type State = (Manoeuvring<Robust<64, 12>>, Xoshiro128PlusPlus);
     let mut config = manoeuvring::Config::DEFAULT;
-    config.track.errors.bias_sigma_rad = 0.05;
+    config.stationary.errors.bias_sigma_rad = 0.05;
     let mut rng = generator();
     let round = |i: u32| {
         let (sin, cos) = sin_cos(0.08 * i as f32);

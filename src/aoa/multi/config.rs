@@ -16,7 +16,7 @@ use crate::config::{require, require_within};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Config<C = robust::Config> {
-    /// That of the tracks.
+    /// Configuration of the tracks.
     pub track: C,
     /// Probability that outliers, however many, ever look like one more source, 1e-9 to 0.5. The smaller, the more bearings
     /// a new source takes.
@@ -58,7 +58,7 @@ impl Config {
     pub const DEFAULT: Self = Self::new(robust::Config::DEFAULT);
 }
 
-check_around!(
+check_around!(track:
     robust::Config,
     clean::Config,
     manoeuvring::Config<robust::Config>,
