@@ -113,7 +113,8 @@ impl<const N: usize> Weights<N> {
         self.store(normalised).map(drop)
     }
 
-    /// Multiplies the weights by likelihoods, whose logarithms were written into [`Weights::log_likelihoods_mut`]. Returns the log-evidence: the natural logarithm of the weighted mean of the likelihoods.
+    /// Multiplies the weights by likelihoods, whose logarithms were written into [`Weights::log_likelihoods_mut`].
+    /// Returns the log-evidence: the natural logarithm of the weighted mean of the likelihoods.
     ///
     /// # Errors
     /// When no particle is left with any weight. The weights are then as before.

@@ -11,6 +11,9 @@ use crate::snapshot::value;
 /// A full buffer makes room by averaging the two bearings that say most nearly the same: a long drive thins out where it
 /// was far from the source, a stationary vehicle's readings become one, and nothing is forgotten. All bits of an empty one
 /// are zero.
+///
+/// A reading comes in by three calls, in this order: [`admit`](Buffer::admit), which may refuse it, [`note`](Buffer::note)
+/// and [`add`](Buffer::add).
 #[derive(Debug, Clone)]
 pub(in crate::aoa) struct Buffer<const B: usize> {
     entries: Vec<Entry, B>,
@@ -46,7 +49,7 @@ impl<const B: usize> Buffer<B> {
         self.entries.iter().map(|entry| &entry.observation)
     }
 
-    /// How many readings went in.
+    /// Number of readings that went in.
     pub(in crate::aoa) fn count(&self) -> u32 {
         (self.count + 0.5) as u32
     }
@@ -93,7 +96,7 @@ impl<const B: usize> Buffer<B> {
         self.count += probability;
     }
 
-    /// Takes the bearings that are `wanted` of another buffer, and what is its latest.
+    /// Takes the `wanted` bearings of another buffer, and its latest observation.
     pub(in crate::aoa) fn adopt<'a>(
         &mut self,
         wanted: impl Iterator<Item = &'a Entry>,

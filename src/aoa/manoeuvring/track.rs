@@ -1,6 +1,6 @@
 //! The locator of a manoeuvring source as one of several.
 
-use super::{Config, Manoeuvring, seconds};
+use super::{Manoeuvring, seconds};
 use crate::aoa::robust::{self, Candidate, Errors};
 use crate::aoa::track::{Stationary, Track};
 use crate::aoa::{Answer, Locate, Observation};
