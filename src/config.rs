@@ -15,7 +15,8 @@ impl ConfigError {
         Self { message }
     }
 
-    /// The name of the field.
+    /// The name of the field. Where one configuration holds another, this is the innermost field alone, without the fields
+    /// that lead to it.
     pub fn field(&self) -> &'static str {
         self.message.split(' ').next().unwrap_or_default()
     }

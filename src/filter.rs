@@ -18,7 +18,22 @@ use crate::weights::Weights;
 ///
 /// Takes 4 N (D + 2) + 8 bytes, has no heap and never moves itself: put it into a `static`, where it takes no flash.
 ///
-/// See [`crate::model`] for a complete example.
+/// ```
+/// use foxhunt::filter::ParticleFilter;
+/// use foxhunt::model::RandomWalk;
+/// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
+///
+/// let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+/// let mut filter = ParticleFilter::<1, 500>::new();
+/// filter.initialise(&mut rng, |rng| [10.0 * normal(rng)]);
+/// // The state was measured as 3, with a standard deviation of 0.5.
+/// let likelihood = |[x]: &[f32; 1]| -0.5 * ((x - 3.0) / 0.5).powi(2);
+/// filter.step(&RandomWalk { sigma: [0.1] }, &likelihood, 1.0, &mut rng)?;
+/// assert!((filter.mean()[0] - 3.0).abs() < 0.2);
+/// # Ok::<(), foxhunt::filter::UpdateError>(())
+/// ```
+///
+/// See [`crate::model`] for a model of one's own.
 #[derive(Debug, Clone)]
 pub struct ParticleFilter<const D: usize, const N: usize> {
     pub(crate) particles: Particles<D, N>,
@@ -26,8 +41,8 @@ pub struct ParticleFilter<const D: usize, const N: usize> {
 }
 
 impl<const D: usize, const N: usize> ParticleFilter<D, N> {
-    /// All particles at the origin, with equal weights, in bits that are all zero. Only [`ParticleFilter::initialise`]
-    /// or an update makes [`ParticleFilter::weights`] sum to one.
+    /// All particles at the origin, with equal weights, in bits that are all zero. [`ParticleFilter::weights`] are zeros
+    /// until a prediction, an update or [`ParticleFilter::initialise`] makes them sum to one.
     pub const EMPTY: Self = Self {
         particles: Particles::EMPTY,
         weights: Weights::EMPTY,
@@ -48,11 +63,11 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
         self.weights.make_equal();
     }
 
-    /// Follows the state for `dt` seconds to a measurement: resamples if the effective sample size is below half of the
-    /// number of particles, predicts, updates, and returns the log-evidence.
+    /// One step of the filter: resamples if the effective sample size is below `N / 2`, predicts by `dt` seconds, updates,
+    /// and returns the log-evidence.
     ///
-    /// The parts are there for all else: another fraction or scheme, a measurement that is missing (predict alone), a
-    /// second one of the same time (update alone).
+    /// Call the parts yourself for another threshold or scheme, for a missing measurement ([`predict`](Self::predict)
+    /// alone), or for a second measurement at the same time ([`update`](Self::update) alone).
     ///
     /// # Errors
     /// When no particle is left with any weight; the measurement then counts as missing.
@@ -70,6 +85,9 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
 
     /// Moves every particle by `dt` seconds.
     pub fn predict<R: Rng + ?Sized>(&mut self, dynamics: &impl Dynamics<D>, dt: f32, rng: &mut R) {
+        if self.weights.are_empty() {
+            self.weights.make_equal();
+        }
         dynamics.predict(&mut self.particles.columns_mut(), dt, rng);
     }
 
@@ -80,7 +98,7 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
     /// # Errors
     /// When no particle is left with any weight; the filter is then as before.
     pub fn update(&mut self, likelihood: &impl Likelihood<D>) -> Result<f32, UpdateError> {
-        let (_, log_likelihoods) = self.weights.columns_mut();
+        let log_likelihoods = self.weights.log_likelihoods_mut();
         likelihood.log_likelihoods(&self.particles.columns(), log_likelihoods);
         self.weights.update()
     }
@@ -143,7 +161,7 @@ impl<const D: usize, const N: usize> ParticleFilter<D, N> {
         self.particles.columns_mut()
     }
 
-    /// The weights, which sum to one.
+    /// The weights, which sum to one; see [`ParticleFilter::EMPTY`].
     pub fn weights(&self) -> &[f32] {
         self.weights.weights()
     }
@@ -182,6 +200,16 @@ mod tests {
     }
 
     #[test]
+    fn a_new_filter_that_only_predicts_has_moments() {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(62);
+        let mut filter = ParticleFilter::<1, 200>::new();
+        filter.predict(&RandomWalk { sigma: [2.0] }, 1.0, &mut rng);
+        assert_eq!(filter.weights(), [1.0 / 200.0; 200]);
+        let variance = filter.covariance()[0][0];
+        assert!(filter.mean()[0].abs() < 0.6 && (variance - 4.0).abs() < 1.4);
+    }
+
+    #[test]
     fn a_measurement_that_nothing_explains_changes_nothing() {
         let (mut filter, _) = spread_out();
         filter.update(&|[x, _]: &[f32; 2]| -x * x).unwrap();
@@ -213,8 +241,7 @@ mod tests {
 
     #[test]
     fn evidence_is_the_probability_of_the_measurement() {
-        // Half of the cloud finds the measurement e times as likely as the other half: whatever the cloud's
-        // weights, and after resampling, the evidence of a constant is that constant.
+        // The evidence of a constant likelihood is that constant, whatever the weights.
         let (mut filter, mut rng) = spread_out();
         assert!((filter.update(&|_: &[f32; 2]| -7.0).unwrap() + 7.0).abs() < 1e-5);
         filter

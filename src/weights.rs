@@ -15,8 +15,7 @@ use crate::resample::{Ancestors, Scheme, resample};
 /// use foxhunt::weights::Weights;
 ///
 /// let mut weights = Weights::<4>::EMPTY;
-/// let (_, log_likelihoods) = weights.columns_mut();
-/// *log_likelihoods = [0.0, 0.0, -100.0, -100.0];
+/// *weights.log_likelihoods_mut() = [0.0, 0.0, -100.0, -100.0];
 /// let log_evidence = weights.update()?;
 /// // Half of the particles explain the measurement.
 /// assert!((log_evidence - 0.5_f32.ln()).abs() < 1e-6);
@@ -35,24 +34,11 @@ pub struct Weights<const N: usize> {
     effective_sample_size: f32,
 }
 
-/// Why an update was refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum UpdateError {
-    /// Every particle finds the measurement impossible (log-likelihood minus infinity, or NaN). The filter
-    /// stays as it was: leave the measurement out, or start again from elsewhere.
-    AllWeightsZero,
-}
-
-messages!(UpdateError {
-    Self::AllWeightsZero => "every particle finds the measurement impossible",
-});
-
 impl<const N: usize> Weights<N> {
     /// Equal weights, in bits that are all zero: [`Weights::weights`] holds zeros until the first call of any other method
     /// that changes the weights.
     pub const EMPTY: Self = {
+        // Refinements number particles in 16 bits, and resampling is tested up to this number.
         assert!(N > 0 && N <= 1 << 16, "from one to 65,536 particles");
         Self {
             log_weights: [0.0; N],
@@ -80,27 +66,41 @@ impl<const N: usize> Weights<N> {
         &self.weights
     }
 
+    /// Whether the weights are still those of [`Weights::EMPTY`].
+    pub(crate) fn are_empty(&self) -> bool {
+        self.effective_sample_size <= 0.0
+    }
+
     /// Natural logarithm of the sum of the exponentials of the log-weights.
     pub fn log_sum(&self) -> f32 {
-        if self.effective_sample_size > 0.0 {
-            self.log_sum
-        } else {
+        if self.are_empty() {
             const { ln(N as f32) }
+        } else {
+            self.log_sum
         }
     }
 
     /// How many equally weighted particles the cloud is worth, from 1 to `N`.
     pub fn effective_sample_size(&self) -> f32 {
-        if self.effective_sample_size > 0.0 {
-            self.effective_sample_size
-        } else {
+        if self.are_empty() {
             N as f32
+        } else {
+            self.effective_sample_size
         }
     }
 
-    /// The column of log-weights and that of weights, to be changed before [`Weights::normalise`], which reads the first, or
-    /// [`Weights::update`], which reads the second as log-likelihoods.
-    pub fn columns_mut(&mut self) -> (&mut [f32; N], &mut [f32; N]) {
+    /// The log-weights, to be set before [`Weights::normalise`].
+    pub fn log_weights_mut(&mut self) -> &mut [f32; N] {
+        &mut self.log_weights
+    }
+
+    /// The log-likelihoods, to be set before [`Weights::update`]. They take the place of the weights until then.
+    pub fn log_likelihoods_mut(&mut self) -> &mut [f32; N] {
+        &mut self.weights
+    }
+
+    /// The columns of log-weights and of weights.
+    pub(crate) fn columns_mut(&mut self) -> (&mut [f32; N], &mut [f32; N]) {
         (&mut self.log_weights, &mut self.weights)
     }
 
@@ -110,10 +110,10 @@ impl<const N: usize> Weights<N> {
     /// When no particle has a weight. The log-weights are then as before, and the weights of no use.
     pub fn normalise(&mut self) -> Result<(), UpdateError> {
         let normalised = normalise(&mut self.log_weights, &mut self.weights);
-        self.keep(normalised).map(drop)
+        self.store(normalised).map(drop)
     }
 
-    /// Multiplies the weights by likelihoods, whose logarithms were written into the second of [`Weights::columns_mut`].
+    /// Multiplies the weights by likelihoods, whose logarithms were written into [`Weights::log_likelihoods_mut`].
     /// Returns the log-evidence: the natural logarithm of the weighted mean of the likelihoods.
     ///
     /// # Errors
@@ -125,12 +125,12 @@ impl<const N: usize> Weights<N> {
             // The weights follow from the log-weights, which are untouched.
             normalise(&mut self.log_weights, &mut self.weights);
         }
-        let Normalised { shift, log_sum, .. } = self.keep(normalised)?;
+        let Normalised { shift, log_sum, .. } = self.store(normalised)?;
         Ok(shift + log_sum - before)
     }
 
-    /// Keeps the sums, if there are any.
-    fn keep(&mut self, normalised: Option<Normalised>) -> Result<Normalised, UpdateError> {
+    /// Stores the sums, if there are any.
+    fn store(&mut self, normalised: Option<Normalised>) -> Result<Normalised, UpdateError> {
         let normalised = normalised.ok_or(UpdateError::AllWeightsZero)?;
         self.log_sum = normalised.log_sum;
         self.effective_sample_size = normalised.effective_sample_size;
@@ -153,14 +153,28 @@ impl<const N: usize> Weights<N> {
     }
 }
 
+/// Why an update was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum UpdateError {
+    /// Every particle finds the measurement impossible (log-likelihood minus infinity, or NaN). The filter
+    /// stays as it was: leave the measurement out, or start again from elsewhere.
+    AllWeightsZero,
+}
+
+messages!(UpdateError {
+    Self::AllWeightsZero => "every particle finds the measurement impossible",
+});
+
 persist!(impl[const N: usize] Weights<N> as "Weights"(N) { log_weights, weights, log_sum, effective_sample_size });
 
-/// What the sum over the weights says.
+/// Sums that a normalisation yields.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Normalised {
-    /// What was taken off every log-weight: the largest of them.
+    /// The largest log-weight, which was subtracted from all.
     pub shift: f32,
-    /// Natural logarithm of the sum of what the shifted log-weights stand for; with `shift`, of the original sum.
+    /// Natural logarithm of the sum of exp(log-weight - shift).
     pub log_sum: f32,
     /// (sum w)^2 / sum w^2: how many equally weighted particles would be worth as much, from 1 to their number but for
     /// rounding.
@@ -202,10 +216,10 @@ fn reweigh(log_weights: &mut [f32], weights: &mut [f32]) -> Option<Normalised> {
 /// Largest of the sums that is finite, or minus infinity. Where a sum is plus infinity, the second summand
 /// becomes NaN, which is no weight from then on.
 fn largest_sum(log_weights: &[f32], log_likelihoods: &mut [f32]) -> f32 {
-    let of_all = |log_likelihoods: &[f32]| {
+    let largest_of = |log_likelihoods: &[f32]| {
         let mut largest = f32::NEG_INFINITY;
-        for (l, more) in log_weights.iter().zip(log_likelihoods) {
-            let sum = l + more;
+        for (log_weight, log_likelihood) in log_weights.iter().zip(log_likelihoods) {
+            let sum = log_weight + log_likelihood;
             // False for NaN.
             if sum > largest {
                 largest = sum;
@@ -213,16 +227,16 @@ fn largest_sum(log_weights: &[f32], log_likelihoods: &mut [f32]) -> f32 {
         }
         largest
     };
-    let largest = of_all(log_likelihoods);
+    let largest = largest_of(log_likelihoods);
     if largest < f32::INFINITY {
         return largest;
     }
-    for (l, more) in log_weights.iter().zip(log_likelihoods.iter_mut()) {
-        if l + *more == f32::INFINITY {
-            *more = f32::NAN;
+    for (log_weight, log_likelihood) in log_weights.iter().zip(log_likelihoods.iter_mut()) {
+        if log_weight + *log_likelihood == f32::INFINITY {
+            *log_likelihood = f32::NAN;
         }
     }
-    of_all(log_likelihoods)
+    largest_of(log_likelihoods)
 }
 
 /// Adds to every log-weight what stands in its weight, less `largest`, and sets the weight to the exponential. Returns the
@@ -290,12 +304,12 @@ mod tests {
     fn empty_weights_are_equal() {
         let mut weights = Weights::<64>::EMPTY;
         assert_eq!(weights.effective_sample_size(), 64.0);
-        weights.columns_mut().1.fill(1.5);
+        weights.log_likelihoods_mut().fill(1.5);
         assert!((weights.update().unwrap() - 1.5).abs() < 1e-5);
         assert_eq!(weights.weights(), [1.0 / 64.0; 64]);
 
         let mut weights = Weights::<64>::EMPTY;
-        weights.columns_mut().1.fill(f32::NAN);
+        weights.log_likelihoods_mut().fill(f32::NAN);
         assert_eq!(weights.update(), Err(UpdateError::AllWeightsZero));
         assert_eq!(weights.weights(), [1.0 / 64.0; 64]);
         assert_eq!(weights.effective_sample_size(), 64.0);

@@ -44,7 +44,7 @@ pub fn cloud(rng: &mut Xoshiro128PlusPlus) {
     cloud.set(any(0), any([0.0; 3]));
     black_box(cloud.get(any(0)));
     let mut weights = any(Weights::<50>::EMPTY);
-    *weights.columns_mut().1 = any([0.0; 50]);
+    *weights.log_likelihoods_mut() = any([0.0; 50]);
     _ = black_box((weights.update(), weights.normalise()));
     weights.resample(any(Scheme::Systematic), rng, |ancestors, scratch| {
         cloud.gather(ancestors, scratch);

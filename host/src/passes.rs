@@ -103,7 +103,7 @@ impl Pass {
             side * rng.random_range(200.0..800.0),
             rng.random_range(300.0..600.0),
         ];
-        let bias = f64::from(CONFIG.locator.track.track.errors.bias_sigma_rad).to_degrees()
+        let bias = f64::from(CONFIG.locator.track.stationary.errors.bias_sigma_rad).to_degrees()
             * normal(&mut rng);
         let (radius, signal_db) = (rng.random_range(0.2..0.42), rng.random_range(10.0..30.0));
         let errors = std::array::from_fn(|_| phase_sigma.to_radians() * normal(&mut rng));

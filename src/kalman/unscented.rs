@@ -15,7 +15,8 @@ use crate::math::vector::{difference, plus_scaled};
 /// Calls the model `2 D + 1` times for a prediction and as often for an update.
 ///
 /// A configuration that serves any number of filters, whose states are [`Gaussian`]s. See [`crate::kalman`] for an
-/// example.
+/// example. The fields are not checked when it is used: call [`Unscented::check`], or [`config!`](crate::config!) in a
+/// constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Unscented {
@@ -56,7 +57,7 @@ impl Unscented {
         Ok(())
     }
 
-    /// Moves `state`: x' = `transition`(x) + `noise`. Noise whose mean is not zero belongs into `transition`.
+    /// Moves `state`: x' = `transition`(x) + `noise`. Noise whose mean is not zero belongs in `transition`.
     ///
     /// # Errors
     /// When the result is not finite; the state is then as before.
@@ -93,6 +94,12 @@ impl Unscented {
         state.condition(mean, &slopes, &rest)
     }
 
+    /// The distribution of `function` of the state, by sigma points `mean +- reach L_d`, with `L` the factor of the
+    /// covariance.
+    ///
+    /// With f(0) the value in the middle and f(+d) and f(-d) at the ends, slope_d = (f(+d) - f(-d)) / (2 reach) and
+    /// bend_d = (f(+d) + f(-d)) / 2 - f(0). The mean is f(0) + shift, shift = sum bend_d / reach^2; the covariance is
+    /// sum slope_d slope_d^T + rest.
     fn transform<const D: usize, const M: usize>(
         &self,
         state: &Gaussian<D>,
@@ -102,7 +109,6 @@ impl Unscented {
         let square = self.alpha * self.alpha * (D as f32 + self.kappa);
         let reach = sqrt(square);
         let middle = function(&state.mean);
-        // Of both ends of a column: half the sum less the middle, and half the difference.
         let mut bends = [[0.0; M]; D];
         let mut slopes = [[0.0; M]; D];
         let mut bend = [0.0; M];
@@ -116,7 +122,7 @@ impl Unscented {
             *slopes = difference(above, below).map(|s| 0.5 * s / reach);
             bend = plus_scaled(bend, 1.0, own.map(|b| b / D as f32));
         }
-        // Of the outer points together, the average lies `bend` from the middle; the mean, further.
+        // `bend` is the average of the outer points less the middle; the weighted mean lies D / reach^2 times as far.
         let shift = bend.map(|b| b * (D as f32 / square));
         let mut rest = *noise;
         for own in bends {

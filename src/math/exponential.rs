@@ -10,6 +10,7 @@ use super::ROUND;
 const fn exp2_bits(t: f32) -> u32 {
     let rounded = t + ROUND;
     let f = t - (rounded - ROUND);
+    // Relative error below 2^-21.6 for f within [-1/2, 1/2], with the rounding of f32.
     // Even and odd powers apart: one product more than Horner's rule, but two chains that do not wait for each other.
     let square = f * f;
     let even = 1.000_000_1 + square * (2.402_212e-1 + square * 9.675_541e-3);
@@ -26,14 +27,14 @@ pub const fn exp(x: f32) -> f32 {
     f32::from_bits(if within {
         exp2_bits(x * LOG2_E)
     } else {
-        exp_at_the_ends(x).to_bits()
+        exp_outside(x).to_bits()
     })
 }
 
 /// Where the result overflows or is subnormal. Apart, so that it takes no registers from the loop that calls `exp`.
 #[cold]
 #[inline(never)]
-const fn exp_at_the_ends(x: f32) -> f32 {
+const fn exp_outside(x: f32) -> f32 {
     if x.is_nan() {
         // Its bits are no number to shift.
         f32::NAN
@@ -78,13 +79,13 @@ pub const fn ln(x: f32) -> f32 {
     if bits.wrapping_sub(SMALLEST) < BEYOND - SMALLEST {
         ln_of_normal(bits)
     } else {
-        ln_at_the_ends(bits)
+        ln_special(bits)
     }
 }
 
 #[cold]
 #[inline(never)]
-const fn ln_at_the_ends(bits: u32) -> f32 {
+const fn ln_special(bits: u32) -> f32 {
     let x = f32::from_bits(bits);
     if x < 0.0 {
         f32::NAN
@@ -104,6 +105,7 @@ const fn ln_of_normal(bits: u32) -> f32 {
     let e = (bits.wrapping_sub(SQRT_HALF) as i32) >> 23;
     let m = f32::from_bits(bits.wrapping_sub((e as u32) << 23));
     let t = m - 1.0;
+    // Absolute error below 2^-21.1 and relative error below 2^-19.6 for such m, with the rounding of f32.
     let p = t
         * (1.000_001
             + t * (-5.000_111_3e-1

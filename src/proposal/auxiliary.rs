@@ -176,8 +176,7 @@ impl<const D: usize, const N: usize> AuxiliaryFilter<D, N> {
     }
 
     fn exchange_log_weights(&mut self) {
-        let (log_weights, _) = self.weights.columns_mut();
-        core::mem::swap(log_weights, &mut self.next.log_weights);
+        core::mem::swap(self.weights.log_weights_mut(), &mut self.next.log_weights);
     }
 
     /// Makes the weights again those of the particles.

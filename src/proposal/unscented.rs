@@ -117,7 +117,7 @@ impl<const D: usize, const N: usize> UnscentedParticleFilter<D, N> {
                 Err(_) => (transition.step(from, dt, rng), 0.0),
             };
             write(&mut self.cloud.columns_mut(), i, to);
-            let (_, log_likelihoods) = self.cloud.weights.columns_mut();
+            let log_likelihoods = self.cloud.weights.log_likelihoods_mut();
             if let Some(place) = log_likelihoods.get_mut(i) {
                 *place = sensor.log_likelihood(&to) + log_ratio;
             }

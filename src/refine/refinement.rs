@@ -12,6 +12,13 @@ use crate::random::Rng;
 pub enum Acceptance {
     /// As published: fish and fireflies go where their rules send them, evolution keeps the better of two. The
     /// cloud shrinks towards the modes; means profit from it at times, credible regions never.
+    ///
+    /// In a [`Clean`](crate::aoa::Clean) locator it draws the particles together at the mode: the ellipse is too small and
+    /// holds the source far less often than it says, and the effective sample size no longer tells when the particles must
+    /// move. With lengths relative to the cloud, fish and fireflies that have gathered cannot follow the mode, and the fix
+    /// stays behind by many sigmas. Give them [`Lengths::Absolute`](crate::refine::Lengths::Absolute) of the accuracy that
+    /// is hoped for, which is then what the ellipse shows, and have them move after every bearing, with
+    /// [`resample_below`](crate::aoa::clean::Config::resample_below) at 1.
     #[default]
     Greedy,
     /// As Metropolis-Hastings proposals, with the probability of the way back where it is another than that of

@@ -32,7 +32,7 @@
 //! |---|---|
 //! | 4 | `FXSN` |
 //! | 4 | version of the format: 1 |
-//! | 4 | shape of the type: a hash of what it is and of its constants, such as the number of particles |
+//! | 4 | [shape](Persist::SHAPE) of the type: a hash of its name, its constants and its fields |
 //! | 4 | length of the content in bytes |
 //! | | the content: numbers as they are, lists after their length |
 //! | 4 | CRC-32 (of Ethernet and zip) of all before it |
@@ -63,9 +63,9 @@ pub(crate) use persist::{Value, by_value, size_of_field, value, value_as};
 
 const MAGIC: [u8; 4] = *b"FXSN";
 const VERSION: u32 = 1;
-/// Bytes before the content,
+/// Bytes before the content.
 const HEADER: usize = 16;
-/// and behind it.
+/// Bytes after the content.
 const CHECKSUM: usize = 4;
 
 /// Why a state was not saved, or not restored.
@@ -89,7 +89,8 @@ pub enum Error {
     Truncated,
     /// The checksum is wrong.
     Checksum,
-    /// The snapshot is of another type, or of one with other constants, such as another number of particles.
+    /// The snapshot is of another type, or of one with other fields or constants, such as another number of particles. A
+    /// [shape](Persist::SHAPE) does not see the types of a plain value's fields beyond their size.
     Shape,
     /// A value that no state has: the snapshot was forged, or by another program.
     Malformed,

@@ -1,4 +1,9 @@
 //! What can be saved and restored.
+//!
+//! | trait | for | implemented by |
+//! |---|---|---|
+//! | [`Persist`] | state of any size, read in place | [`persist!`](crate::persist!), or `by_value!` for a [`Value`] |
+//! | [`Value`] | a value small enough to be returned | `value!` by its fields, `value_as!` by another value |
 
 use super::{Error, Reader, Writer};
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
@@ -7,7 +12,7 @@ use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 ///
 /// Locators, filters, planes and generators are; so are tuples of two to four of them and mutable references to them, for
 /// states that are kept apart: `snapshot::save(&(&mut locator, &mut generator), &mut buffer)`. For a type of your own,
-/// [`persist!`](crate::persist!) names the fields that count:
+/// [`persist!`](crate::persist!) names the fields that a snapshot holds:
 ///
 /// ```
 /// use foxhunt::filter::ParticleFilter;
@@ -15,7 +20,7 @@ use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 ///
 /// struct Hunt { filter: ParticleFilter<2, 100>, steps: u32 }
 ///
-/// foxhunt::persist!(impl[] Hunt as "Hunt"() { filter, steps });
+/// foxhunt::persist!(Hunt { filter, steps });
 ///
 /// let hunt = Hunt { filter: ParticleFilter::new(), steps: 7 };
 /// let mut buffer = [0; snapshot::largest::<Hunt>()];
@@ -26,7 +31,8 @@ use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 /// # Ok::<(), Error>(())
 /// ```
 pub trait Persist {
-    /// Differs from that of any other type, and of the same with other constants, by [`shape`].
+    /// A hash of the type's name, its constants, its fields' names and their shapes, by [`shape`]. It does not see the
+    /// types of a plain value's fields beyond their size.
     const SHAPE: u32;
 
     /// The most bytes that it takes.
@@ -77,26 +83,27 @@ pub trait Persist {
     }
 }
 
-/// What a macro cannot see: the shape and the bytes of a field's type.
-#[doc(hidden)]
-pub const fn of_field<S, F: Persist>(_: fn(&S) -> &F) -> (u32, usize) {
-    (F::SHAPE, F::BYTES)
-}
-
 /// Implements [`Persist`](crate::snapshot::Persist) by the fields that a snapshot holds, in this order.
 ///
-/// First the generic parameters, then the type, its name and its constants, the fields, and those that a snapshot does
-/// not hold because they follow from the others or mean nothing: `persist!(impl[const N: usize] Track<N> as "Track"(N)
-/// { filter, steps } without { scratch })`. A field that is in neither list does not compile.
+/// `persist!(Hunt { filter, steps })` is enough for a type without generic parameters. `persist!(impl[const N: usize]
+/// Track<N> as "Track"(N) { filter, steps } without { scratch })` gives, in this order: the generic parameters, the type,
+/// its name in the shape and its constants, the fields, and those that a snapshot does not hold because they follow from
+/// the others or mean nothing. A field that is in neither list does not compile.
 #[macro_export]
 macro_rules! persist {
+    ($type:ident { $($field:ident),+ $(,)? }) => {
+        $crate::persist!(@ [] $type, stringify!($type), [] { $($field),+ });
+    };
+    (impl[$($generics:tt)*] $type:ty as $name:literal($($constant:expr),*) $($fields:tt)+) => {
+        $crate::persist!(@ [$($generics)*] $type, $name, [$($constant),*] $($fields)+);
+    };
     (
-        impl[$($generics:tt)*] $type:ty as $name:literal($($constant:expr),*)
+        @ [$($generics:tt)*] $type:ty, $name:expr, [$($constant:expr),*]
         { $($field:ident),+ $(,)? } $(without { $($left_out:ident),+ $(,)? })?
     ) => {
         impl<$($generics)*> $crate::snapshot::Persist for $type {
             const SHAPE: u32 = $crate::snapshot::shape(
-                $name,
+                concat!($name $(, " ", stringify!($field))+),
                 &[$($constant as u32,)* $($crate::snapshot::of_field(|s: &Self| &s.$field).0),+],
             );
             const BYTES: usize = 0 $(+ $crate::snapshot::of_field(|s: &Self| &s.$field).1)+;
@@ -155,11 +162,6 @@ pub(crate) trait Value: Sized {
     fn read(from: &mut Reader<'_>) -> Result<Self, Error>;
 }
 
-/// The bytes of a field's type.
-pub(crate) const fn size_of_field<S, F: Value>(_: fn(&S) -> &F) -> usize {
-    F::SIZE
-}
-
 /// A structure that is a value: its fields, in this order.
 macro_rules! value {
     ($type:ident { $($field:ident),+ $(,)? }) => {
@@ -176,7 +178,7 @@ macro_rules! value {
                 Ok(Self { $($field: $crate::snapshot::Value::read(from)?),+ })
             }
         }
-        $crate::snapshot::by_value!($type);
+        $crate::snapshot::by_value!(impl[] $type, concat!(stringify!($type) $(, " ", stringify!($field))+));
     };
 }
 pub(crate) use value;
@@ -259,6 +261,7 @@ numbers!(u8, u16, u32, u64, i8, i32, i64, f32);
 by_value!(u8, u16, u32, u64, i8, i32, i64, bool, Xoshiro128PlusPlus);
 by_value!(impl[T: Value] Option<T>, "Option");
 
+/// Any bits are a number: columns are copied and skipped whole.
 impl Persist for f32 {
     const SHAPE: u32 = shape("f32", &[]);
     const BYTES: usize = 4;
@@ -424,4 +427,15 @@ tuples! {
     (A 0, B 1)
     (A 0, B 1, C 2)
     (A 0, B 1, C 2, D 3)
+}
+
+/// What a macro cannot see: the shape and the bytes of a field's type.
+#[doc(hidden)]
+pub const fn of_field<S, F: Persist>(_: fn(&S) -> &F) -> (u32, usize) {
+    (F::SHAPE, F::BYTES)
+}
+
+/// The bytes of a field's type.
+pub(crate) const fn size_of_field<S, F: Value>(_: fn(&S) -> &F) -> usize {
+    F::SIZE
 }

@@ -158,7 +158,7 @@ fn so_does_a_robust_one() {
 fn so_does_one_of_a_manoeuvring_source() {
     type State = (Manoeuvring<Robust<64, 12>>, Xoshiro128PlusPlus);
     let mut config = manoeuvring::Config::DEFAULT;
-    config.track.errors.bias_sigma_rad = 0.05;
+    config.stationary.errors.bias_sigma_rad = 0.05;
     let mut rng = generator();
     let round = |i: u32| {
         let (sin, cos) = sin_cos(0.08 * i as f32);
@@ -302,6 +302,38 @@ fn every_flipped_bit_and_every_truncation_is_refused() {
     // What stands behind it is nobody's concern.
     restore(&mut state, &[&snapshot[..], &[1, 2, 3]].concat()).unwrap();
     assert_eq!(saved(&state), snapshot);
+}
+
+#[test]
+fn renamed_and_swapped_fields_are_refused() {
+    /// Refuses snapshots of types with other fields.
+    macro_rules! others {
+        ($($first:ident, $second:ident);+) => {$({
+            #[derive(Debug, Default)]
+            struct State { $first: u32, $second: u32 }
+            crate::persist!(State { $first, $second });
+            assert_eq!(assert_refused(&mut State::default(), &snapshots().0), Error::Shape);
+
+            #[derive(Debug, Default)]
+            struct Plain { $first: u32, $second: u32 }
+            value!(Plain { $first, $second });
+            assert_eq!(assert_refused(&mut Plain::default(), &snapshots().1), Error::Shape);
+        })+};
+    }
+    fn snapshots() -> (Vec<u8>, Vec<u8>) {
+        struct State {
+            a: u32,
+            b: u32,
+        }
+        crate::persist!(State { a, b });
+        struct Plain {
+            a: u32,
+            b: u32,
+        }
+        value!(Plain { a, b });
+        (saved(&State { a: 1, b: 2 }), saved(&Plain { a: 1, b: 2 }))
+    }
+    others!(b, a; a, c);
 }
 
 #[test]

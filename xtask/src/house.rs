@@ -2,6 +2,7 @@
 
 mod circles;
 mod count;
+mod docs;
 mod lengths;
 mod modules;
 mod resolve;
@@ -17,7 +18,8 @@ use anyhow::{Result, bail};
 use self::sources::Sources;
 use crate::project;
 
-/// Fails, listing everything found, unless files need each other one way, are short, and keep to the glossary.
+/// Fails, listing everything found, unless files need each other one way, are short, keep to the glossary, and doc
+/// comments end where their items begin.
 pub fn check() -> Result<()> {
     let found = find(project::root())?;
     if !found.is_empty() {
@@ -42,6 +44,7 @@ fn find(root: &Path) -> Result<Vec<String>> {
     let sources = Sources::read(root)?;
     let mut found = circles::find(&sources)?;
     found.extend(lengths::find(&sources));
+    found.extend(docs::find(&sources));
     found.extend(words::find(&sources));
     Ok(found)
 }

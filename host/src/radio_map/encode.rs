@@ -46,11 +46,11 @@ impl Options {
     fn check(&self) -> Result<()> {
         ensure!(
             self.bandwidth > 0.0 && self.bandwidth <= 50.0,
-            "bandwidth is not within 0 and 50 dB"
+            "bandwidth must be from 0 to 50 dB"
         );
         ensure!(
             self.outliers > 0.0 && self.outliers < 0.5,
-            "outliers is not within 0 and 0.5"
+            "outliers must be from 0 to 0.5"
         );
         ensure!(
             self.reach.is_none_or(|reach| reach >= 0.0),

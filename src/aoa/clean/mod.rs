@@ -9,9 +9,8 @@
 //!   by all bearings.
 //! * Each further bearing weighs them once. When the effective sample size falls, they are resampled and moved by
 //!   Metropolis-Hastings steps that leave the posterior of all bearings invariant (resample-move: Gilks and Berzuini
-//!   2001): draws about the mode of the posterior and
-//!   steps of a random walk, or those of any [`Refinement`](crate::refine::Refinement) of the
-//!   [configuration](Config::with_refinement).
+//!   2001): draws about the mode of the posterior and steps of a random walk, or those of any
+//!   [`Refinement`](crate::refine::Refinement) of the [configuration](Config::with_refinement).
 //! * When the buffer is full, the two bearings that say most nearly the same are averaged: none is forgotten.
 
 mod posterior;
@@ -65,14 +64,8 @@ impl<M> Config<M> {
     /// ```
     ///
     /// With [`Acceptance::Metropolis`](crate::refine::Acceptance::Metropolis), as here, the posterior stays exact and so
-    /// does the ellipse, if each particle is offered four places or so.
-    ///
-    /// [`Acceptance::Greedy`](crate::refine::Acceptance::Greedy) is there because it was published. It draws the particles
-    /// together at the mode: the ellipse is too small and holds the source far less often than it says, and the effective
-    /// sample size does not tell any more when they must move. With lengths relative to the cloud, fish and fireflies that
-    /// have gathered cannot follow the mode, and the fix stays behind by many sigmas: give them
-    /// [`Lengths::Absolute`](crate::refine::Lengths::Absolute) of the accuracy that is hoped for, which is then what the
-    /// ellipse shows, and have them move after every bearing, with `resample_below` at 1.
+    /// does the ellipse, if each particle is offered four places or so. Read at
+    /// [`Acceptance::Greedy`](crate::refine::Acceptance::Greedy) what that form does to the ellipse.
     pub const fn with_refinement(refinement: M) -> Self {
         Self {
             relative_range_sigma: 0.25,
@@ -94,8 +87,8 @@ impl<M> Config<M> {
 
 /// Locates one stationary source by clean bearings, with `N` particles and a buffer of `B` bearings.
 ///
-/// `M` moves the particles: the locator's own moves, `()`, or any [`Refinement`](crate::refine::Refinement), whose memory takes `28 N + 1028` bytes
-/// more. See [`Locator`](super::Locator) for an example.
+/// `M` moves the particles: the locator's own moves, `()`, or any [`Refinement`](crate::refine::Refinement), whose memory
+/// takes `28 N + 1028` bytes more. See [`Locator`](super::Locator) for an example.
 #[derive(Debug, Clone)]
 pub struct Clean<const N: usize, const B: usize = 64, M: Moves<N> = ()> {
     bearings: Buffer<B>,
@@ -132,10 +125,15 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
         config.refinement.check()
     }
 
-    /// Evaluates `N` likelihoods when no particle needs to move, `N (1 + B (moves + 1))` when they do, `10 N B` for the
-    /// first fix (with `N` rounded up to a multiple of 16), and takes a Gauss-Newton search of the `B` bearings for
-    /// either. The first fix is the same whatever moves the particles; a refinement then takes `B` times its
-    /// [`evaluations`](crate::refine::Refinement::evaluations) to move them, after the locator's own moves if fewer than 8 were left.
+    /// Number of likelihoods that it evaluates:
+    ///
+    /// * no particle moves: `N`
+    /// * the particles move: `N (1 + B (moves + 1))`, and a Gauss-Newton search of the `B` bearings
+    /// * first fix: `10 N B` with `N` rounded up to a multiple of 16, and such a search
+    ///
+    /// The first fix is the same whatever moves the particles. A refinement then takes `B` times its
+    /// [`evaluations`](crate::refine::Refinement::evaluations) to move them, after the locator's own moves if the
+    /// effective sample size is below 8.
     fn push<R: Rng + ?Sized>(
         &mut self,
         observation: &Observation,
@@ -229,7 +227,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
         if have < 2 {
             return Err(NotObservable::TooFewBearings { have: have as u32 });
         }
-        let (misfit_at_infinity, information) = misfit_at_infinity(&self.bearings);
+        let (at_infinity, information) = misfit_at_infinity(&self.bearings);
         let crossing = |gain| Crossing {
             gain,
             information,
@@ -239,24 +237,24 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
         let mut best = None;
         for _ in 0..CANDIDATES {
             if let Some(point) = intersection(bearings, rng) {
-                let misfit = misfit(&self.bearings, point);
-                if best.is_none_or(|(_, least)| misfit < least) {
-                    best = Some((point, misfit));
+                let residual = misfit(&self.bearings, point);
+                if best.is_none_or(|(_, least)| residual < least) {
+                    best = Some((point, residual));
                 }
             }
         }
-        let Some(mode) = best.and_then(|(start, _)| mode(&self.bearings, start)) else {
+        let Some(found) = best.and_then(|(start, _)| mode(&self.bearings, start)) else {
             // Are they as parallel as their errors let them be?
-            return Err(if is_consistent(misfit_at_infinity, have as f32 - 1.0) {
+            return Err(if is_consistent(at_infinity, have as f32 - 1.0) {
                 crossing(0.0).reason()
             } else {
                 NotObservable::NoIntersection
             });
         };
-        let gain = misfit_at_infinity - misfit(&self.bearings, mode.mean());
-        let variance = mode.covariance().largest_eigenvalue();
-        crossing(gain).check(variance, self.bearings.range_squared(mode.mean()))?;
-        Ok(mode)
+        let gain = at_infinity - misfit(&self.bearings, found.mean());
+        let variance = found.covariance().largest_eigenvalue();
+        crossing(gain).check(variance, self.bearings.range_squared(found.mean()))?;
+        Ok(found)
     }
 
     /// Starts the particles from intersections of pairs of bearings.

@@ -11,6 +11,9 @@ use crate::snapshot::value;
 /// A full buffer makes room by averaging the two bearings that say most nearly the same: a long drive thins out where it
 /// was far from the source, a stationary vehicle's readings become one, and nothing is forgotten. All bits of an empty one
 /// are zero.
+///
+/// A reading comes in by three calls, in this order: [`admit`](Buffer::admit), which may refuse it, [`note`](Buffer::note)
+/// and [`add`](Buffer::add).
 #[derive(Debug, Clone)]
 pub(in crate::aoa) struct Buffer<const B: usize> {
     entries: Vec<Entry, B>,
@@ -46,7 +49,7 @@ impl<const B: usize> Buffer<B> {
         self.entries.iter().map(|entry| &entry.observation)
     }
 
-    /// How many readings went in.
+    /// Number of readings that went in.
     pub(in crate::aoa) fn count(&self) -> u32 {
         (self.count + 0.5) as u32
     }
@@ -93,7 +96,7 @@ impl<const B: usize> Buffer<B> {
         self.count += probability;
     }
 
-    /// Takes the bearings that are `wanted` of another buffer, and what is its latest.
+    /// Takes the `wanted` bearings of another buffer, and its latest observation.
     pub(in crate::aoa) fn adopt<'a>(
         &mut self,
         wanted: impl Iterator<Item = &'a Entry>,
@@ -199,9 +202,9 @@ pub(in crate::aoa) struct Entry {
     pub(in crate::aoa) observation: Observation,
     /// The probability, beside others of the same reading, that it is the one if any is.
     pub(in crate::aoa) probability: f32,
-    /// How many readings it is the mean of,
+    /// Number of readings averaged.
     pub(in crate::aoa) readings: f32,
-    /// and how many independent ones these are worth.
+    /// Number of independent readings that carry the same information.
     pub(in crate::aoa) worth: f32,
     /// When the first of them was taken.
     pub(in crate::aoa) first_ms: u32,

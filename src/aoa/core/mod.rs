@@ -9,16 +9,15 @@ use crate::math::sqrt;
 pub(super) use buffer::{Buffer, Comparison, Entry, square_of_distance};
 pub(super) use sweep::{BLOCK, Block, Proposal, Target, sweep};
 
-/// Whether particles that are worth so many of `count` are to be resampled and moved.
+/// Whether `count` particles of this effective sample size are to be resampled and moved.
 pub(super) fn is_depleted(effective_sample_size: f32, count: usize, fraction: f32) -> bool {
     let needed = fraction * count as f32;
     // A single particle that is left has no covariance to say so.
     effective_sample_size < if needed > 2.0 { needed } else { 2.0 }
 }
 
-/// How far bearings rule out that they are parallel, that the source is anywhere up to infinity: by the likelihood ratio,
-/// because the curvature of the likelihood alone is deceived by the intersections that errors make of parallel bearings,
-/// among the vehicle's own places.
+/// Test against the hypothesis that the bearings are parallel (source at infinity), by the likelihood ratio. The curvature
+/// alone misleads: errors make parallel bearings cross near the vehicle.
 pub(in crate::aoa) struct Crossing {
     /// Twice the gain in log-likelihood of the best place over the best direction at infinity.
     pub(in crate::aoa) gain: f32,
@@ -53,7 +52,7 @@ impl Crossing {
     }
 }
 
-/// Whether a largest variance is small beside a squared range.
+/// Whether the largest variance of a position is small beside its squared range.
 pub(in crate::aoa) fn is_narrow(variance: f32, range: f32, limit: f32) -> bool {
     variance <= limit * limit * range
 }

@@ -25,11 +25,11 @@ const SAME_PLACE: f32 = 3.0;
 pub(super) struct Component {
     pub(super) position: [f32; 2],
     pub(super) velocity: [f32; 2],
-    /// Covariance of the position,
+    /// Covariance of the position.
     pub(super) position_covariance: Symmetric2,
-    /// of the position (rows) with the velocity,
+    /// Covariance of the position (rows) with the velocity.
     pub(super) cross_covariance: [[f32; 2]; 2],
-    /// and of the velocity.
+    /// Covariance of the velocity.
     pub(super) velocity_covariance: Symmetric2,
     /// For how many seconds it has been stationary; negative while it moves.
     pub(super) stationary_s: f32,

@@ -11,7 +11,7 @@ use crate::config::require_within;
 ///
 /// // A cyclist, hunted with an array that has a bias.
 /// const CYCLIST: Config = foxhunt::config!(Config {
-///     track: robust::Config::CITY,
+///     stationary: robust::Config::CITY,
 ///     speed_m_s: 5.0,
 ///     straight_s: 30.0,
 ///     ..Config::DEFAULT
@@ -22,25 +22,25 @@ use crate::config::require_within;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Config<C = robust::Config> {
-    /// That of the stationary locator.
-    pub track: C,
+    /// Configuration of the stationary locator.
+    pub stationary: C,
     /// Root mean square of the source's speed while it moves, in metres a second, 0.05 to 100.
     pub speed_m_s: f32,
-    /// How long the source is stationary, in the mean, in seconds, 1 to 1e6. The longer, the more it takes to believe that
-    /// it moves.
+    /// Mean time for which the source is stationary, in seconds, 1 to 1e6. The longer, the more evidence it takes to
+    /// believe that the source moves.
     pub stationary_s: f32,
-    /// How long the source moves, in the mean, before it stops again, in seconds, 1 to 1e6.
+    /// Mean time for which the source moves before it stops again, in seconds, 1 to 1e6.
     pub moving_s: f32,
-    /// How long the source moves straight on, in the mean, before it takes any other velocity, in seconds, 1 to 1e5. The
-    /// more agile it is, the shorter.
+    /// Mean time for which the source moves straight on before it takes another velocity, in seconds, 1 to 1e5. The more
+    /// agile the source, the shorter.
     pub straight_s: f32,
 }
 
 impl<C> Config<C> {
     /// A car that is hunted by a car, with the configuration of the stationary locator.
-    pub const fn new(track: C) -> Self {
+    pub const fn new(stationary: C) -> Self {
         Self {
-            track,
+            stationary,
             speed_m_s: 10.0,
             stationary_s: 600.0,
             moving_s: 180.0,
@@ -74,16 +74,16 @@ impl Config {
     };
 }
 
-/// The checks of a configuration around each kind of track: `const` functions cannot be generic in them.
+/// The checks of a configuration by the type of the `part` in it: `const` functions cannot be generic in that.
 macro_rules! check_around {
-    ($($track:ty),+) => {$(
-        impl Config<$track> {
+    ($part:ident: $($type:ty),+ $(,)?) => {$(
+        impl Config<$type> {
             /// Checks the fields.
             ///
             /// # Errors
             /// Names the field that is out of range.
             pub const fn check(&self) -> Result<(), $crate::ConfigError> {
-                $crate::config::require_all!(self.track);
+                $crate::config::require_all!(self.$part);
                 self.check_own()
             }
         }
@@ -92,4 +92,4 @@ macro_rules! check_around {
 
 pub(in crate::aoa) use check_around;
 
-check_around!(robust::Config, clean::Config);
+check_around!(stationary: robust::Config, clean::Config);

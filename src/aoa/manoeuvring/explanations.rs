@@ -1,8 +1,8 @@
 //! The probabilities of both explanations: when the source is said to move, to have stopped, and to be lost.
 
-use super::cloud::COMPONENTS;
 use super::component::{Component, KnownBias};
 use super::drive::Drive;
+use super::moved::COMPONENTS;
 use super::{Config, Lost, MEMORY, Manoeuvring, Phase, seconds};
 use crate::aoa::Observation;
 use crate::aoa::robust::Errors;
@@ -22,16 +22,7 @@ const NEWEST: f32 = 1.0 / 16.0;
 /// Departures that have less than this fraction of the weight of all that have moved are not worth components.
 const NEGLIGIBLE: f32 = 1e-3;
 
-/// Mean and covariance of position and bias, as the stationary locator knows them.
-pub(super) type Moments = ([f32; 3], [[f32; 3]; 3]);
-
-/// What is stationary where the stationary locator says.
-pub(super) fn stationary_there(([x, y, _], covariance): &Moments) -> Component {
-    let [[xx, xy, _], [_, yy, _], _] = *covariance;
-    Component::stationary([*x, *y], Symmetric2 { xx, xy, yy })
-}
-
-/// Probability of having moved from which on the answer says so: lower notices a departure sooner, with more false alarms.
+/// Probability of having moved above which the answer says so: lower notices a departure sooner, with more false alarms.
 const MOVED: f32 = 0.5;
 
 /// Probability of having moved below which the answer takes it back: the gap to `MOVED` keeps answers from flickering.
@@ -59,10 +50,11 @@ const BEARINGS_TO_START_OVER: u32 = 40;
 /// The latest bearings that everything starts again with: fewer take longer to a fix, more are from before the loss.
 const BEARINGS_KEPT: usize = 12;
 
-/// The source is lost when more of the latest bearings are outliers: lower searches for sources that were never lost,
+/// Fraction of outliers among the latest bearings from which the source counts as lost: lower searches for sources that
+/// were never lost.
 const TOO_MANY: f32 = 0.7;
 
-/// and it is seen again when fewer are.
+/// Fraction below which a lost source counts as found again. The gap to `TOO_MANY` keeps the state from flickering.
 const FEW_ENOUGH: f32 = 0.5;
 
 /// Fraction of the components that each bearing on a lost source puts on its ray: the more, the sooner one of them is right,
@@ -73,8 +65,17 @@ const SEARCHING: f32 = 0.2;
 /// elsewhere to be linear, large enough for some two dozen to cover the ray.
 const LENGTH: f32 = 0.3;
 
+/// Mean and covariance of position and bias, as the stationary locator knows them.
+pub(super) type Moments = ([f32; 3], [[f32; 3]; 3]);
+
+/// A stationary component at the place that the stationary locator has found.
+pub(super) fn stationary_there(([x, y, _], covariance): &Moments) -> Component {
+    let [[xx, xy, _], [_, yy, _], _] = *covariance;
+    Component::stationary([*x, *y], Symmetric2 { xx, xy, yy })
+}
+
 impl<L: Stationary> Manoeuvring<L> {
-    /// Lets time pass: what moves goes on, and some of what was stationary at `place` departs.
+    /// Lets time pass: the cloud moves on, and some components depart from the stationary source at `place`.
     pub(super) fn let_time_pass<R: Rng + ?Sized>(
         &mut self,
         drive: &Drive,
@@ -90,9 +91,11 @@ impl<L: Stationary> Manoeuvring<L> {
         let stayed = 1.0 - drive.departed();
         let stayed = if stayed > RETURNED { stayed } else { RETURNED };
         let departed = (1.0 - stayed) * (1.0 - self.moved);
+        if departed <= 0.0 && self.moved <= 0.0 {
+            return;
+        }
         self.moved += departed;
         let mass = departed / self.moved;
-        // NaN, if nothing moves.
         if mass > NEGLIGIBLE {
             let mass = if mass < 0.999 { mass } else { 0.999 };
             let count = if mass > NEWEST { mass } else { NEWEST } * COMPONENTS as f32;
@@ -101,7 +104,7 @@ impl<L: Stationary> Manoeuvring<L> {
                 self.cloud.bias = KnownBias { mean, variance };
             }
             let place = stationary_there(place);
-            self.cloud.admit(mass, count, rng, |rng| {
+            self.cloud.insert(mass, count, rng, |rng| {
                 let mut component = place;
                 drive.depart(&mut component, rng);
                 component
@@ -121,7 +124,8 @@ impl<L: Stationary> Manoeuvring<L> {
             total += (1.0 - self.moved) * (1.0 + odds_by_moments(observation, errors, place));
             self.moved = moved / total;
         }
-        self.misfit += (1.0 / total - self.misfit) / MEMORY;
+        // total = 1 + odds, so 1 / total is the probability that this bearing is an outlier.
+        self.outlier_fraction += (1.0 / total - self.outlier_fraction) / MEMORY;
     }
 
     /// Whether the explanation that the source is stationary has a probability.
@@ -162,7 +166,7 @@ impl<L: Stationary> Manoeuvring<L> {
             self.phase = Phase::Departing;
         } else if self.moved < NOT_MOVED {
             self.phase = Phase::Stationary;
-            self.rates = self.stationary.errors(&config.track).rates;
+            self.rates = self.stationary.errors(&config.stationary).rates;
         }
     }
 
@@ -186,7 +190,7 @@ impl<L: Stationary> Manoeuvring<L> {
             for old in &self.recent {
                 let age = seconds(latest.since_ms(old.time_ms()));
                 if age == 0.0 || age < since {
-                    self.stationary.recall(old, &config.track);
+                    self.stationary.recall(old, &config.stationary);
                 }
             }
         }
@@ -199,13 +203,13 @@ impl<L: Stationary> Manoeuvring<L> {
         self.cloud.clear();
         self.moved = 0.0;
         self.phase = Phase::Stationary;
-        self.misfit = 0.0;
-        self.lost = Lost::NOT;
+        self.outlier_fraction = 0.0;
+        self.lost = Lost::NO;
         self.seen = None;
         self.stationary.restart(rates);
         let skipped = self.recent.len().saturating_sub(BEARINGS_KEPT);
         for old in self.recent.iter().skip(skipped) {
-            self.stationary.recall(old, &config.track);
+            self.stationary.recall(old, &config.stationary);
         }
     }
 
@@ -217,10 +221,10 @@ impl<L: Stationary> Manoeuvring<L> {
         config: &Config<L::Config>,
         rng: &mut R,
     ) {
-        if self.misfit < FEW_ENOUGH {
-            self.lost = Lost::NOT;
+        if self.outlier_fraction < FEW_ENOUGH {
+            self.lost = Lost::NO;
         }
-        let is_lost = self.lost.bearings > 0 || self.misfit >= TOO_MANY;
+        let is_lost = self.lost.bearings > 0 || self.outlier_fraction >= TOO_MANY;
         if drive.seconds == 0.0 || !is_lost {
             return;
         }
@@ -232,14 +236,14 @@ impl<L: Stationary> Manoeuvring<L> {
         if self.may_be_stationary() {
             self.moved += SEARCHING * (1.0 - self.moved);
         }
-        let ray = Ray {
+        let ray = SearchRay {
             observation,
             about: seen.position,
             sigma_m: sqrt(seen.covariance.largest_eigenvalue())
                 + config.speed_m_s * (self.lost.seconds + MEMORY * drive.seconds),
         };
         let count = SEARCHING * COMPONENTS as f32;
-        self.cloud.admit(SEARCHING, count, rng, |rng| {
+        self.cloud.insert(SEARCHING, count, rng, |rng| {
             let mut component = ray.draw(rng);
             drive.accelerate(&mut component, rng);
             component
@@ -248,13 +252,13 @@ impl<L: Stationary> Manoeuvring<L> {
 }
 
 /// Places in the direction of a bearing, more or less near to where a source was seen.
-struct Ray<'a> {
+struct SearchRay<'a> {
     observation: &'a Observation,
     about: [f32; 2],
     sigma_m: f32,
 }
 
-impl Ray<'_> {
+impl SearchRay<'_> {
     fn draw<R: Rng + ?Sized>(&self, rng: &mut R) -> Component {
         let [px, py] = self.observation.position();
         let (sin, cos) = sin_cos(self.observation.bearing().radians());

@@ -16,14 +16,14 @@ use crate::config::{require, require_within};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Config<C = robust::Config> {
-    /// That of the tracks.
+    /// Configuration of the tracks.
     pub track: C,
     /// Probability that outliers, however many, ever look like one more source, 1e-9 to 0.5. The smaller, the more bearings
     /// a new source takes.
     pub false_initiation: f32,
-    /// A bearing is forgotten in rates by a factor of e after so many others, 8 to 1e6,
+    /// Number of later bearings after which a bearing's influence on the rates has fallen by a factor of e, 8 to 1e6.
     pub memory_bearings: f32,
-    /// and after so many seconds, at least 1.
+    /// Seconds after which it has fallen by a factor of e, at least 1.
     pub memory_s: f32,
     /// The track of a source that has less than this fraction of the latest bearings is deleted, 0 to 0.5. Zero keeps all.
     pub least_rate: f32,
@@ -58,7 +58,7 @@ impl Config {
     pub const DEFAULT: Self = Self::new(robust::Config::DEFAULT);
 }
 
-check_around!(
+check_around!(track:
     robust::Config,
     clean::Config,
     manoeuvring::Config<robust::Config>,

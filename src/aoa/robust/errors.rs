@@ -49,9 +49,9 @@ pub struct Errors {
 pub struct Correlation {
     /// Correlation of two bearings that are taken one after the other at one place, 0 to 0.99. Zero is none.
     pub at_rest: f32,
-    /// It falls by a factor of e over this many metres, 0.001 to 1e6,
+    /// It falls by a factor of e over this many metres, 0.001 to 1e6.
     pub distance_m: f32,
-    /// and over this many seconds, at least 0.001.
+    /// It falls by a factor of e over this many seconds, at least 0.001.
     pub time_s: f32,
 }
 

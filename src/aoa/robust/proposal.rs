@@ -11,9 +11,9 @@ use crate::random::{Rng, normal, uniform, uniform_open};
 
 /// Scale of most draws about a mode: wider reaches tails that are not normal, for fewer that are accepted.
 const NARROW: f32 = 1.15;
-/// Scale of the other draws, for long tails,
+/// Scale of the other draws, for long tails.
 const WIDE: f32 = 2.5;
-/// and their fraction: more fill the tails sooner, for fewer that are accepted.
+/// Fraction of the other draws: more fill the tails sooner, for fewer that are accepted.
 const WIDE_FRACTION: f32 = 0.2;
 /// Fraction of the draws that are from the prior. Without them a particle in a mode that the search has lost would never
 /// leave it, because its way back would be too unlikely; more are seldom accepted.

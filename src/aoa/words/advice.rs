@@ -13,19 +13,18 @@ use crate::math::{ln, sin_cos, sqrt};
 pub struct Advice {
     /// The direction of travel from which bearings are expected to tell most; one of [`DIRECTIONS`].
     pub direction: Bearing,
-    /// What a bearing from there is expected to tell, in nats: half the logarithm of how many times its variance is
-    /// larger than that of its errors alone. Below a tenth or so the next one says little that is new.
+    /// Expected information of a bearing from there, in nats: half the logarithm of the ratio of the predicted variance of
+    /// that bearing to the variance of its error. Below about 0.1 the next bearing says little that is new.
     pub information: f32,
-    /// How far to go there until the bearings cross at the angle that a fix
-    /// needs, as likely as not, in metres: infinity beyond
-    /// [`FARTHEST_M`]. Zero with a fix.
+    /// Distance to drive in that direction until the bearings cross, as likely as not, at the angle that a fix needs, in
+    /// metres: infinity beyond [`FARTHEST_M`]. Zero with a fix.
     pub distance_m: f32,
 }
 
 /// Directions of travel that are compared: the points of a compass.
 pub const DIRECTIONS: u8 = 16;
 
-/// No advice is for a longer way than this, in metres.
+/// Largest `distance_m` that is advised, in metres.
 pub const FARTHEST_M: f32 = 25_600.0;
 
 /// Distance at which directions are compared, as a fraction of the distance to the source: less sees only what is near by,
@@ -51,7 +50,7 @@ pub(in crate::aoa) struct Belief {
 }
 
 impl Belief {
-    /// Of particles: so many of them, at equal distances in the columns.
+    /// The belief of particles: at most `PLACES` of them, at equal distances in the columns.
     pub(in crate::aoa) fn of_particles(cloud: Cloud<'_>) -> Self {
         let mut belief = Self::default();
         let step = cloud.weights.len().div_ceil(PLACES).max(1);

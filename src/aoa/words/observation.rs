@@ -84,9 +84,9 @@ pub struct Observation {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ObservationError {
-    /// The latitude is not within -90 and 90 degrees.
+    /// The latitude is not from -90 to 90 degrees.
     Latitude,
-    /// The longitude is not within -180 and 180 degrees.
+    /// The longitude is not from -180 to 180 degrees.
     Longitude,
     /// A plane cannot have its origin within five degrees of a pole.
     NearPole,
@@ -95,11 +95,11 @@ pub enum ObservationError {
     Position,
     /// `bearing` is not finite.
     Bearing,
-    /// `sigma_rad` is not within [`Observation::MIN_SIGMA_RAD`] and [`Observation::MAX_SIGMA_RAD`].
+    /// `sigma_rad` is not from [`Observation::MIN_SIGMA_RAD`] to [`Observation::MAX_SIGMA_RAD`].
     Sigma,
-    /// `probability` is not within 0 and 1.
+    /// `probability` is not from 0 to 1.
     Probability,
-    /// A level of a spectrum is not within 0 and
+    /// A level of a spectrum is not from 0 to
     /// [`Spectrum::MAX_DECIBELS`](crate::aoa::spectrum::Spectrum::MAX_DECIBELS).
     Level,
     /// A spectrum has more values than degrees.
@@ -107,13 +107,13 @@ pub enum ObservationError {
 }
 
 messages!(ObservationError {
-    Self::Latitude => "latitude is not within -90 and 90 degrees",
-    Self::Longitude => "longitude is not within -180 and 180 degrees",
+    Self::Latitude => "latitude must be from -90 to 90 degrees",
+    Self::Longitude => "longitude must be from -180 to 180 degrees",
     Self::NearPole => "origin is within five degrees of a pole",
     Self::Position => "position is not finite or too far from the origin",
     Self::Bearing => "bearing is not finite",
     Self::Sigma => "sigma_rad is out of range",
-    Self::Probability => "probability is not within 0 and 1",
+    Self::Probability => "probability must be from 0 to 1",
     Self::Level => "a level is out of range",
     Self::Degrees => "more values than degrees",
 });

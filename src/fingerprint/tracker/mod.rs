@@ -147,8 +147,10 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         &self.particles
     }
 
-    /// Takes a packet of so many milliseconds; their clock may overflow, because only differences count. Returns the fix if the packet led to an update: by the packets before it, because it is the first of
-    /// another window (see [`Config::window_ms`]) and waits for the next; with a window of 0 each leads to one.
+    /// Takes a packet with its time in milliseconds. The clock may overflow, because only differences count.
+    ///
+    /// Returns the fix if the packet led to an update. That is by the packets before it, because this packet is the first of
+    /// another window (see [`Config::window_ms`]) and waits for the next; with a window of 0 each packet leads to an update.
     ///
     /// # Errors
     /// [`ReadingError::Beacon`], [`ReadingError::Strength`], [`ReadingError::Points`] or [`ReadingError::TooOld`].

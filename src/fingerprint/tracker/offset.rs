@@ -1,23 +1,24 @@
-//! How a tag differs from the one of the survey.
+//! The offset of a tag's levels from those of the survey's tag.
 
 use super::Config;
 use crate::math::{exp, ln};
 use crate::snapshot::value;
 
-/// Either it has no offset at all, or one that is normal about a mean: spike and slab.
+/// Belief about a tag's offset: none, or normally distributed (spike and slab).
 ///
-/// A normal prior alone would cost a tag without an offset the certainty that the survey gives it. The belief is one for
-/// all particles: each point of the map has its own evidence for it, and it is their mean that is kept.
+/// A normal prior alone would make tags without an offset less certain than the survey allows. All particles share one
+/// belief: each point of the map has its own evidence for an offset, and the mean of that evidence is kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct OffsetBelief {
-    /// In dB, if there is one.
+    /// Mean of the offset, in dB, if there is one.
     pub mean_db: f32,
-    /// Of the mean, in dB^2.
+    /// Variance of the mean, in dB^2.
     pub variance: f32,
-    /// Log-odds that there is one.
+    /// Log-odds that there is an offset.
     log_odds: f32,
-    /// Log-probabilities that there is none and that there is one.
+    /// Log-probability that there is no offset.
     pub log_none: f32,
+    /// Log-probability that there is an offset.
     pub log_some: f32,
 }
 
@@ -57,7 +58,7 @@ impl OffsetBelief {
         self.variance > 0.0
     }
 
-    /// The probability that there is one.
+    /// The probability that there is an offset.
     pub fn probability(&self) -> f32 {
         sigmoid(self.log_odds)
     }

@@ -36,7 +36,7 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
             let dt = if dt > 1e-3 { dt } else { 1e-3 };
             self.offset.drift(config, dt);
             field.look_up(map, config, &self.offset, scan);
-            let (_, log_likelihoods) = weights.columns_mut();
+            let log_likelihoods = weights.log_likelihoods_mut();
             self.predict(dt, site, log_likelihoods, rng);
             if let Some(redrawn_s) = &mut self.redrawn_s {
                 *redrawn_s += dt;
@@ -220,7 +220,7 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
             } else {
                 f32::NEG_INFINITY
             };
-            if let Some(slot) = weights.columns_mut().0.get_mut(i) {
+            if let Some(slot) = weights.log_weights_mut().get_mut(i) {
                 *slot = log_weight;
             }
         }

@@ -199,9 +199,9 @@ pub struct Layout {
     pub begins: fn(u8) -> bool,
     /// Whether this may be the second byte of a line: if not, the line is of the next format that begins as it does.
     pub continues: fn(u8) -> bool,
-    /// Whether the first byte of a line begins one also in the middle of another, whose end was lost,
+    /// Whether the first byte of a line begins one also in the middle of another line, whose end was lost.
     pub interrupts: bool,
-    /// unless that other line, of which these bytes are kept so far, may hold this byte.
+    /// Whether that other line, of which these bytes are kept so far, may hold this byte: then it begins none.
     pub holds: fn(&[u8], u8) -> bool,
 }
 

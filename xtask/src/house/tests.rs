@@ -151,6 +151,15 @@ fn a_long_function_is_found() {
 }
 
 #[test]
+fn a_doc_comment_that_goes_on_at_the_next_item_is_found() {
+    let text = "/// One,\n/// two.\npub struct A {\n    /// Before,\n    pub b: u32,\n    /// and after.\n    pub c: u32,\n}\n";
+    assert_eq!(
+        found(&[("src/lib.rs", text)]),
+        ["src/lib.rs:4: the doc comment ends in a comma"]
+    );
+}
+
+#[test]
 fn a_long_file_is_found() {
     let file = "\n".repeat(501);
     assert_eq!(

@@ -75,7 +75,7 @@ fn configurations_are_checked() {
         assert_eq!(of(|c, v| c.moving_s = v, wrong), Some("moving_s"));
         assert_eq!(of(|c, v| c.straight_s = v, wrong), Some("straight_s"));
     }
-    assert_eq!(of(|c, v| c.track.range_m = v, 0.0), Some("range_m"));
+    assert_eq!(of(|c, v| c.stationary.range_m = v, 0.0), Some("range_m"));
     assert!(Config::DEFAULT.check().is_ok() && Config::WALKER.check().is_ok());
 }
 
@@ -158,7 +158,7 @@ fn anything_that_is_an_observation_is_taken() {
     let far = Observation::MAX_COORDINATE_M;
     let (sharp, blunt) = (Observation::MIN_SIGMA_RAD, Observation::MAX_SIGMA_RAD);
     let mut config = Config::DEFAULT;
-    config.track.errors.bias_sigma_rad = 0.5;
+    config.stationary.errors.bias_sigma_rad = 0.5;
     let mut rng = generator(4);
     for round in 0..60 {
         let mut locator = Locator::<Subject<64, 8>>::new(config).unwrap();

@@ -1,4 +1,4 @@
-//! A source that has moved: a mixture over what it may have done.
+//! The explanation that the source has moved: a mixture over what it may have done.
 
 use super::component::{Component, KnownBias};
 use super::drive::Drive;
@@ -23,26 +23,32 @@ const ALL: f32 = 0.999;
 /// Normal distributions with weights: a mixture Kalman filter (Chen and Liu 2000), whose samples are the times at which
 /// the source departed, turned and stopped.
 #[derive(Debug, Clone)]
-pub(super) struct Cloud {
+pub(super) struct Moved {
     components: [Component; COMPONENTS],
     weights: Weights<COMPONENTS>,
     pub(super) bias: KnownBias,
     alive: bool,
 }
 
-persist!(impl[] Cloud as "manoeuvring::Cloud"() { components, weights, bias, alive });
+persist!(Moved {
+    components,
+    weights,
+    bias,
+    alive
+});
 
 /// The stationary components.
 #[derive(Clone, Copy)]
 pub(super) struct Stopped {
     /// Sum of their weights.
     pub(super) probability: f32,
-    /// For how many seconds: mean and variance.
+    /// Mean of the seconds for which they have been stationary.
     pub(super) seconds: f32,
+    /// Variance of these seconds.
     pub(super) variance: f32,
 }
 
-impl Cloud {
+impl Moved {
     pub(super) const EMPTY: Self = Self {
         components: [Component::stationary([0.0; 2], Symmetric2::ZERO); COMPONENTS],
         weights: Weights::EMPTY,
@@ -67,7 +73,7 @@ impl Cloud {
 
     /// Replaces `count` components, evenly among all, by some that `draw` makes and that get the fraction `mass` of the
     /// weight; all components if there were none.
-    pub(super) fn admit<R: Rng + ?Sized>(
+    pub(super) fn insert<R: Rng + ?Sized>(
         &mut self,
         mass: f32,
         count: f32,
@@ -86,9 +92,9 @@ impl Cloud {
         } else {
             (0.0, -ln(all))
         };
-        // Every so many components one is new.
+        // New components are spread evenly among the others.
         let mut due = 0.0;
-        let (log_weights, _) = self.weights.columns_mut();
+        let log_weights = self.weights.log_weights_mut();
         for (component, weight) in self.components.iter_mut().zip(log_weights) {
             due += count;
             let is_new = due >= all;
@@ -115,14 +121,14 @@ impl Cloud {
 
     /// Takes a bearing into all components, and returns the mean of one plus its odds.
     pub(super) fn update(&mut self, observation: &Observation, errors: &Errors) -> f32 {
-        let (_, log_likelihoods) = self.weights.columns_mut();
+        let log_likelihoods = self.weights.log_likelihoods_mut();
         for (component, value) in self.components.iter_mut().zip(log_likelihoods) {
             *value = ln(component.update(observation, errors, self.bias));
         }
         self.weights.update().map_or(1.0, exp)
     }
 
-    /// Mean odds that a bearing is no outlier, if everything goes straight on for so many seconds until it is taken; zero if
+    /// Mean odds that a bearing is no outlier, if everything goes straight on for `seconds` until it is taken; zero if
     /// nothing has moved.
     pub(super) fn odds(&self, observation: &Observation, errors: &Errors, seconds: f32) -> f32 {
         if !self.alive {
