@@ -7,12 +7,12 @@ use super::drive::Drive;
 use super::{Config, Lost, Manoeuvring, Phase, seconds};
 use crate::ConfigError;
 use crate::aoa::core::{is_narrow, square_of_distance};
-use crate::aoa::robust::{self, Candidate, Errors};
+use crate::aoa::robust::{self, Candidate, Errors, Learned};
 use crate::aoa::track::{Stationary, Track};
 use crate::aoa::words::Belief;
 use crate::aoa::{
     Advice, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Motion, NotObservable, Observation,
-    PushError, Source,
+    PushError, SigmaScale, Source,
 };
 use crate::math::sqrt;
 use crate::random::Rng;
@@ -94,7 +94,7 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
 
     const EMPTY: Self = Self {
         stationary: L::EMPTY,
-        rates: Mixture::ZERO,
+        learned: Learned::NOTHING,
         cloud: Cloud::EMPTY,
         moved: 0.0,
         phase: Phase::Stationary,
@@ -151,7 +151,7 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
 
     fn reset(&mut self) {
         self.stationary.reset();
-        self.rates = Self::EMPTY.rates;
+        self.learned = Learned::NOTHING;
         self.cloud.clear();
         self.moved = 0.0;
         self.phase = Phase::Stationary;
@@ -191,6 +191,15 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
 
     fn rates(&self, config: &Self::Config) -> Option<Mixture> {
         Some(self.errors(config).rates)
+    }
+
+    fn sigma_scale(&self, config: &Self::Config) -> Option<SigmaScale> {
+        let known = self.stationary.sigma_scale(&config.track)?;
+        Some(if self.learned.sigma_scale.mean > 0.0 {
+            self.learned.sigma_scale
+        } else {
+            known
+        })
     }
 
     fn advice(&self, config: &Self::Config) -> Option<Advice> {
@@ -237,11 +246,7 @@ impl<L: Stationary> Track for Manoeuvring<L> {
     }
 
     fn errors(&self, config: &Self::Config) -> Errors {
-        let mut errors = L::beliefs(&config.track).errors;
-        if self.rates.outlier > 0.0 {
-            errors.rates = self.rates;
-        }
-        errors
+        L::beliefs(&config.track).errors.with(&self.learned)
     }
 
     fn latest(&self) -> Option<&Observation> {

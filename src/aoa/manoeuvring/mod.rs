@@ -31,10 +31,10 @@ mod explanations;
 
 use heapless::Deque;
 
-use super::robust::Errors;
 use super::robust::outside::independent;
+use super::robust::{Errors, Learned};
 use super::track::Stationary;
-use super::{Answer, Fix, Mixture, Observation};
+use super::{Answer, Fix, Observation};
 use crate::persist;
 use crate::snapshot::{Persist, by_value, value, value_as};
 use cloud::Cloud;
@@ -106,8 +106,8 @@ fn seconds(milliseconds: i32) -> f32 {
 pub struct Manoeuvring<L> {
     /// The explanation that it is stationary, if it has a fix.
     stationary: L,
-    /// Of the bearings, as learned while it was stationary; all zero before.
-    rates: Mixture,
+    /// Of the errors of bearings, while it was stationary.
+    learned: Learned,
     /// The explanation that it has moved.
     cloud: Cloud,
     /// Probability of the cloud's explanation.
@@ -127,7 +127,7 @@ pub struct Manoeuvring<L> {
 }
 
 persist!(impl[L: Persist] Manoeuvring<L> as "Manoeuvring"() {
-    stationary, rates, cloud, moved, phase, recent, misfit, tries, lost, seen, bearings, answer
+    stationary, learned, cloud, moved, phase, recent, misfit, tries, lost, seen, bearings, answer
 });
 
 impl<L: Stationary> Manoeuvring<L> {

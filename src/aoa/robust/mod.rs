@@ -15,8 +15,9 @@
 //! * There is no fix while the bearings might as well be parallel, nor while hypotheses that lie apart are of similar
 //!   weight: the answer then is [`NotObservable::NoIntersection`], and the [hypotheses](Locate::hypothesis) are where they
 //!   are. A fix may be taken back.
-//! * The rates of mirrored and outlier bearings are learned from the first fix on, by a step of expectation maximisation
-//!   at a time.
+//! * The rates of mirrored and outlier bearings are learned, and how many times as large as stated the errors of the others
+//!   are, by a step of expectation maximisation at a time. The rates from the first fix on: a chance crossing of two would
+//!   teach that all other bearings are outliers.
 //! * Readings of one place are one bearing, their mean, which is worth as many independent ones as their correlation
 //!   leaves.
 //! * A receiver that does not know exactly where it is may say how well it does: [`Errors::position_sigma_m`].
@@ -43,7 +44,7 @@ use super::core::{Entry, Proposal, is_depleted, is_narrow, sweep};
 use super::words::Belief;
 use super::{
     Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
-    Observation, PushError,
+    Observation, PushError, SigmaScale,
 };
 use crate::ConfigError;
 use crate::filter::ParticleFilter;
@@ -54,10 +55,10 @@ use crate::random::Rng;
 use crate::resample::Scheme;
 pub(super) use candidates::Candidates;
 pub use config::Config;
-pub use errors::{Correlation, Errors};
+pub use errors::{Correlation, Errors, Learned};
 pub(super) use evidence::Candidate;
 use evidence::{Change, Evidence};
-use mode::{Mode, Modes, hypotheses, plane, position};
+use mode::{Modes, hypotheses, plane, position};
 use proposal::MixtureProposal;
 use search::search;
 use term::{State, Term};
@@ -91,8 +92,7 @@ pub struct Robust<const N: usize, const B: usize = 64> {
     answer: Answer,
     /// Mean and covariance of the particles.
     moments: (State, [State; 3]),
-    /// As learned so far; all zero until then.
-    rates: Mixture,
+    learned: Learned,
     /// Bearings since the last search for modes.
     since_search: u32,
     /// Outliers that were removed upstream for each bearing.
@@ -100,7 +100,7 @@ pub struct Robust<const N: usize, const B: usize = 64> {
 }
 
 persist!(impl[const N: usize, const B: usize] Robust<N, B> as "Robust"(N, B) {
-    evidence, filter, modes, answer, moments, rates, since_search, outliers_removed
+    evidence, filter, modes, answer, moments, learned, since_search, outliers_removed
 });
 
 /// Moves of every particle for the first fix: it starts from draws of the modes, which a few moves correct.
@@ -122,7 +122,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
             modes: Modes::new(),
             answer: Answer::NOTHING,
             moments: ([0.0; 3], [[0.0; 3]; 3]),
-            rates: Mixture::ZERO,
+            learned: Learned::NOTHING,
             since_search: 0,
             outliers_removed: 0.0,
         }
@@ -168,7 +168,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
             // When hypotheses have come apart there is no fix until they separate: by some hysteresis.
             self.credible_fix(2.0, config)
         } else {
-            self.observe(&believed, rng)
+            self.observe(config, rng)
         };
         self.answer = answer.into();
         Ok(self.answer)
@@ -183,7 +183,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
         self.modes.clear();
         self.answer = Answer::NOTHING;
         self.moments = Self::EMPTY.moments;
-        self.rates = Mixture::ZERO;
+        self.learned = Learned::NOTHING;
         self.since_search = 0;
         self.outliers_removed = 0.0;
     }
@@ -204,6 +204,10 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
 
     fn rates(&self, config: &Config) -> Option<Mixture> {
         Some(self.believed(config).errors.rates)
+    }
+
+    fn sigma_scale(&self, config: &Config) -> Option<SigmaScale> {
+        Some(config.errors.scale_of(&self.learned))
     }
 
     #[inline(never)]
@@ -260,13 +264,12 @@ impl<const N: usize, const B: usize> Robust<N, B> {
         self.evidence.bearings.observations()
     }
 
-    /// The configuration with the rates as learned so far.
+    /// The configuration with the errors as learned so far.
     fn believed(&self, config: &Config) -> Config {
-        let mut believed = *config;
-        if self.rates.outlier > 0.0 {
-            believed.errors.rates = self.rates;
+        Config {
+            errors: config.errors.with(&self.learned),
+            ..*config
         }
-        believed
     }
 
     /// Weighs the particles by a new bearing; whether they find it an outlier.
@@ -293,7 +296,7 @@ impl<const N: usize, const B: usize> Robust<N, B> {
             let believed = self.believed(config);
             let mut terms = self.evidence.terms(&believed.errors);
             self.find_modes(&terms, &believed, rng);
-            self.learn(&terms, config);
+            self.learned = self.lesson(&terms, &believed, config);
             self.evidence.set_source(&self.filter.mean());
             let believed = self.believed(config);
             terms = self.evidence.terms(&believed.errors);
@@ -306,24 +309,27 @@ impl<const N: usize, const B: usize> Robust<N, B> {
     #[inline(never)]
     fn observe<R: Rng + ?Sized>(
         &mut self,
-        believed: &Config,
+        config: &Config,
         rng: &mut R,
     ) -> Result<Fix, NotObservable> {
         if self.evidence.entries().len() < 2 {
             let have = self.evidence.bearings.count();
             return Err(NotObservable::TooFewBearings { have });
         }
+        let believed = self.believed(config);
         let mut terms = self.evidence.terms(&believed.errors);
-        self.find_modes(&terms, believed, rng);
-        if believed.errors.position_sigma_m > 0.0
+        self.find_modes(&terms, &believed, rng);
+        self.learned.sigma_scale = self.lesson(&terms, &believed, config).sigma_scale;
+        if config.errors.position_sigma_m > 0.0
             && let Some(best) = mode::best(&self.modes)
         {
             self.evidence.set_source(&best.mean);
-            terms = self.evidence.terms(&believed.errors);
         }
-        self.evidence.crossing(&terms, &self.modes, believed)?;
-        self.start(&terms, believed, rng);
-        self.credible_fix(1.0, believed)
+        let believed = self.believed(config);
+        terms = self.evidence.terms(&believed.errors);
+        self.evidence.crossing(&terms, &self.modes, &believed)?;
+        self.start(&terms, &believed, rng);
+        self.credible_fix(1.0, &believed)
     }
 
     /// Starts the particles from all modes.
@@ -339,26 +345,11 @@ impl<const N: usize, const B: usize> Robust<N, B> {
         self.since_search = 0;
     }
 
-    /// One step of expectation maximisation. Not before there is a fix: a chance crossing of two would teach that all
-    /// other bearings are outliers.
-    fn learn(&mut self, terms: &[Term], config: &Config) {
-        let mut counts = Mixture::ZERO;
-        for Mode { mean, weight, .. } in &self.modes {
-            let bias = config.errors.bias_sigma_rad * mean[2];
-            for (term, entry) in terms.iter().zip(self.evidence.entries()) {
-                term.read(mean, bias).count(&mut counts, *weight);
-                // The portions of bearings that exclude each other sum to one, whichever fits.
-                counts.outlier -= weight * (1.0 - entry.probability);
-            }
-        }
-        // The alternative of a bearing that fits may have been forgotten.
-        if counts.outlier < 0.0 {
-            counts.outlier = 0.0;
-        }
-        counts.outlier += self.outliers_removed * counts.total();
-        if let Some(rates) = config.errors.learned(&counts) {
-            self.rates = rates;
-        }
+    /// What one step of expectation maximisation makes of the errors.
+    fn lesson(&self, terms: &[Term], believed: &Config, config: &Config) -> Learned {
+        let mut counts = self.evidence.counts(terms, &self.modes, &believed.errors);
+        counts.kinds.outlier += self.outliers_removed * counts.kinds.total();
+        config.errors.learned(&counts)
     }
 
     fn sweep<R: Rng + ?Sized>(
