@@ -36,7 +36,9 @@ pub struct Errors {
     /// How many times as large as stated the standard deviations of direct and mirrored bearings are, 0.1 to 10. Where that
     /// is learned, the root of the mean square of what is expected.
     pub sigma_scale: f32,
-    /// How many observed bearings this scale weighs as much as, at least 1. Infinity keeps it as it is.
+    /// How many observed bearings this scale weighs as much as, at least 1. Infinity keeps it as it is. The fewer, the
+    /// sooner regions shrink where bearings are better than stated, and the sooner errors that do not average out, like
+    /// those of a place, are taken for good bearings.
     pub scale_bearings: f32,
     /// Standard deviation of the common bias of all bearings, as of an array that was not mounted straight; radians, 0 to
     /// 0.5. Zero is no bias.
@@ -144,7 +146,7 @@ impl Correlation {
 }
 
 impl Errors {
-    /// Normal errors, 8 % mirrored bearings and 12 % outliers, learned as soon as there are more than 10; no bias; nine
+    /// 8 % mirrored bearings and 12 % outliers, and the stated sigmas, learned as soon as there are more than 10; no bias; nine
     /// tenths of the error in common at one place, less by a factor of e every 5 m.
     pub const DEFAULT: Self = Self {
         rates: Mixture {
@@ -238,6 +240,9 @@ impl Errors {
 
     /// One step of expectation maximisation: the mean of the Dirichlet distribution of these rates and the counts; and the
     /// root of the mean of the inverse gamma distribution of the square of the scale. What is not to be learned is zero.
+    ///
+    /// Where the squares count the uncertainty of the source as well, that mean makes the covariance of a linear problem
+    /// that of its t distribution: no more is to be added for not knowing the scale.
     pub(super) fn learned(&self, counts: &Counts) -> Learned {
         let mut learned = Learned::NOTHING;
         let Counts {

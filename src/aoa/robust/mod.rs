@@ -15,9 +15,8 @@
 //! * There is no fix while the bearings might as well be parallel, nor while hypotheses that lie apart are of similar
 //!   weight: the answer then is [`NotObservable::NoIntersection`], and the [hypotheses](Locate::hypothesis) are where they
 //!   are. A fix may be taken back.
-//! * The rates of mirrored and outlier bearings are learned, and how many times as large as stated the errors of the others
-//!   are, by a step of expectation maximisation at a time. The rates from the first fix on: a chance crossing of two would
-//!   teach that all other bearings are outliers.
+//! * The rates of mirrored and outlier bearings, and how many times as large as stated the errors of the others are, are
+//!   learned from the first fix on, by a step of expectation maximisation at a time.
 //! * Readings of one place are one bearing, their mean, which is worth as many independent ones as their correlation
 //!   leaves.
 //! * A receiver that does not know exactly where it is may say how well it does: [`Errors::position_sigma_m`].
@@ -168,7 +167,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
             // When hypotheses have come apart there is no fix until they separate: by some hysteresis.
             self.credible_fix(2.0, config)
         } else {
-            self.observe(config, rng)
+            self.observe(&believed, rng)
         };
         self.answer = answer.into();
         Ok(self.answer)
@@ -296,7 +295,7 @@ impl<const N: usize, const B: usize> Robust<N, B> {
             let believed = self.believed(config);
             let mut terms = self.evidence.terms(&believed.errors);
             self.find_modes(&terms, &believed, rng);
-            self.learned = self.lesson(&terms, &believed, config);
+            self.learn(&terms, &believed, config);
             self.evidence.set_source(&self.filter.mean());
             let believed = self.believed(config);
             terms = self.evidence.terms(&believed.errors);
@@ -309,27 +308,24 @@ impl<const N: usize, const B: usize> Robust<N, B> {
     #[inline(never)]
     fn observe<R: Rng + ?Sized>(
         &mut self,
-        config: &Config,
+        believed: &Config,
         rng: &mut R,
     ) -> Result<Fix, NotObservable> {
         if self.evidence.entries().len() < 2 {
             let have = self.evidence.bearings.count();
             return Err(NotObservable::TooFewBearings { have });
         }
-        let believed = self.believed(config);
         let mut terms = self.evidence.terms(&believed.errors);
-        self.find_modes(&terms, &believed, rng);
-        self.learned.sigma_scale = self.lesson(&terms, &believed, config).sigma_scale;
-        if config.errors.position_sigma_m > 0.0
+        self.find_modes(&terms, believed, rng);
+        if believed.errors.position_sigma_m > 0.0
             && let Some(best) = mode::best(&self.modes)
         {
             self.evidence.set_source(&best.mean);
+            terms = self.evidence.terms(&believed.errors);
         }
-        let believed = self.believed(config);
-        terms = self.evidence.terms(&believed.errors);
-        self.evidence.crossing(&terms, &self.modes, &believed)?;
-        self.start(&terms, &believed, rng);
-        self.credible_fix(1.0, &believed)
+        self.evidence.crossing(&terms, &self.modes, believed)?;
+        self.start(&terms, believed, rng);
+        self.credible_fix(1.0, believed)
     }
 
     /// Starts the particles from all modes.
@@ -345,11 +341,12 @@ impl<const N: usize, const B: usize> Robust<N, B> {
         self.since_search = 0;
     }
 
-    /// What one step of expectation maximisation makes of the errors.
-    fn lesson(&self, terms: &[Term], believed: &Config, config: &Config) -> Learned {
+    /// One step of expectation maximisation. Not before there is a fix: a chance crossing of two would teach that all
+    /// other bearings are outliers, or that their errors are large.
+    fn learn(&mut self, terms: &[Term], believed: &Config, config: &Config) {
         let mut counts = self.evidence.counts(terms, &self.modes, &believed.errors);
         counts.kinds.outlier += self.outliers_removed * counts.kinds.total();
-        config.errors.learned(&counts)
+        self.learned = config.errors.learned(&counts);
     }
 
     fn sweep<R: Rng + ?Sized>(

@@ -110,12 +110,21 @@ impl Drives {
 
     /// Of the drives that are `wanted`.
     fn summary(&self, wanted: impl Fn(Build, Method) -> bool) -> Summary {
-        let drives = self.0.iter().filter(|(build, method, _)| wanted(*build, *method));
+        let drives = self
+            .0
+            .iter()
+            .filter(|(build, method, _)| wanted(*build, *method));
         let drives = drives.map(|(_, _, passes)| *passes);
         let sum = drives.clone().fold(Passes::default(), Passes::and);
-        let errors = drives.filter(|drive| drive.fixes > 0).map(|drive| drive.error);
+        let errors = drives
+            .filter(|drive| drive.fixes > 0)
+            .map(|drive| drive.error);
         Summary {
-            median: if sum.fixes > 0 { median(errors) } else { f64::NAN },
+            median: if sum.fixes > 0 {
+                median(errors)
+            } else {
+                f64::NAN
+            },
             sum,
         }
     }
