@@ -20,9 +20,10 @@ fn nine_of_ten_intervals_hold_the_truth_among_reflections() {
 fn drives_with_every_build_end_where_they_say() {
     const RUNS: u64 = 48;
     let mut held = 0;
-    for build in Build::ALL {
+    for (first, build) in (0..).step_by(RUNS as usize).zip(Build::ALL) {
+        // Each build has drives of its own: the same drive ends at the same place with all.
         let one = |run| Passes::one(build, Method::ALL[run as usize % 3], 0.0, 78, run);
-        let all = (0..RUNS).into_par_iter().map(one);
+        let all = (first..first + RUNS).into_par_iter().map(one);
         let all = all.reduce(Passes::default, Passes::and);
         println!("{} {all:?}", build.name());
         assert_eq!((all.fixes, all.unused), (RUNS, 0), "{}", build.name());
