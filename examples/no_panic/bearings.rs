@@ -73,7 +73,11 @@ fn locate_by<L: Locate>(config: &L::Config, rng: &mut Xoshiro128PlusPlus) {
         _ = black_box(locator.push_alternatives(some(&reading), config, rng));
         black_box((locator.answer(), locator.source(any(0))));
         black_box((locator.hypothesis(any(0)), locator.cloud(any(0))));
-        black_box((locator.bias(config), locator.rates(config)));
+        black_box((
+            locator.bias(config),
+            locator.rates(config),
+            locator.sigma_scale(config),
+        ));
         black_box((locator.advice(config), locator.classify(&one, config)));
     }
     locator.reset();

@@ -17,15 +17,18 @@ fn nine_of_ten_intervals_hold_the_truth_among_reflections() {
 }
 
 #[test]
-fn drives_with_every_build_end_where_they_say() {
-    const RUNS: u64 = 24;
-    for build in Build::ALL {
-        let one = |run| Passes::one(build, Method::ALL[run as usize % 3], 0.0, 78, run);
-        let all = (0..RUNS).into_par_iter().map(one);
+fn drives_with_every_build_end_where_they_say_once_sigmas_are_learned() {
+    const RUNS: u64 = 48;
+    let mut held = 0;
+    for (first, build) in (0..).step_by(RUNS as usize).zip(Build::ALL) {
+        // Each build has drives of its own: the same drive ends at the same place with all.
+        let one = |run| Passes::one(build, Method::ALL[run as usize % 3], 0.0, 2.0, 78, run);
+        let all = (first..first + RUNS).into_par_iter().map(one);
         let all = all.reduce(Passes::default, Passes::and);
         println!("{} {all:?}", build.name());
         assert_eq!((all.fixes, all.unused), (RUNS, 0), "{}", build.name());
-        // Fewer than 19 of 24 at 95 %: one seed in 900.
-        assert!(all.held >= 19, "{} {all:?}", build.name());
+        held += all.held;
     }
+    // At 95 %, fewer than 172 of 192: one seed in 1,400; all of them: one in 19,000, and at 98 % one in 48.
+    assert!((172..192).contains(&held), "{held}");
 }

@@ -1,8 +1,8 @@
 //! What locators of several and of manoeuvring sources need of the locator that they build on.
 
 use super::robust::outside::read;
-use super::robust::{self, Candidate, Errors};
-use super::{Answer, Locate, Mixture, Observation};
+use super::robust::{self, Candidate, Errors, Learned};
+use super::{Answer, Locate, Observation};
 use crate::random::Rng;
 
 /// A locator of one source that others can build on: it starts from some of the bearings of a channel, and says which of the
@@ -11,7 +11,7 @@ pub trait Track: Locate {
     /// What is believed of bearings before any: candidates for new tracks are found by it.
     fn beliefs(config: &Self::Config) -> robust::Config;
 
-    /// The errors of bearings, with their rates as learned so far.
+    /// The errors of bearings, as learned so far.
     fn errors(&self, config: &Self::Config) -> Errors;
 
     /// The latest bearing by time, whether it was pushed, recalled or came with the candidate.
@@ -39,8 +39,13 @@ pub trait Stationary: Track {
     /// Mean and covariance of position (metres) and bias (prior sigmas).
     fn moments(&self) -> ([f32; 3], [[f32; 3]; 3]);
 
-    /// Forgets all bearings, and goes on with these rates.
-    fn restart(&mut self, rates: Mixture);
+    /// What bearings have taught of their errors.
+    fn learned(&self) -> Learned {
+        Learned::NOTHING
+    }
+
+    /// Forgets all bearings, and goes on with what was learned of their errors.
+    fn restart(&mut self, learned: &Learned);
 
     /// Makes the source as likely within `range_m` of `centre` as farther away, whatever the bearings say. The first
     /// bearing centres the prior on where it was taken, so this comes later. A flat prior stays flat.

@@ -2,7 +2,7 @@
 
 use super::{Clean, Config, Moves, RANGE_M};
 use crate::aoa::core::Entry;
-use crate::aoa::robust::{self, Candidate, Correlation, Errors};
+use crate::aoa::robust::{self, Candidate, Correlation, Errors, Learned};
 use crate::aoa::track::{Stationary, Track, odds_by_moments};
 use crate::aoa::{Answer, Locate, Mixture, Observation};
 use crate::random::Rng;
@@ -62,7 +62,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Stationary for Clean<N, B, M> 
         ([x, y, 0.0], [[xx, xy, 0.0], [yx, yy, 0.0], [0.0; 3]])
     }
 
-    fn restart(&mut self, _: Mixture) {
+    fn restart(&mut self, _: &Learned) {
         self.reset();
     }
 

@@ -6,7 +6,7 @@ use super::moved::COMPONENTS;
 use super::{Config, Lost, MEMORY, Manoeuvring, Phase, seconds};
 use crate::aoa::Observation;
 use crate::aoa::robust::Errors;
-use crate::aoa::track::{Stationary, Track, odds_by_moments};
+use crate::aoa::track::{Stationary, odds_by_moments};
 use crate::estimate::Symmetric2;
 use crate::math::{sin_cos, sqrt};
 use crate::random::{Rng, normal};
@@ -166,7 +166,7 @@ impl<L: Stationary> Manoeuvring<L> {
             self.phase = Phase::Departing;
         } else if self.moved < NOT_MOVED {
             self.phase = Phase::Stationary;
-            self.rates = self.stationary.errors(&config.stationary).rates;
+            self.learned = self.stationary.learned();
         }
     }
 
@@ -185,7 +185,7 @@ impl<L: Stationary> Manoeuvring<L> {
         } else {
             stopped.seconds - sqrt(stopped.variance)
         };
-        self.stationary.restart(self.errors(config).rates);
+        self.stationary.restart(&self.learned);
         if let Some(latest) = self.recent.back() {
             for old in &self.recent {
                 let age = seconds(latest.since_ms(old.time_ms()));
@@ -199,14 +199,13 @@ impl<L: Stationary> Manoeuvring<L> {
 
     /// Starts again with the latest bearings alone.
     fn start_over(&mut self, config: &Config<L::Config>) {
-        let rates = self.errors(config).rates;
         self.cloud.clear();
         self.moved = 0.0;
         self.phase = Phase::Stationary;
         self.outlier_fraction = 0.0;
         self.lost = Lost::NO;
         self.seen = None;
-        self.stationary.restart(rates);
+        self.stationary.restart(&self.learned);
         let skipped = self.recent.len().saturating_sub(BEARINGS_KEPT);
         for old in self.recent.iter().skip(skipped) {
             self.stationary.recall(old, &config.stationary);

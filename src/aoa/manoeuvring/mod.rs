@@ -32,12 +32,13 @@ mod track;
 
 use heapless::Deque;
 
-use super::robust::Errors;
 use super::robust::outside::independent;
+use super::robust::{Errors, Learned};
 use super::track::{Stationary, Track};
 use super::words::Belief;
 use super::{
-    Advice, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Observation, PushError, Source,
+    Advice, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Observation, PushError, SigmaScale,
+    Source,
 };
 use crate::ConfigError;
 use crate::math::sqrt;
@@ -124,8 +125,8 @@ fn seconds(milliseconds: i32) -> f32 {
 pub struct Manoeuvring<L> {
     /// The explanation that it is stationary, if it has a fix.
     stationary: L,
-    /// Rates of the bearings, as learned while the source was stationary; all zero before.
-    rates: Mixture,
+    /// What was learned of the errors of bearings while the source was stationary.
+    learned: Learned,
     /// The explanation that it has moved.
     cloud: Moved,
     /// Probability of the cloud's explanation.
@@ -145,7 +146,7 @@ pub struct Manoeuvring<L> {
 }
 
 persist!(impl[L: Persist] Manoeuvring<L> as "Manoeuvring"() {
-    stationary, rates, cloud, moved, phase, recent, outlier_fraction, tries, lost, seen, bearings, answer
+    stationary, learned, cloud, moved, phase, recent, outlier_fraction, tries, lost, seen, bearings, answer
 });
 
 impl<L: Stationary> Locate for Manoeuvring<L> {
@@ -153,7 +154,7 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
 
     const EMPTY: Self = Self {
         stationary: L::EMPTY,
-        rates: Mixture::ZERO,
+        learned: Learned::NOTHING,
         cloud: Moved::EMPTY,
         moved: 0.0,
         phase: Phase::Stationary,
@@ -210,7 +211,7 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
 
     fn reset(&mut self) {
         self.stationary.reset();
-        self.rates = Self::EMPTY.rates;
+        self.learned = Learned::NOTHING;
         self.cloud.clear();
         self.moved = 0.0;
         self.phase = Phase::Stationary;
@@ -250,6 +251,15 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
 
     fn rates(&self, config: &Self::Config) -> Option<Mixture> {
         Some(self.errors(config).rates)
+    }
+
+    fn sigma_scale(&self, config: &Self::Config) -> Option<SigmaScale> {
+        let known = self.stationary.sigma_scale(&config.stationary)?;
+        Some(if self.learned.sigma_scale.mean > 0.0 {
+            self.learned.sigma_scale
+        } else {
+            known
+        })
     }
 
     fn advice(&self, config: &Self::Config) -> Option<Advice> {

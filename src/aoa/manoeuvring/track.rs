@@ -12,11 +12,7 @@ impl<L: Stationary> Track for Manoeuvring<L> {
     }
 
     fn errors(&self, config: &Self::Config) -> Errors {
-        let mut errors = L::beliefs(&config.stationary).errors;
-        if self.rates.outlier > 0.0 {
-            errors.rates = self.rates;
-        }
-        errors
+        L::beliefs(&config.stationary).errors.with(&self.learned)
     }
 
     fn latest(&self) -> Option<&Observation> {

@@ -18,7 +18,7 @@ use super::robust::{self, Candidates};
 use super::track::Track;
 use super::{
     Advice, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable, Observation,
-    PushError, Source,
+    PushError, SigmaScale, Source,
 };
 use crate::math::{exp, ln};
 use crate::random::Rng;
@@ -369,6 +369,11 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
     /// Of the same source as the hypotheses.
     fn rates(&self, config: &Self::Config) -> Option<Mixture> {
         self.best()?.rates(&config.track)
+    }
+
+    /// Of the same source as the hypotheses.
+    fn sigma_scale(&self, config: &Self::Config) -> Option<SigmaScale> {
+        self.best()?.sigma_scale(&config.track)
     }
 
     /// For the same source as the hypotheses.

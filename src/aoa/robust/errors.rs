@@ -2,13 +2,18 @@
 
 use crate::ConfigError;
 use crate::aoa::core::square_of_distance;
-use crate::aoa::{Mixture, Observation};
+use crate::aoa::{Mixture, Observation, SigmaScale};
 use crate::config::{require, require_all, require_within};
-use crate::math::exp;
+use crate::math::{exp, sqrt};
+use crate::snapshot::value;
+
+/// What weighs more bearings than this is not learned.
+const CERTAIN: f32 = 1e6;
 
 /// What is believed of the errors before any bearing. A zero switches a part off.
 ///
-/// The error of a bearing that is not an outlier is normal, with the standard deviation of its observation.
+/// The error of a bearing that is not an outlier is normal, with the standard deviation of its observation times a scale
+/// that is learned.
 ///
 /// ```
 /// use foxhunt::aoa::{Mixture, robust::Errors};
@@ -28,6 +33,13 @@ pub struct Errors {
     pub rates: Mixture,
     /// How many observed bearings the rates weigh as much as, at least 1. Infinity keeps them as they are.
     pub prior_bearings: f32,
+    /// How many times as large as stated the standard deviations of direct and mirrored bearings are, 0.1 to 10. Where that
+    /// is learned, the root of the mean square of what is expected.
+    pub sigma_scale: f32,
+    /// How many observed bearings this scale weighs as much as, at least 1. Infinity keeps it as it is. The fewer, the
+    /// sooner regions shrink where bearings are better than stated, and the sooner errors that do not average out, like
+    /// those of a place, are taken for good bearings.
+    pub scale_bearings: f32,
     /// Standard deviation of the common bias of all bearings, as of an array that was not mounted straight; radians, 0 to
     /// 0.5. Zero is no bias.
     pub bias_sigma_rad: f32,
@@ -39,6 +51,47 @@ pub struct Errors {
     pub position_sigma_m: f32,
     /// How much the errors of two bearings have in common.
     pub correlation: Correlation,
+}
+
+/// What bearings have taught of their errors: nothing where all is zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Learned {
+    /// The rates of direct, mirrored and outlier bearings.
+    pub rates: Mixture,
+    /// How many times as large as stated their standard deviations are.
+    pub sigma_scale: SigmaScale,
+}
+
+value!(Learned { rates, sigma_scale });
+
+impl Learned {
+    /// Before any bearing.
+    pub const NOTHING: Self = Self {
+        rates: Mixture::ZERO,
+        sigma_scale: SigmaScale {
+            mean: 0.0,
+            sigma: 0.0,
+        },
+    };
+}
+
+/// What bearings are, in the mean over what they may be.
+pub(super) struct Counts {
+    /// How many are of each kind.
+    pub(super) kinds: Mixture,
+    /// How many independent ones those that are not outliers are worth,
+    pub(super) bearings: f32,
+    /// and the sum of their squared errors, in stated sigmas.
+    pub(super) squares: f32,
+}
+
+impl Counts {
+    pub(super) const NONE: Self = Self {
+        kinds: Mixture::ZERO,
+        bearings: 0.0,
+        squares: 0.0,
+    };
 }
 
 /// How much the errors of two bearings have in common.
@@ -93,7 +146,7 @@ impl Correlation {
 }
 
 impl Errors {
-    /// Normal errors, 8 % mirrored bearings and 12 % outliers, learned as soon as there are more than 10; no bias; nine
+    /// 8 % mirrored bearings and 12 % outliers, learned as soon as there are more than 10; sigmas as stated; no bias; nine
     /// tenths of the error in common at one place, less by a factor of e every 5 m.
     pub const DEFAULT: Self = Self {
         rates: Mixture {
@@ -102,6 +155,8 @@ impl Errors {
             outlier: 0.12,
         },
         prior_bearings: 10.0,
+        sigma_scale: 1.0,
+        scale_bearings: f32::INFINITY,
         bias_sigma_rad: 0.0,
         position_sigma_m: 0.0,
         correlation: Correlation::DEFAULT,
@@ -120,6 +175,8 @@ impl Errors {
             "rates do not add up to one"
         );
         require!(self.prior_bearings >= 1.0, "prior_bearings is less than 1");
+        require_within!(self: sigma_scale 0.1..=10.0);
+        require!(self.scale_bearings >= 1.0, "scale_bearings is less than 1");
         require_within!(self: bias_sigma_rad 0.0..=0.5, position_sigma_m 0.0..=1000.0);
         require_all!(self.correlation);
         Ok(())
@@ -133,7 +190,7 @@ impl Errors {
         worth: f32,
         source: Option<[f32; 2]>,
     ) -> f32 {
-        let own = observation.sigma_rad() * observation.sigma_rad();
+        let own = self.own_variance(observation);
         let square = self.position_sigma_m * self.position_sigma_m;
         match source {
             Some(source) if square > 0.0 => {
@@ -145,19 +202,70 @@ impl Errors {
         }
     }
 
-    /// One step of expectation maximisation: the mean of the Dirichlet distribution of these rates and the counts. `None`
-    /// where the rates are not to be learned.
-    pub(super) fn learned(&self, counts: &Mixture) -> Option<Mixture> {
-        let weight = self.prior_bearings;
-        if weight > 1e6 {
-            return None;
+    /// Of the error of a bearing without that of its place.
+    pub(super) fn own_variance(&self, observation: &Observation) -> f32 {
+        let sigma = self.sigma_scale * observation.sigma_rad();
+        sigma * sigma
+    }
+
+    /// These errors as far as learned.
+    pub(in crate::aoa) fn with(&self, learned: &Learned) -> Self {
+        let mut errors = *self;
+        if learned.rates.outlier > 0.0 {
+            errors.rates = learned.rates;
         }
-        let total = weight + counts.direct + counts.mirrored + counts.outlier;
-        let rate = |mean: f32, count: f32| (weight * mean + count) / total;
-        Some(Mixture {
-            direct: rate(self.rates.direct, counts.direct),
-            mirrored: rate(self.rates.mirrored, counts.mirrored),
-            outlier: rate(self.rates.outlier, counts.outlier),
-        })
+        if learned.sigma_scale.mean > 0.0 {
+            errors.sigma_scale = learned.sigma_scale.mean;
+        }
+        errors
+    }
+
+    /// The scale of the sigmas, and how well it is known.
+    pub(in crate::aoa) fn scale_of(&self, learned: &Learned) -> SigmaScale {
+        if learned.sigma_scale.mean > 0.0 {
+            learned.sigma_scale
+        } else {
+            self.scale(self.sigma_scale, self.scale_bearings)
+        }
+    }
+
+    /// A scale that is known by so many bearings.
+    fn scale(&self, mean: f32, bearings: f32) -> SigmaScale {
+        SigmaScale {
+            mean,
+            // Of the root of a variance that has an inverse gamma distribution.
+            sigma: mean / sqrt(2.0 * bearings),
+        }
+    }
+
+    /// One step of expectation maximisation: the mean of the Dirichlet distribution of these rates and the counts; and the
+    /// root of the mean of the inverse gamma distribution of the square of the scale. What is not to be learned is zero.
+    ///
+    /// Where the squares count the uncertainty of the source as well, that mean makes the covariance of a linear problem
+    /// that of its t distribution: no more is to be added for not knowing the scale.
+    pub(super) fn learned(&self, counts: &Counts) -> Learned {
+        let mut learned = Learned::NOTHING;
+        let Counts {
+            kinds,
+            bearings,
+            squares,
+        } = counts;
+        let weight = self.prior_bearings;
+        if weight <= CERTAIN {
+            let total = weight + kinds.total();
+            let rate = |mean: f32, count: f32| (weight * mean + count) / total;
+            learned.rates = Mixture {
+                direct: rate(self.rates.direct, kinds.direct),
+                mirrored: rate(self.rates.mirrored, kinds.mirrored),
+                outlier: rate(self.rates.outlier, kinds.outlier),
+            };
+        }
+        let weight = self.scale_bearings;
+        if weight <= CERTAIN {
+            let total = weight + bearings;
+            let square = weight * self.sigma_scale * self.sigma_scale + squares;
+            learned.sigma_scale = self.scale(sqrt(square / total), total);
+        }
+        learned
     }
 }

@@ -4,8 +4,8 @@ use heapless::Vec;
 
 use super::config::Config;
 use super::density::{Density, Region};
-use super::errors::Errors;
-use super::mode::{Mode, Modes, best, plane, position};
+use super::errors::{Counts, Errors};
+use super::mode::{Mode, Modes, best, dot, plane, position};
 use super::term::{State, Term, fold_angle};
 use crate::aoa::core::{Buffer, Comparison, Crossing, Entry, square_of_distance};
 use crate::aoa::{Alternative, NotObservable, Observation};
@@ -107,6 +107,40 @@ impl<const B: usize> Evidence<B> {
         Term::of(entry, errors, self.source)
     }
 
+    /// What the bearings are if the source is about one of some modes, for which they have these `terms`.
+    #[inline(never)]
+    pub(super) fn counts(&self, terms: &[Term], modes: &Modes, errors: &Errors) -> Counts {
+        let mut counts = Counts::NONE;
+        for mode in modes {
+            let bias = errors.bias_sigma_rad * mode.mean[2];
+            let covariance = mode.covariance.matrix();
+            for (term, entry) in terms.iter().zip(self.entries()) {
+                let reading = term.read(&mode.mean, bias);
+                reading.count(&mut counts.kinds, mode.weight);
+                // The portions of bearings that exclude each other sum to one, whichever fits.
+                counts.kinds.outlier -= mode.weight * (1.0 - entry.probability);
+                let fitted = mode.weight * reading.odds / (1.0 + reading.odds);
+                let worth = if entry.worth < 1.0 { entry.worth } else { 1.0 };
+                let [x, y] = term.gradient(&mode.mean);
+                let gradient = [x, y, errors.bias_sigma_rad];
+                let spread = dot(&gradient, &covariance.map(|row| dot(&row, &gradient)));
+                let square = reading.error * reading.error + spread;
+                // In the mean, what of the error is that of the place is not the bearing's own.
+                let total = self.variance(entry, errors);
+                let own = errors.own_variance(&entry.observation) / total;
+                let scale = errors.sigma_scale * errors.sigma_scale;
+                let expected = scale * (own * square / (worth * total) + 1.0 - own);
+                counts.bearings += fitted * worth;
+                counts.squares += fitted * worth * expected;
+            }
+        }
+        // The alternative of a bearing that fits may have been forgotten.
+        if counts.kinds.outlier < 0.0 {
+            counts.kinds.outlier = 0.0;
+        }
+        counts
+    }
+
     /// Forgets its own bearings, and takes those of a candidate.
     pub(super) fn adopt(&mut self, candidate: &Candidate<'_>, errors: &Errors) {
         let (latest, mean) = (candidate.latest, candidate.mode.mean);
@@ -160,6 +194,7 @@ impl<const B: usize> Evidence<B> {
                 };
             }
             new.observation = tempered(observation, worth);
+            new.worth = worth;
         }
         self.bearings.add(new, &lines);
         Change {
@@ -191,7 +226,7 @@ impl<const B: usize> Evidence<B> {
         modes: &Modes,
         config: &Config,
     ) -> Result<(), NotObservable> {
-        let (at_infinity, information) = self.at_infinity(terms);
+        let (at_infinity, information) = self.at_infinity(terms, &config.errors);
         let mut crossing = Crossing {
             gain: 0.0,
             information,
@@ -207,7 +242,7 @@ impl<const B: usize> Evidence<B> {
 
     /// The log-likelihood of a source at infinity, in the direction that fits best; and the sum of 1 / sigma^2.
     #[inline(never)]
-    fn at_infinity(&self, terms: &[Term]) -> (f32, f32) {
+    fn at_infinity(&self, terms: &[Term], errors: &Errors) -> (f32, f32) {
         /// Directions that are tried, those of some bearings, and means of those that fit: more find the best direction
         /// more often, which keeps parallel bearings from making a fix.
         const STARTS: usize = 16;
@@ -237,7 +272,8 @@ impl<const B: usize> Evidence<B> {
             }
             next = mean;
         }
-        let information = |entry: &Entry| entry.probability * entry.observation.information();
+        let information =
+            |entry: &Entry| entry.probability / errors.own_variance(&entry.observation);
         (best, self.entries().iter().map(information).sum())
     }
 }

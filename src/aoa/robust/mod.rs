@@ -15,8 +15,8 @@
 //! * There is no fix while the bearings might as well be parallel, nor while hypotheses that lie apart are of similar
 //!   weight: the answer then is [`NotObservable::NoIntersection`], and the [hypotheses](Locate::hypothesis) are where they
 //!   are. A fix may be taken back.
-//! * The rates of mirrored and outlier bearings are learned from the first fix on, by a step of expectation maximisation
-//!   at a time.
+//! * The rates of mirrored and outlier bearings, and how many times as large as stated the errors of the others are, are
+//!   learned from the first fix on, by a step of expectation maximisation at a time.
 //! * Readings of one place are one bearing, their mean, which is worth as many independent ones as their correlation
 //!   leaves.
 //! * A receiver that does not know exactly where it is may say how well it does: [`Errors::position_sigma_m`].
@@ -43,7 +43,7 @@ use super::core::{Entry, Proposal, is_depleted, is_narrow, sweep};
 use super::words::Belief;
 use super::{
     Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
-    Observation, PushError,
+    Observation, PushError, SigmaScale,
 };
 use crate::ConfigError;
 use crate::filter::ParticleFilter;
@@ -54,10 +54,10 @@ use crate::random::Rng;
 use crate::resample::Scheme;
 pub(super) use candidates::Candidates;
 pub use config::Config;
-pub use errors::{Correlation, Errors};
+pub use errors::{Correlation, Errors, Learned};
 pub(super) use evidence::Candidate;
 use evidence::{Change, Evidence};
-use mode::{Mode, Modes, hypotheses, plane, position};
+use mode::{Modes, hypotheses, plane, position};
 use proposal::MixtureProposal;
 use search::search;
 use term::{State, Term};
@@ -91,8 +91,7 @@ pub struct Robust<const N: usize, const B: usize = 64> {
     answer: Answer,
     /// Mean and covariance of the particles.
     moments: (State, [State; 3]),
-    /// As learned so far; all zero until then.
-    rates: Mixture,
+    learned: Learned,
     /// Bearings since the last search for modes.
     since_search: u32,
     /// Outliers that were removed upstream for each bearing.
@@ -100,7 +99,7 @@ pub struct Robust<const N: usize, const B: usize = 64> {
 }
 
 persist!(impl[const N: usize, const B: usize] Robust<N, B> as "Robust"(N, B) {
-    evidence, filter, modes, answer, moments, rates, since_search, outliers_removed
+    evidence, filter, modes, answer, moments, learned, since_search, outliers_removed
 });
 
 /// Moves of every particle for the first fix: it starts from draws of the modes, which a few moves correct.
@@ -122,7 +121,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
             modes: Modes::new(),
             answer: Answer::NOTHING,
             moments: ([0.0; 3], [[0.0; 3]; 3]),
-            rates: Mixture::ZERO,
+            learned: Learned::NOTHING,
             since_search: 0,
             outliers_removed: 0.0,
         }
@@ -183,7 +182,7 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
         self.modes.clear();
         self.answer = Answer::NOTHING;
         self.moments = Self::EMPTY.moments;
-        self.rates = Mixture::ZERO;
+        self.learned = Learned::NOTHING;
         self.since_search = 0;
         self.outliers_removed = 0.0;
     }
@@ -204,6 +203,10 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
 
     fn rates(&self, config: &Config) -> Option<Mixture> {
         Some(self.believed(config).errors.rates)
+    }
+
+    fn sigma_scale(&self, config: &Config) -> Option<SigmaScale> {
+        Some(config.errors.scale_of(&self.learned))
     }
 
     #[inline(never)]
@@ -260,13 +263,12 @@ impl<const N: usize, const B: usize> Robust<N, B> {
         self.evidence.bearings.observations()
     }
 
-    /// The configuration with the rates as learned so far.
+    /// The configuration with the errors as learned so far.
     fn believed(&self, config: &Config) -> Config {
-        let mut believed = *config;
-        if self.rates.outlier > 0.0 {
-            believed.errors.rates = self.rates;
+        Config {
+            errors: config.errors.with(&self.learned),
+            ..*config
         }
-        believed
     }
 
     /// Weighs the particles by a new bearing; whether they find it an outlier.
@@ -293,7 +295,7 @@ impl<const N: usize, const B: usize> Robust<N, B> {
             let believed = self.believed(config);
             let mut terms = self.evidence.terms(&believed.errors);
             self.find_modes(&terms, &believed, rng);
-            self.learn(&terms, config);
+            self.learn(&terms, &believed, config);
             self.evidence.set_source(&self.filter.mean());
             let believed = self.believed(config);
             terms = self.evidence.terms(&believed.errors);
@@ -340,25 +342,11 @@ impl<const N: usize, const B: usize> Robust<N, B> {
     }
 
     /// One step of expectation maximisation. Not before there is a fix: a chance crossing of two would teach that all
-    /// other bearings are outliers.
-    fn learn(&mut self, terms: &[Term], config: &Config) {
-        let mut counts = Mixture::ZERO;
-        for Mode { mean, weight, .. } in &self.modes {
-            let bias = config.errors.bias_sigma_rad * mean[2];
-            for (term, entry) in terms.iter().zip(self.evidence.entries()) {
-                term.read(mean, bias).count(&mut counts, *weight);
-                // The portions of bearings that exclude each other sum to one, whichever fits.
-                counts.outlier -= weight * (1.0 - entry.probability);
-            }
-        }
-        // The alternative of a bearing that fits may have been forgotten.
-        if counts.outlier < 0.0 {
-            counts.outlier = 0.0;
-        }
-        counts.outlier += self.outliers_removed * counts.total();
-        if let Some(rates) = config.errors.learned(&counts) {
-            self.rates = rates;
-        }
+    /// other bearings are outliers, or that their errors are large.
+    fn learn(&mut self, terms: &[Term], believed: &Config, config: &Config) {
+        let mut counts = self.evidence.counts(terms, &self.modes, &believed.errors);
+        counts.kinds.outlier += self.outliers_removed * counts.kinds.total();
+        self.learned = config.errors.learned(&counts);
     }
 
     fn sweep<R: Rng + ?Sized>(

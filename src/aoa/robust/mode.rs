@@ -118,7 +118,7 @@ pub(super) fn largest(modes: &[Mode]) -> f32 {
     masses.fold(f32::NEG_INFINITY, |a, b| if b > a { b } else { a })
 }
 
-fn dot(a: &State, b: &State) -> f32 {
+pub(super) fn dot(a: &State, b: &State) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

@@ -2,13 +2,13 @@
 
 use super::Robust;
 use super::config::Config;
-use super::errors::Errors;
+use super::errors::{Errors, Learned};
 use super::evidence::Candidate;
 use super::mode::weigh;
 use super::search::climb_again;
 use super::term::State;
 use crate::aoa::track::{Stationary, Track, odds_by_moments};
-use crate::aoa::{Answer, Locate, Mixture, Observation};
+use crate::aoa::{Answer, Locate, Observation};
 use crate::random::Rng;
 
 impl<const N: usize, const B: usize> Track for Robust<N, B> {
@@ -62,9 +62,13 @@ impl<const N: usize, const B: usize> Stationary for Robust<N, B> {
         self.moments
     }
 
-    fn restart(&mut self, rates: Mixture) {
+    fn learned(&self) -> Learned {
+        self.learned
+    }
+
+    fn restart(&mut self, learned: &Learned) {
         self.reset();
-        self.rates = rates;
+        self.learned = *learned;
     }
 
     fn centre_prior(&mut self, centre: [f32; 2], range_m: f32) {

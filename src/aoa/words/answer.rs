@@ -148,6 +148,16 @@ pub struct Bias {
     pub sigma_rad: f32,
 }
 
+/// How many times as large as stated the standard deviations of bearings are, by the scatter of those that are not outliers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SigmaScale {
+    /// Root of the posterior mean of its square: the factor that the stated ones are multiplied by.
+    pub mean: f32,
+    /// Posterior standard deviation.
+    pub sigma: f32,
+}
+
 /// The kinds of bearings, each with its rate among many or its probability for one. They sum to one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -224,6 +234,8 @@ value!(Fix {
     effective_sample_size,
     bearings,
 });
+
+value!(SigmaScale { mean, sigma });
 
 value!(Mixture {
     direct,

@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 
 use super::advice::Advice;
-use super::answer::{Answer, Bias, Cloud, Fix, Hypothesis, Mixture, Source};
+use super::answer::{Answer, Bias, Cloud, Fix, Hypothesis, Mixture, SigmaScale, Source};
 use super::observation::{Alternative, Observation, PushError};
 use crate::ConfigError;
 use crate::random::Rng;
@@ -91,6 +91,11 @@ pub trait Locate {
 
     /// The rates of direct, mirrored and outlier bearings, as learned so far.
     fn rates(&self, _config: &Self::Config) -> Option<Mixture> {
+        None
+    }
+
+    /// The scale of the stated sigmas, as learned so far; `None` where they are taken as stated.
+    fn sigma_scale(&self, _config: &Self::Config) -> Option<SigmaScale> {
         None
     }
 
@@ -216,6 +221,11 @@ impl<L: Locate> Locator<L> {
     /// See [`Locate::rates`].
     pub fn rates(&self) -> Option<Mixture> {
         self.state.rates(&self.config)
+    }
+
+    /// See [`Locate::sigma_scale`].
+    pub fn sigma_scale(&self) -> Option<SigmaScale> {
+        self.state.sigma_scale(&self.config)
     }
 
     /// See [`Locate::advice`].

@@ -7,6 +7,8 @@ mod observation;
 
 pub(in crate::aoa) use advice::Belief;
 pub use advice::{Advice, DIRECTIONS, FARTHEST_M};
-pub use answer::{Answer, Bias, Cloud, Fix, Hypothesis, Mixture, Motion, NotObservable, Source};
+pub use answer::{
+    Answer, Bias, Cloud, Fix, Hypothesis, Mixture, Motion, NotObservable, SigmaScale, Source,
+};
 pub use locate::{Locate, Locator};
 pub use observation::{Alternative, Bearing, Observation, ObservationError, PushError};

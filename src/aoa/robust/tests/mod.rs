@@ -425,6 +425,13 @@ fn a_configuration_is_checked() {
         }),
         Err("rates")
     );
+    for scale_bearings in [0.5, f32::NAN] {
+        let refused = field(Errors {
+            scale_bearings,
+            ..errors
+        });
+        assert_eq!(refused, Err("scale_bearings"));
+    }
     for prior_bearings in [0.5, f32::NAN] {
         let refused = field(Errors {
             prior_bearings,
@@ -463,5 +470,6 @@ fn a_configuration_is_checked() {
 mod alternatives;
 mod buffer;
 mod position;
+mod scale;
 mod search;
 mod term;
