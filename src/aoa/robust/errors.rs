@@ -80,9 +80,9 @@ impl Learned {
 pub(super) struct Counts {
     /// How many are of each kind.
     pub(super) kinds: Mixture,
-    /// How many independent ones those that are not outliers are worth,
+    /// How many independent bearings those that are not outliers are worth.
     pub(super) bearings: f32,
-    /// and the sum of their squared errors, in stated sigmas.
+    /// Sum of the squared errors of those that are not outliers, in stated sigmas.
     pub(super) squares: f32,
 }
 

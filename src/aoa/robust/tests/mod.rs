@@ -445,6 +445,12 @@ fn a_configuration_is_checked() {
         ..errors
     });
     assert_eq!(refused, Err("bias_sigma_rad"));
+}
+
+#[test]
+fn a_correlation_and_a_range_are_checked() {
+    let field = |errors| with(errors).check().map_err(|error| error.field());
+    let errors = Errors::DEFAULT;
     let correlation = |at_rest, distance_m, time_s| {
         let correlation = Correlation {
             at_rest,
