@@ -100,7 +100,13 @@ impl Lattice {
             steps.min(points.saturating_sub(1))
         };
         let [x0, y0] = self.origin;
-        along(y, y0, self.rows()) * self.columns() + along(x, x0, self.columns())
+        let column = along(x, x0, self.columns());
+        // A tunnel has one row.
+        if self.rows() == 1 {
+            column
+        } else {
+            along(y, y0, self.rows()) * self.columns() + column
+        }
     }
 
     /// One over the spacing.

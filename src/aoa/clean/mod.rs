@@ -149,9 +149,15 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
             let likelihood = BearingLikelihood::new(observation);
             // A normal likelihood is never zero, so the update cannot fail.
             let evidence = self.filter.update(&likelihood).unwrap_or(likelihood.peak);
-            self.rejuvenate(likelihood.peak - evidence > SURPRISING, config, rng)
-                .map(|()| self.cloud_fix())
-                .into()
+            let surprising = likelihood.peak - evidence > SURPRISING;
+            // Of a cloud that has shrunk to a point all particles weigh the same: it never has too few.
+            if self.rejuvenate(config, rng) || surprising {
+                self.find_again(config, rng)
+                    .map(|()| self.cloud_fix())
+                    .into()
+            } else {
+                Answer::Fix(self.cloud_fix())
+            }
         } else {
             self.first_answer(config, rng)
         };
@@ -272,18 +278,10 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
         sweep(self.filter.columns_mut(), &posterior, &mode, moves, rng);
     }
 
-    /// Resamples and moves the particles if they are worth too few, and looks for a better place if they have moved or the
-    /// last bearing was surprising: of a cloud that has shrunk to a point, all particles weigh the same.
-    ///
-    /// # Errors
-    /// The reason if they turn out to be lost, and the bearings make no fix elsewhere.
+    /// Resamples and moves the particles if they are worth too few; says whether it did.
+    // Apart, so that its memory is free when the source is searched for.
     #[inline(never)]
-    fn rejuvenate<R: Rng + ?Sized>(
-        &mut self,
-        surprising: bool,
-        config: &Config<M>,
-        rng: &mut R,
-    ) -> Result<(), NotObservable> {
+    fn rejuvenate<R: Rng + ?Sized>(&mut self, config: &Config<M>, rng: &mut R) -> bool {
         let worth = self.filter.effective_sample_size();
         let depleted = is_depleted(worth, N, config.resample_below);
         if depleted {
@@ -291,11 +289,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
             let (refinement, posterior) = (&config.refinement, Posterior::new(&self.bearings));
             refinement.rejuvenate(filter, &posterior, config.moves, memory, rng);
         }
-        if depleted || surprising {
-            self.find_again(config, rng)
-        } else {
-            Ok(())
-        }
+        depleted
     }
 
     /// Starts again from the best intersection if the particles are at a mode that other bearings have left behind, as may

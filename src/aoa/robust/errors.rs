@@ -208,6 +208,11 @@ impl Errors {
         sigma * sigma
     }
 
+    /// Whether the scale of the sigmas is learned.
+    pub(super) fn learns_scale(&self) -> bool {
+        self.scale_bearings <= CERTAIN
+    }
+
     /// These errors as far as learned.
     pub(in crate::aoa) fn with(&self, learned: &Learned) -> Self {
         let mut errors = *self;
@@ -260,8 +265,8 @@ impl Errors {
                 outlier: rate(self.rates.outlier, kinds.outlier),
             };
         }
-        let weight = self.scale_bearings;
-        if weight <= CERTAIN {
+        if self.learns_scale() {
+            let weight = self.scale_bearings;
             let total = weight + bearings;
             let square = weight * self.sigma_scale * self.sigma_scale + squares;
             learned.sigma_scale = self.scale(sqrt(square / total), total);

@@ -119,6 +119,9 @@ impl<const B: usize> Evidence<B> {
                 reading.count(&mut counts.kinds, mode.weight);
                 // The portions of bearings that exclude each other sum to one, whichever fits.
                 counts.kinds.outlier -= mode.weight * (1.0 - entry.probability);
+                if !errors.learns_scale() {
+                    continue;
+                }
                 let fitted = mode.weight * reading.odds / (1.0 + reading.odds);
                 let worth = if entry.worth < 1.0 { entry.worth } else { 1.0 };
                 let [x, y] = term.gradient(&mode.mean);
