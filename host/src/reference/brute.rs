@@ -13,14 +13,21 @@ use crate::{Sight, faults::Faults};
 /// likelihood is within a factor of e^-24 of the largest.
 #[derive(Debug, Clone, Copy)]
 pub struct Brute {
+    /// The largest log-likelihood that was found, and where it is.
+    pub maximum: (f64, [f64; 2]),
+    /// `None` if the finest is too coarse.
+    pub grid: Option<Grid>,
+}
+
+/// What the grid says.
+#[derive(Debug, Clone, Copy)]
+pub struct Grid {
     /// In metres east and north.
     pub mean: [f64; 2],
     /// In square metres.
     pub covariance: Matrix2<f64>,
     /// Logarithm of the density of the bearings, if the source is anywhere in the square.
     pub log_evidence: f64,
-    /// The largest log-likelihood, and where it is.
-    pub maximum: (f64, [f64; 2]),
     /// How far a grid with cells twice as wide is off this one.
     pub error: Difference,
 }
@@ -64,60 +71,71 @@ const FIRST: usize = 64;
 const ENOUGH: f64 = 1e-3;
 
 impl Brute {
-    /// Of `sights` with `faults` on a source in the `square`. `None` if `finest` cells a side are too few.
-    pub fn new(square: &Square, sights: &[Sight], faults: &Faults, finest: usize) -> Option<Self> {
+    /// Of `sights` with `faults` on a source in the `square`, with at most `finest` cells a side.
+    pub fn new(square: &Square, sights: &[Sight], faults: &Faults, finest: usize) -> Self {
         let log = |place: Vector2<f64>| log_likelihood(sights, faults, place);
         let low = Vector2::from(square.centre).add_scalar(-square.side / 2.0);
         let whole = [low, low.add_scalar(square.side)];
         let maxima = maxima(whole, sights, &log);
-        let mut search = whole;
-        let (mut best, mut mode) = (f64::NEG_INFINITY, low);
-        for (height, place) in &maxima {
-            if *height > best {
-                (best, mode) = (*height, *place);
-            }
+        let (best, mode) = (maxima.iter().copied())
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .unwrap_or((f64::NEG_INFINITY, low));
+        let near = (maxima.iter())
+            .filter(|(height, _)| *height > best - HOPELESS)
+            .map(|(_, place)| place);
+        let inner = [
+            near.clone().fold(mode, |low, place| low.inf(place)),
+            near.fold(mode, |high, place| high.sup(place)),
+        ];
+        let outer = grown(inner, whole, best, &log);
+        Self {
+            maximum: (best, mode.into()),
+            grid: finer(outer, whole, best, finest, &log).map(|(moments, error)| Grid {
+                mean: moments.mean,
+                covariance: moments.covariance,
+                log_evidence: best + moments.integral.ln() - 2.0 * square.side.ln(),
+                error,
+            }),
         }
-        let near = maxima
-            .iter()
-            .filter(|(height, _)| *height > best - HOPELESS);
-        search[0] = near.clone().fold(mode, |low, (_, place)| low.inf(place));
-        search[1] = near.fold(mode, |high, (_, place)| high.sup(place));
-        search = grown(search, whole, best, &log);
-
-        let mut count = FIRST;
-        let mut coarse: Option<Moments> = None;
-        while count <= finest {
-            let moments = Moments::new(search, count, best, &log);
-            if moments.edge > 1e-8 && search != whole {
-                let margin = (search[1] - search[0]) * 0.25;
-                search = [
-                    (search[0] - margin).sup(&whole[0]),
-                    (search[1] + margin).inf(&whole[1]),
-                ];
-                coarse = None;
-                continue;
-            }
-            if let Some(coarse) = coarse {
-                let error = Difference::new(
-                    coarse.mean,
-                    &coarse.covariance,
-                    (moments.mean, &moments.covariance),
-                );
-                if error.mean.max(error.sigma) < ENOUGH {
-                    return Some(Self {
-                        mean: moments.mean,
-                        covariance: moments.covariance,
-                        log_evidence: best + moments.integral.ln() - 2.0 * square.side.ln(),
-                        maximum: (best, mode.into()),
-                        error,
-                    });
-                }
-            }
-            coarse = Some(moments);
-            count *= 2;
-        }
-        None
     }
+}
+
+/// The sums over the first grid that is fine enough, and how far one half as fine is off them.
+fn finer(
+    mut outer: [Vector2<f64>; 2],
+    whole: [Vector2<f64>; 2],
+    best: f64,
+    finest: usize,
+    log: &impl Fn(Vector2<f64>) -> f64,
+) -> Option<(Moments, Difference)> {
+    let mut count = FIRST;
+    let mut coarse: Option<Moments> = None;
+    while count <= finest {
+        let moments = Moments::new(outer, count, best, log);
+        let mut heavy = false;
+        for (end, axis) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            if moments.edges[end][axis] > 1e-8 && outer[end][axis] != whole[end][axis] {
+                let margin = [-0.25, 0.25][end] * (outer[1][axis] - outer[0][axis]);
+                outer[end][axis] =
+                    (outer[end][axis] + margin).clamp(whole[0][axis], whole[1][axis]);
+                heavy = true;
+            }
+        }
+        if heavy {
+            coarse = None;
+            continue;
+        }
+        if let Some(coarse) = coarse {
+            let fine = (moments.mean, &moments.covariance);
+            let error = Difference::new(coarse.mean, &coarse.covariance, fine);
+            if error.mean.max(error.sigma) < ENOUGH {
+                return Some((moments, error));
+            }
+        }
+        coarse = Some(moments);
+        count *= 2;
+    }
+    None
 }
 
 /// Sums over a grid.
@@ -125,8 +143,8 @@ struct Moments {
     mean: [f64; 2],
     covariance: Matrix2<f64>,
     integral: f64,
-    /// The fraction that is in cells at the edge.
-    edge: f64,
+    /// The fractions in the cells at the low and high ends of each axis.
+    edges: [[f64; 2]; 2],
 }
 
 impl Moments {
@@ -136,7 +154,7 @@ impl Moments {
         best: f64,
         log: &impl Fn(Vector2<f64>) -> f64,
     ) -> Self {
-        let (mut total, mut edge) = (0.0, 0.0);
+        let (mut total, mut edges) = (0.0, [[0.0; 2]; 2]);
         let mut first = Vector2::zeros();
         let mut second = Matrix2::zeros();
         let step = (high - low) / count as f64;
@@ -148,8 +166,12 @@ impl Moments {
                 total += weight;
                 first += offset * weight;
                 second += offset * offset.transpose() * weight;
-                if [row, column].iter().any(|k| *k == 0 || *k == count - 1) {
-                    edge += weight;
+                for (axis, k) in [column, row].into_iter().enumerate() {
+                    for (end, last) in [0, count - 1].into_iter().enumerate() {
+                        if k == last {
+                            edges[end][axis] += weight;
+                        }
+                    }
                 }
             }
         }
@@ -158,7 +180,7 @@ impl Moments {
             mean: (low + mean).into(),
             covariance: second / total - mean * mean.transpose(),
             integral: total * step.x * step.y,
-            edge: edge / total,
+            edges: edges.map(|end| end.map(|edge| edge / total)),
         }
     }
 }

@@ -16,7 +16,7 @@ mod von_mises;
 mod tests;
 
 pub use bound::{cramer_rao, cramer_rao_of_biased};
-pub use brute::{Brute, Difference};
+pub use brute::{Brute, Difference, Grid};
 pub use gauss_newton::{Maximum, gauss_newton};
 pub use kalman::Kalman;
 pub use posterior::{Posterior, Square};

@@ -17,9 +17,9 @@ use crate::{Sight, faults::Faults};
 /// three nodes of Gauss and Legendre. It ends when all that is left could hold no more than [`DISCARDED`] of what is summed. So nothing is
 /// overlooked, however narrow it is.
 ///
-/// What errs is the sum: a part is no wider than a standard deviation of the other coordinate's slice through a
-/// normal posterior. With sides half as long, means move by less than 2e-3 standard deviations, and these by less than 2e-3
-/// of themselves.
+/// What errs is the sum: a part is no wider than 1.5 standard deviations of the narrowest normal density that these bearings
+/// can have there. Beside uniform grids means are right to 1e-4 standard deviations, and these to 1e-4 of themselves
+/// (`cargo xtask papers reference`).
 #[derive(Debug, Clone)]
 pub struct Posterior {
     /// In metres east and north.
