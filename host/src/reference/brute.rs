@@ -1,6 +1,9 @@
 //! The posterior by brute force: a uniform grid, which [`Posterior`](super::Posterior) is checked with.
 
-use std::f64::consts::{PI, TAU};
+use std::{
+    collections::HashSet,
+    f64::consts::{PI, TAU},
+};
 
 use nalgebra::{Matrix2, Vector2};
 
@@ -244,18 +247,26 @@ fn maxima(
         .map(|place| (log(place), place))
         .collect();
     starts.sort_by(|a, b| b.0.total_cmp(&a.0));
-    starts.truncate(60);
+    // The best of each part of the square, so that no maximum hides behind a higher one.
+    let mut parts = HashSet::new();
+    starts.retain(|(_, place)| {
+        let part = (place - low).component_div(&(high - low)) * 12.0;
+        parts.insert((part.x as i32, part.y as i32))
+    });
     for (height, place) in &mut starts {
         let mut step = (high - low).x / f64::from(COARSE);
-        while step > 1e-8 * (high - low).x {
+        for _ in 0..300 {
             let next = (0..8)
                 .map(|k| f64::from(k) * PI / 4.0)
                 .map(|angle| *place + Vector2::new(angle.cos(), angle.sin()) * step)
                 .map(|next| next.sup(&low).inf(&high))
                 .find(|next| log(*next) > *height);
             match next {
-                Some(next) => (*height, *place) = (log(next), next),
-                None => step *= 0.6,
+                Some(next) => {
+                    (*height, *place) = (log(next), next);
+                    step *= 1.5;
+                }
+                None => step *= 0.5,
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The likelihood of a source's place, and how large it can be anywhere in a cell.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::Vector2;
 
@@ -36,7 +36,8 @@ pub(super) struct Bound {
     /// The log-likelihood is nowhere larger.
     pub log: f64,
     /// Along either axis, a normal density of these bearings curves down by no more than this, per square metre: the sum of
-    /// the squares of the largest slopes of the directions, each in the sigmas of its bearing.
+    /// the squares of the largest slopes of the directions, each in the sigmas of its bearing. A jump of the slope counts as
+    /// if it were spread over half of the cell.
     pub curvature: Vector2<f64>,
 }
 
@@ -104,6 +105,7 @@ impl Likelihood {
         let radius = cell.half.norm();
         let mut all = Slopes::default();
         let mut kept = Slopes::default();
+        let mut folds = Vector2::zeros();
         let views = self.lines.iter().map(|line| {
             let ray = cell.centre - line.position;
             let (range, error) = (ray.norm(), line.error(ray));
@@ -120,6 +122,7 @@ impl Likelihood {
             };
             let view = View { line, error, slack };
             all.add(line.sigma, slope, bend);
+            folds += view.fold() * slope.abs().add_scalar(bend);
             if view.says_something() {
                 kept.add(line.sigma, slope, bend);
             }
@@ -136,7 +139,7 @@ impl Likelihood {
         let (slope, bend) = all.norms(self.bias_sigma);
         Bound {
             log,
-            curvature: slope.map(|slope| (slope + bend).powi(2)),
+            curvature: slope.map(|slope| (slope + bend).powi(2)) + folds.component_div(&cell.half),
         }
     }
 
@@ -165,6 +168,23 @@ struct View<'a> {
 }
 
 impl View<'_> {
+    /// How much the log-likelihood's derivative by the error jumps somewhere in the cell: where what is far to the left
+    /// becomes far to the right, or a mirrored bearing becomes likelier than a direct one. There are no jumps among outliers.
+    fn fold(&self) -> f64 {
+        let [_, mirrored, outlier] = self.line.peaks;
+        let fold = if mirrored > f64::NEG_INFINITY {
+            FRAC_PI_2
+        } else {
+            PI
+        };
+        let crossed = (self.error.abs() - fold).abs() <= self.slack;
+        if crossed && outlier == f64::NEG_INFINITY {
+            2.0 * fold / self.line.sigma.powi(2)
+        } else {
+            0.0
+        }
+    }
+
     /// The error does not go through all of the circle's half within the cell, nor through zero unless it is small.
     fn says_something(&self) -> bool {
         let error = self.error.abs();

@@ -1,9 +1,11 @@
 //! The reference, checked.
 
+use std::path::PathBuf;
+
 use rayon::prelude::*;
 
 use super::{Brute, Difference, Posterior, Square, cramer_rao, cramer_rao_of_biased, gauss_newton};
-use crate::{Sight, faults::Faults, simulate, tracks::Track};
+use crate::{Sight, faults::Faults, measured::Measured, simulate, tracks::Track};
 
 /// One of each kind, and all kinds that may be together.
 pub fn faults() -> [Faults; 5] {
@@ -98,6 +100,42 @@ fn brute_force_says_the_same() {
         let higher = posterior.log_likelihood(posterior.mode) - brute.maximum.0;
         assert!(same.abs() < 1e-6 && higher > -1e-6, "{same} {higher}");
         assert!(posterior.discarded <= 1e-6);
+    });
+}
+
+/// In rooms, where some bearings are far off: one transmitter in sight, and two that are not.
+#[test]
+fn measured_rooms_are_what_brute_force_says() {
+    let Some(data) = std::env::var_os("FOXHUNT_DATA").map(PathBuf::from) else {
+        println!("skipped: FOXHUNT_DATA does not name the directory of the measured data");
+        return;
+    };
+    let rooms = [("los", "tx2"), ("nlos", "tx3"), ("nlos", "tx4")];
+    let cases = rooms
+        .iter()
+        .flat_map(|room| faults().map(|faults| (room, faults)));
+    cases.par_bridge().for_each(|((set, transmitter), faults)| {
+        let file = data.join(format!("wsr/{set}_set_a.csv"));
+        let sights: Vec<Sight> = (Measured::read(&file, transmitter).unwrap().bearings.iter())
+            .map(|(position, degrees)| Sight {
+                time_ms: 0,
+                position: *position,
+                bearing: degrees.to_radians(),
+                sigma: 3f64.to_radians(),
+            })
+            .collect();
+        let square = Square::round(&sights).unwrap();
+        let posterior = Posterior::within(&square, &sights, &faults).unwrap();
+        let grid = Brute::new(&square, &sights, &faults, 2048).grid.unwrap();
+        let off = Difference::new(
+            posterior.mean,
+            &posterior.covariance,
+            (grid.mean, &grid.covariance),
+        );
+        assert!(
+            off.mean < 0.01 && off.sigma < 0.01,
+            "{set} {transmitter} {faults:?}: {off:?}"
+        );
     });
 }
 

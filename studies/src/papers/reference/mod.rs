@@ -22,7 +22,7 @@ mod cases;
 mod measured;
 mod random;
 
-/// Runs of each track and of each kind of geometry, unless told otherwise.
+/// Runs of each kind of geometry, unless told otherwise; of each track there are a quarter as many.
 const RUNS: u32 = 12;
 
 /// Prints the table, and returns its figures.
@@ -31,7 +31,7 @@ const RUNS: u32 = 12;
 /// If measured data cannot be read.
 pub fn run(study: &Study) -> Result<Vec<Figure>> {
     let runs = u64::from(study.runs.unwrap_or(RUNS));
-    let mut cases = cases::tracks(runs, study.seed);
+    let mut cases = cases::tracks(runs.div_ceil(4), study.seed);
     cases.extend(random::cases(runs, study.seed));
     if let Some(data) = study.data("wsr", "rooms") {
         cases.extend(measured::rooms(&data)?);
