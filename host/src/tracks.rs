@@ -34,14 +34,52 @@ impl Track {
         Self::of("A2", bearings::Track::A2)
     }
 
+    /// A line that heads for the source a little to its right.
+    pub fn a3() -> Self {
+        Self::a1().on("A3", &[[0.0, 0.0], [1000.0, 400.0]])
+    }
+
+    /// A short line far from the source.
+    pub fn a4() -> Self {
+        Self::a1().on("A4", &[[0.0, 0.0], [600.0, 0.0]])
+    }
+
     /// A circle of 350 m round the source (fish school paper, 2016).
     pub fn a5() -> Self {
         Self::of("A5", bearings::Track::A5)
     }
 
+    /// A longer line past the source.
+    pub fn b1() -> Self {
+        Self::b2().on("B1", &[[0.0, 0.0], [4000.0, 0.0]])
+    }
+
     /// A larger L (firefly paper, 2017).
     pub fn b2() -> Self {
         Self::of("B2", bearings::Track::B2)
+    }
+
+    /// Those of the papers, and three with other ways to the same sources.
+    pub fn all() -> [Self; 7] {
+        [
+            Self::a1(),
+            Self::a2(),
+            Self::a3(),
+            Self::a4(),
+            Self::a5(),
+            Self::b1(),
+            Self::b2(),
+        ]
+    }
+
+    /// The same experiment along another line.
+    fn on(self, name: &'static str, corners: &[[f64; 2]]) -> Self {
+        let receivers = along(corners, self.receivers.len());
+        Self {
+            name,
+            receivers,
+            ..self
+        }
     }
 
     /// The library's track, in f64.

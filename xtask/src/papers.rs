@@ -34,6 +34,8 @@ enum Paper {
     Bearings(Run),
     /// Whether the stated errors of a KrakenSDR's bearings hold the truth among reflections, by the method of its spectra.
     Finders(Run),
+    /// The exact posterior of bearings, which others of these compare with, beside uniform grids.
+    Reference(Run),
     /// What each method of these is worth beside the bootstrap filter that costs as much.
     Cost(Run),
 }
@@ -61,6 +63,7 @@ pub fn run(options: &Options) -> Result<()> {
         Paper::Fingerprint(run) => (run, papers::fingerprint::run),
         Paper::Bearings(run) => (run, papers::outliers::run),
         Paper::Finders(run) => (run, papers::finders::run),
+        Paper::Reference(run) => (run, papers::reference::run),
         Paper::Cost(run) => (run, papers::cost::run),
     };
     let figures = paper(&Study {

@@ -1,20 +1,25 @@
 //! Exact answers in f64, to measure the library against.
 
 mod bound;
+mod brute;
 pub mod corridor;
-mod faulty;
 pub mod gamma;
 mod gauss_newton;
 pub mod growth;
 mod kalman;
+mod likelihood;
+mod pending;
 mod posterior;
 mod von_mises;
 
-pub use bound::cramer_rao;
-pub use faulty::cramer_rao_of_biased;
+#[cfg(test)]
+mod tests;
+
+pub use bound::{cramer_rao, cramer_rao_of_biased};
+pub use brute::{Brute, Difference, Grid};
 pub use gauss_newton::{Maximum, gauss_newton};
 pub use kalman::Kalman;
-pub use posterior::Posterior;
+pub use posterior::{Posterior, Square};
 pub use von_mises::von_mises;
 
 use nalgebra::{Matrix2, Vector2};

@@ -1,109 +1,133 @@
 //! The exact posterior of a source that stands still.
 
+use std::collections::BinaryHeap;
+
 use nalgebra::{Matrix2, Vector2};
 
-use crate::Sight;
+use super::{
+    likelihood::{Cell, Likelihood},
+    pending::Pending,
+};
+use crate::{Sight, faults::Faults};
 
-/// Mean and covariance of the place of the source given all bearings, under a flat prior and
-/// Gaussian bearing errors.
+/// The posterior of the place of the source given all bearings, under a flat prior over a square.
 ///
-/// Summed over a grid that is refined where the posterior is. So that a coarse grid does not step
-/// over a peak narrower than its cells, a bearing's sigma is widened by the angle under which a
-/// cell appears; cells that are hopeless even then are dropped and the others split in four, until
-/// they are small against the posterior itself.
-#[derive(Debug, Clone, Copy)]
+/// The square is halved, and halved again, always the part that could hold the most: a bound on the likelihood that holds
+/// everywhere in it, times its area. Parts that are small beside the likelihood's own scale are summed, by three by
+/// three nodes of Gauss and Legendre. It ends when all that is left could hold no more than [`DISCARDED`] of what is summed. So nothing is
+/// overlooked, however narrow it is.
+///
+/// What errs is the sum: a part is no wider than 1.5 standard deviations of the narrowest normal density that these bearings
+/// can have there, nor so wide that its density changes by a factor of more than about 30. Beside uniform
+/// grids, means on the tracks and in rooms are right to 1e-3 standard deviations, and these to 0.2 % (`cargo xtask papers
+/// reference`).
+#[derive(Debug, Clone)]
 pub struct Posterior {
     /// In metres east and north.
     pub mean: [f64; 2],
     /// In square metres.
     pub covariance: Matrix2<f64>,
+    /// The most likely place, in metres east and north.
+    pub mode: [f64; 2],
+    /// Logarithm of the density of the bearings, each in 1/rad, if the source is anywhere in the square.
+    pub log_evidence: f64,
+    /// The most that the parts of the square that were not summed can hold, as a fraction of the whole.
+    pub discarded: f64,
+    square: Square,
+    likelihood: Likelihood,
 }
 
-/// A cell that is this far below the best, in log-likelihood, holds less than 1e-7 of the peak.
-const HOPELESS: f64 = 18.0;
-/// Width of a final cell in standard deviations along the posterior's short axis. The midpoint sums of
-/// a Gaussian are already good to 1e-8 at 1.
-pub(super) const FINE: f64 = 0.5;
-/// Cells along one side of the first grid.
-pub(super) const FIRST: i32 = 64;
-/// Side of the first grid, in diagonals of the box round the receivers.
-const REACH: f64 = 8.0;
+/// Parts that together hold less than this fraction of the whole are not summed.
+pub const DISCARDED: f64 = 1e-6;
+/// Widest cell that is summed, in standard deviations of a normal density.
+const WIDEST: f64 = 1.5;
+/// Places of the nodes, in half sides of a cell, and their weights.
+const NODES: [(f64, f64); 3] = [
+    (-0.774_596_669_241_483_4, 5.0 / 18.0),
+    (0.0, 8.0 / 18.0),
+    (0.774_596_669_241_483_4, 5.0 / 18.0),
+];
+/// Most that the log-likelihood may change between the outer nodes of a cell that is summed: what is cut off by the square's
+/// side, or ends at a position, is no normal density.
+const STEEPEST: f64 = 3.0;
+/// So many cells are too many.
+const MOST: usize = 4_000_000;
 
 impl Posterior {
-    /// From all `sights`; `None` if they do not determine a place within eight times the extent of
-    /// the receivers.
+    /// From clean `sights`; `None` if they do not determine a place within eight times the extent of the receivers.
     pub fn new(sights: &[Sight]) -> Option<Self> {
-        let grid = Grid::round(sights)?;
-        let mut half = grid.side / f64::from(FIRST) / 2.0;
-        let mut cells = grid.cells();
-
-        for _ in 0..40 {
-            let log: Vec<f64> = cells
-                .iter()
-                .map(|&cell| log_likelihood(sights, cell, half))
-                .collect();
-            let short = Self::moments(&cells, &log)
-                .covariance
-                .symmetric_eigenvalues()
-                .min();
-            if 2.0 * half <= FINE * short.max(0.0).sqrt() {
-                let log: Vec<f64> = cells
-                    .iter()
-                    .map(|&cell| log_likelihood(sights, cell, 0.0))
-                    .collect();
-                let posterior = Self::moments(&cells, &log);
-                return posterior.lies_inside(&grid).then_some(posterior);
-            }
-            let best = maximum(&log);
-            half /= 2.0;
-            let mut hopeful = log.iter().map(|log| best - *log < HOPELESS);
-            cells.retain(|_| hopeful.next() == Some(true));
-            cells = Grid::split(&cells, half);
-            if cells.len() > 4_000_000 {
-                return None;
-            }
-        }
-        None
+        Self::with_faults(sights, &Faults::default())
     }
 
-    pub(super) fn moments(cells: &[Vector2<f64>], log: &[f64]) -> Self {
-        let best = maximum(log);
-        let weights = || log.iter().map(|log| (log - best).exp());
-        let total: f64 = weights().sum();
-        let mean = cells
-            .iter()
-            .zip(weights())
-            .map(|(cell, weight)| cell * weight)
-            .sum::<Vector2<f64>>()
-            / total;
-        let covariance = cells
-            .iter()
-            .zip(weights())
-            .map(|(cell, weight)| (cell - mean) * (cell - mean).transpose() * weight)
-            .sum::<Matrix2<f64>>()
-            / total;
-        Self {
+    /// The posterior where the rates of outliers and mirrored bearings are those of `faults`, or where all bearings have a
+    /// bias of its sigma: these are known, what each bearing is and what the bias is are not. `None` if the `sights`
+    /// do not determine a place within eight times the extent of the receivers.
+    ///
+    /// # Panics
+    /// If `faults` has both: then the sum would be one over the bias, too.
+    pub fn with_faults(sights: &[Sight], faults: &Faults) -> Option<Self> {
+        Self::within(&Square::round(sights)?, sights, faults).filter(Self::lies_inside)
+    }
+
+    /// The same of a source that is in the `square` for certain, whether the `sights` determine its place or not. `None` if
+    /// that takes more than four million cells.
+    ///
+    /// # Panics
+    /// As [`Posterior::with_faults`].
+    pub fn within(square: &Square, sights: &[Sight], faults: &Faults) -> Option<Self> {
+        Self::of(square, Likelihood::new(sights, faults), WIDEST)
+    }
+
+    fn of(square: &Square, likelihood: Likelihood, widest: f64) -> Option<Self> {
+        let (sum, discarded) = integrate(square, &likelihood, widest)?;
+        let mean = sum.mean();
+        Some(Self {
             mean: mean.into(),
-            covariance,
+            covariance: sum.covariance(mean),
+            mode: climb(square, &likelihood, &sum).into(),
+            log_evidence: sum.log() - 2.0 * square.side.ln(),
+            discarded,
+            square: *square,
+            likelihood,
+        })
+    }
+
+    /// Logarithm of the density of the bearings, each in 1/rad, if the source is at this place.
+    pub fn log_likelihood(&self, place: [f64; 2]) -> f64 {
+        self.likelihood.at(place.into())
+    }
+
+    /// The density at a place, per square metre.
+    pub fn density(&self, place: [f64; 2]) -> f64 {
+        let offset = Vector2::from(place) - Vector2::from(self.square.centre);
+        if offset.amax() > 0.5 * self.square.side {
+            return 0.0;
         }
+        let flat = 2.0 * self.square.side.ln();
+        (self.log_likelihood(place) - self.log_evidence - flat).exp()
     }
 
-    /// Four standard deviations round the mean are within the grid.
-    pub(super) fn lies_inside(&self, grid: &Grid) -> bool {
-        let offset = Vector2::from(self.mean) - grid.centre;
-        (0..2).all(|d| offset[d].abs() + 4.0 * self.covariance[(d, d)].sqrt() < grid.side / 2.0)
+    /// Four standard deviations round the mean are within the square.
+    fn lies_inside(&self) -> bool {
+        let offset = Vector2::from(self.mean) - Vector2::from(self.square.centre);
+        (0..2).all(|d| {
+            offset[d].abs() + 4.0 * self.covariance[(d, d)].sqrt() < self.square.side / 2.0
+        })
     }
 }
 
-/// The square that is searched.
-pub(super) struct Grid {
-    centre: Vector2<f64>,
-    pub(super) side: f64,
+/// Where a source may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Square {
+    /// In metres east and north.
+    pub centre: [f64; 2],
+    /// In metres.
+    pub side: f64,
 }
 
-impl Grid {
-    /// Round the receivers; `None` if they are all at one place.
-    pub(super) fn round(sights: &[Sight]) -> Option<Self> {
+impl Square {
+    /// Eight times as wide as the diagonal of the box round the receivers; `None` if they are all at one place.
+    pub fn round(sights: &[Sight]) -> Option<Self> {
         let mut low = Vector2::from(sights.first()?.position);
         let mut high = low;
         for sight in sights {
@@ -111,78 +135,144 @@ impl Grid {
             low = low.inf(&place);
             high = high.sup(&place);
         }
-        let side = REACH * (high - low).norm();
-        let centre = (low + high) / 2.0;
+        let side = 8.0 * (high - low).norm();
+        let centre = ((low + high) / 2.0).into();
         (side > 0.0).then_some(Self { centre, side })
     }
-
-    /// The centres of the first cells.
-    pub(super) fn cells(&self) -> Vec<Vector2<f64>> {
-        let half = self.side / f64::from(FIRST) / 2.0;
-        let step = |n: i32| f64::from(2 * n - FIRST + 1) * half;
-        (0..FIRST * FIRST)
-            .map(|k| self.centre + Vector2::new(step(k % FIRST), step(k / FIRST)))
-            .collect()
-    }
-
-    /// Each in four, whose sides are twice `half`.
-    pub(super) fn split(cells: &[Vector2<f64>], half: f64) -> Vec<Vector2<f64>> {
-        let corners =
-            [[-half, -half], [half, -half], [-half, half], [half, half]].map(Vector2::from);
-        cells
-            .iter()
-            .flat_map(|cell| corners.map(|corner| cell + corner))
-            .collect()
-    }
 }
 
-fn maximum(log: &[f64]) -> f64 {
-    log.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+/// The nodes that are summed.
+#[derive(Default)]
+struct Sum {
+    places: Vec<Vector2<f64>>,
+    /// Logarithms of likelihood times area.
+    logs: Vec<f64>,
+    /// The largest of them, and the sum in its unit.
+    best: f64,
+    total: f64,
 }
 
-/// Up to a constant; `half` is half the width of the cell round `place`.
-fn log_likelihood(sights: &[Sight], place: Vector2<f64>, half: f64) -> f64 {
-    let term = |sight: &Sight| {
-        let range = (place - Vector2::from(sight.position)).norm();
-        let variance = sight.sigma.powi(2) + (half / range).powi(2).min(10.0);
-        sight.residual(place.into()).powi(2) / variance
+/// Sums all but what [`DISCARDED`] says; and says what the rest is at most.
+fn integrate(square: &Square, likelihood: &Likelihood, widest: f64) -> Option<(Sum, f64)> {
+    let whole = Cell {
+        centre: square.centre.into(),
+        half: Vector2::repeat(square.side / 2.0),
     };
-    -0.5 * sights.iter().map(term).sum::<f64>()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{
-        reference::{cramer_rao, gauss_newton},
-        simulate,
-        tracks::Track,
+    let mut sum = Sum {
+        best: f64::NEG_INFINITY,
+        ..Sum::default()
     };
-
-    /// Where the posterior is narrow it is Gaussian: mean and covariance are the maximum's.
-    #[test]
-    fn narrow_posterior_is_the_maximum_likelihood() {
-        let mut track = Track::a2();
-        track.sigma = 1e-4;
-        let sights = simulate::bearings(&track, &mut simulate::generator(1, 0));
-        let posterior = Posterior::new(&sights).unwrap();
-        let maximum = gauss_newton(&sights, [1000.0, 1000.0]).unwrap();
-        let bound = cramer_rao(&sights, track.source).unwrap();
-        let sigma = bound.trace().sqrt();
-        for d in 0..2 {
-            assert!((posterior.mean[d] - maximum.place[d]).abs() < 0.01 * sigma);
-        }
-        assert!((posterior.covariance - bound).norm() < 0.02 * bound.norm());
-    }
-
-    #[test]
-    fn parallel_bearings_have_no_posterior() {
-        let sight = |x| Sight {
-            time_ms: 1000 * x as u32,
-            position: [x, 0.0],
-            bearing: 0.0,
-            sigma: 0.02,
+    let mut heap = BinaryHeap::from([Pending::new(whole, likelihood)]);
+    for _ in 0..MOST {
+        let Some(largest) = heap.pop() else {
+            return Some((sum, 0.0));
         };
-        assert!(Posterior::new(&[sight(0.0), sight(1.0)]).is_none());
+        // No other cell can hold more than this one.
+        let rest = largest.log_mass + (heap.len() as f64 + 1.0).ln() - sum.log();
+        if rest <= DISCARDED.ln() {
+            return Some((sum, rest.exp()));
+        }
+        let Pending { cell, widths, .. } = largest;
+        let axis = if widths.max() > widest {
+            widths.imax()
+        } else {
+            let nodes = Nodes::new(&cell, likelihood);
+            let change = nodes.change();
+            if change.max() <= STEEPEST {
+                sum.add(&nodes);
+                continue;
+            }
+            change.imax()
+        };
+        heap.extend(cell.split(axis).map(|part| Pending::new(part, likelihood)));
     }
+    None
+}
+
+/// The nodes of a cell, column by column.
+struct Nodes {
+    places: [Vector2<f64>; 9],
+    /// The log-likelihood there.
+    logs: [f64; 9],
+    /// Parts of the cell's area.
+    areas: [f64; 9],
+}
+
+impl Nodes {
+    fn new(cell: &Cell, likelihood: &Likelihood) -> Self {
+        let pairs: [_; 9] = std::array::from_fn(|k| [NODES[k / 3], NODES[k % 3]]);
+        let places = pairs
+            .map(|[(x, _), (y, _)]| cell.centre + cell.half.component_mul(&Vector2::new(x, y)));
+        Self {
+            places,
+            logs: places.map(|place| likelihood.at(place)),
+            areas: pairs.map(|[(_, across), (_, along)]| cell.area() * across * along),
+        }
+    }
+
+    /// How much the log-likelihood changes along each axis through the middle.
+    fn change(&self) -> Vector2<f64> {
+        let [_, west, _, south, _, north, _, east, _] = self.logs;
+        Vector2::new(east - west, north - south).abs()
+    }
+}
+
+impl Sum {
+    fn add(&mut self, nodes: &Nodes) {
+        for ((place, log), area) in nodes.places.iter().zip(nodes.logs).zip(nodes.areas) {
+            let log = log + area.ln();
+            if log > self.best {
+                self.total *= (self.best - log).exp();
+                self.best = log;
+            }
+            self.total += (log - self.best).exp();
+            self.places.push(*place);
+            self.logs.push(log);
+        }
+    }
+
+    /// Logarithm of the sum.
+    fn log(&self) -> f64 {
+        self.best + self.total.ln()
+    }
+
+    /// Each place with its probability.
+    fn weighted(&self) -> impl Iterator<Item = (Vector2<f64>, f64)> {
+        let log = self.log();
+        let weights = self.logs.iter().map(move |l| (l - log).exp());
+        self.places.iter().copied().zip(weights)
+    }
+
+    fn mean(&self) -> Vector2<f64> {
+        self.weighted().map(|(place, weight)| place * weight).sum()
+    }
+
+    fn covariance(&self, mean: Vector2<f64>) -> Matrix2<f64> {
+        self.weighted()
+            .map(|(place, weight)| (place - mean) * (place - mean).transpose() * weight)
+            .sum()
+    }
+}
+
+/// The maximum that is reached from the most likely node, by steps along the axes that get shorter.
+fn climb(square: &Square, likelihood: &Likelihood, sum: &Sum) -> Vector2<f64> {
+    let highest = |places: &[Vector2<f64>]| {
+        let logs = places.iter().map(|place| (likelihood.at(*place), *place));
+        logs.max_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let Some((mut log, mut place)) = highest(&sum.places) else {
+        return square.centre.into();
+    };
+    let corners =
+        [-0.5, 0.5].map(|half| Vector2::from(square.centre).add_scalar(half * square.side));
+    let mut step = square.side / 1024.0;
+    while step > 1e-9 * square.side {
+        let steps = [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]];
+        let around = steps.map(|s| (place + Vector2::from(s)).sup(&corners[0]).inf(&corners[1]));
+        match highest(&around) {
+            Some((higher, next)) if higher > log => (log, place) = (higher, next),
+            _ => step *= 0.5,
+        }
+    }
+    place
 }

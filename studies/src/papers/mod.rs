@@ -11,6 +11,7 @@ pub mod firefly;
 pub mod fish;
 mod instructions;
 pub mod outliers;
+pub mod reference;
 mod scalar;
 mod statistics;
 mod study;
