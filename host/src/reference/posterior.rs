@@ -14,7 +14,7 @@ use crate::{Sight, faults::Faults};
 ///
 /// The square is halved, and halved again, always the part that could hold the most: a bound on the likelihood that holds
 /// everywhere in it, times its area. Parts that are small beside the likelihood's own scale are summed, by three by
-/// three nodes of Gauss and Legendre. It ends when all that is left could hold no more than [`DISCARDED`] of what is summed. So nothing is
+/// three nodes of Gauss and Legendre. It ends when all that is left could hold no more than a millionth of what is summed. So nothing is
 /// overlooked, however narrow it is.
 ///
 /// What errs is the sum: a part is no wider than 1.5 standard deviations of the narrowest normal density that these bearings
@@ -152,7 +152,7 @@ struct Sum {
     total: f64,
 }
 
-/// Sums all but what [`DISCARDED`] says; and says what the rest is at most.
+/// Sums all but what a millionth says; and says what the rest is at most.
 fn integrate(square: &Square, likelihood: &Likelihood, widest: f64) -> Option<(Sum, f64)> {
     let whole = Cell {
         centre: square.centre.into(),
