@@ -158,7 +158,7 @@ pub struct Passes {
 impl Passes {
     /// One drive through the gateway of `vehicle_robust`.
     ///
-    /// The stated sigmas count as `scale_bearings` bearings do, where these are not as the sigmas say; infinity is the default.
+    /// The stated sigmas weigh as much as `scale_bearings` observed bearings; infinity, the default, keeps them as stated.
     pub fn one(
         build: Build,
         method: Method,

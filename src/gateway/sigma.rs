@@ -49,9 +49,9 @@ impl SigmaTable {
     /// 10 degrees at quality 0, 2 at 100.
     pub const LINEAR: Self = preset(&[(0.0, 10.0), (100.0, 2.0)]);
 
-    /// By the quality of an Agrelo or a station of APRS: half of the beam width that its digit stands for in APRS: less than 240 degrees for 1, 120
-    /// for 2, 64 for 3 and half of the one before from there on (APRS Protocol Reference 1.0.1, chapter 7). No less than 2
-    /// degrees, as nothing on a car is better.
+    /// By the quality of an Agrelo or a station of APRS: half of the beam width that its digit stands for in APRS: less than
+    /// 240 degrees for 1, 120 for 2, 64 for 3 and half of the one before from there on (APRS Protocol Reference 1.0.1,
+    /// chapter 7). No less than 2 degrees, as nothing on a car is better.
     pub const BEAM_WIDTHS: Self = preset(&[
         (100.0 / 9.0, 120.0),
         (200.0 / 9.0, 60.0),

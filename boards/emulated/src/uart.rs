@@ -1,4 +1,5 @@
-//! UARTs of the MPS2 boards (CMSDK APB UARTs), driven by their interrupts through two queues: three are read, and UART0 sends.
+//! UARTs of the MPS2 boards (CMSDK APB UARTs), driven by their interrupts through two queues: three are read, and UART0
+//! sends.
 //!
 //! Nothing here waits. When the queue of received bytes is full, the receive interrupt is switched off until
 //! there is room: the emulator then holds the sender back, as a line with hardware flow control would.

@@ -14,8 +14,8 @@ use crate::{Sight, faults::Faults};
 ///
 /// The square is halved, and halved again, always the part that could hold the most: a bound on the likelihood that holds
 /// everywhere in it, times its area. Parts that are small beside the likelihood's own scale are summed, by three by
-/// three nodes of Gauss and Legendre. It ends when all that is left could hold no more than a millionth of what is summed. So nothing is
-/// overlooked, however narrow it is.
+/// three nodes of Gauss and Legendre. It ends when all that is left could hold no more than a millionth of what is
+/// summed. So nothing is overlooked, however narrow it is.
 ///
 /// What errs is the sum: a part is no wider than 1.5 standard deviations of the narrowest normal density that these bearings
 /// can have there, nor so wide that its density changes by a factor of more than about 30. Beside uniform
@@ -38,7 +38,7 @@ pub struct Posterior {
 }
 
 /// Parts that together hold less than this fraction of the whole are not summed.
-pub const DISCARDED: f64 = 1e-6;
+const DISCARDED: f64 = 1e-6;
 /// Widest cell that is summed, in standard deviations of a normal density.
 const WIDEST: f64 = 1.5;
 /// Places of the nodes, in half sides of a cell, and their weights.

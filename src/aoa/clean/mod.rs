@@ -310,16 +310,16 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
         if is_consistent(here, self.bearings.entries().len() as f32 - 2.0) {
             return Ok(());
         }
-        let mode = match self.observe(config, rng) {
-            Ok(mode) => mode,
+        let found = match self.observe(config, rng) {
+            Ok(found) => found,
             // Beyond what bearings can tell from infinity.
             Err(reason) if misfit_at_infinity(&self.bearings).0 - here < BETTER => {
                 return Err(reason);
             }
             Err(_) => return Ok(()),
         };
-        if misfit(&self.bearings, mode.mean()) + BETTER < here {
-            self.start(mode, config, rng);
+        if misfit(&self.bearings, found.mean()) + BETTER < here {
+            self.start(found, config, rng);
         }
         Ok(())
     }

@@ -12,8 +12,8 @@ const CERTAIN: f32 = 1e6;
 
 /// What is believed of the errors before any bearing. A zero switches a part off.
 ///
-/// The error of a bearing that is not an outlier is normal, with the standard deviation of its observation times a scale
-/// that is learned.
+/// The error of a bearing that is not an outlier is normal, with the standard deviation of its observation times a scale,
+/// which is learned unless `scale_bearings` is infinite, as it is by default.
 ///
 /// ```
 /// use foxhunt::aoa::{Mixture, robust::Errors};

@@ -116,13 +116,12 @@ impl<const B: usize> Evidence<B> {
             let covariance = mode.covariance.matrix();
             for (term, entry) in terms.iter().zip(self.entries()) {
                 let reading = term.read(&mode.mean, bias);
-                reading.count(&mut counts.kinds, mode.weight);
+                let fitted = reading.count(&mut counts.kinds, mode.weight);
                 // The portions of bearings that exclude each other sum to one, whichever fits.
                 counts.kinds.outlier -= mode.weight * (1.0 - entry.probability);
                 if !errors.learns_scale() {
                     continue;
                 }
-                let fitted = mode.weight * reading.odds / (1.0 + reading.odds);
                 let worth = if entry.worth < 1.0 { entry.worth } else { 1.0 };
                 let [x, y] = term.gradient(&mode.mean);
                 let gradient = [x, y, errors.bias_sigma_rad];

@@ -15,8 +15,8 @@
 //! * There is no fix while the bearings might as well be parallel, nor while hypotheses that lie apart are of similar
 //!   weight: the answer then is [`NotObservable::NoIntersection`], and the [hypotheses](Locate::hypothesis) are where they
 //!   are. A fix may be taken back.
-//! * The rates of mirrored and outlier bearings, and how many times as large as stated the errors of the others are, are
-//!   learned from the first fix on, by a step of expectation maximisation at a time.
+//! * The rates of mirrored and outlier bearings are learned from the first fix on, by a step of expectation maximisation
+//!   at a time; with [`Errors::scale_bearings`] also how many times as large as stated the errors of the others are.
 //! * Readings of one place are one bearing, their mean, which is worth as many independent ones as their correlation
 //!   leaves.
 //! * A receiver that does not know exactly where it is may say how well it does: [`Errors::position_sigma_m`].

@@ -41,8 +41,8 @@ pub(super) struct Reading {
 }
 
 impl Reading {
-    /// Counts the bearing by what it probably is.
-    pub(super) fn count(&self, counts: &mut Mixture, weight: f32) {
+    /// Counts the bearing by what it probably is; returns the part of the weight that is no outlier.
+    pub(super) fn count(&self, counts: &mut Mixture, weight: f32) -> f32 {
         let fitted = weight * self.odds / (1.0 + self.odds);
         counts.outlier += weight - fitted;
         if self.mirrored {
@@ -50,6 +50,7 @@ impl Reading {
         } else {
             counts.direct += fitted;
         }
+        fitted
     }
 }
 

@@ -71,8 +71,8 @@ impl Config {
     }
 }
 
-/// By the [azimuth](Config::quality_by_azimuth): 5 degrees straight ahead, an estimate, divided by the cosine of the azimuth, as a
-/// flat array has it.
+/// By the [azimuth](Config::quality_by_azimuth): 5 degrees straight ahead, an estimate, divided by the cosine of the
+/// azimuth, as a flat array has it.
 pub const SIGMAS: SigmaTable = preset(&[
     (100.0 / 9.0, 28.8),
     (200.0 / 9.0, 14.6),
