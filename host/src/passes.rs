@@ -158,18 +158,18 @@ pub struct Passes {
 impl Passes {
     /// One drive through the gateway of `vehicle_robust`.
     ///
-    /// The stated sigmas weigh as much as `scale_bearings` observed bearings; infinity, the default, keeps them as stated.
+    /// The logarithm of the scale of the stated sigmas has the standard deviation `scale_sigma`; zero keeps them as stated.
     pub fn one(
         build: Build,
         method: Method,
         phase_sigma: f64,
-        scale_bearings: f32,
+        scale_sigma: f32,
         seed: u64,
         run: u64,
     ) -> Self {
         let pass = Pass::new(build, method, phase_sigma, seed, run);
         let mut config = CONFIG;
-        config.locator.track.stationary.errors.scale_bearings = scale_bearings;
+        config.locator.track.stationary.errors.scale_sigma = scale_sigma;
         let mut gateway = Box::new(Gateway::EMPTY);
         for byte in &pass.bytes {
             gateway.push(0, *byte, &config);

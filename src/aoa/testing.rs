@@ -2,9 +2,18 @@
 
 use core::ops::Deref;
 
-use super::{Alternative, Answer, Bearing, Locate, Locator, Observation};
+use super::{Alternative, Answer, Bearing, Locate, Locator, Observation, robust};
 use crate::random::Rng;
 pub(crate) use foxhunt_problems::bearings::Track;
+
+/// What is believed of an array that is mounted straight.
+pub(crate) const STRAIGHT: robust::Config = robust::Config {
+    errors: robust::Errors {
+        bias_sigma_rad: 0.0,
+        ..robust::Errors::DEFAULT
+    },
+    ..robust::Config::DEFAULT
+};
 
 /// A locator that takes one bearing a second, whatever time the bearings state.
 #[derive(Debug, Clone)]

@@ -196,22 +196,30 @@ impl<const N: usize> Text<N> {
 
     /// `$PFOXN`
     fn not_observable(&mut self, context: Context<'_>, reason: NotObservable) {
-        let (reason, angles) = match reason {
+        let (reason, figures) = match reason {
             NotObservable::TooFewBearings { .. } => (",FEW", None),
             NotObservable::CrossingAngle {
                 have_rad,
                 needed_rad,
-            } => (",ANGLE", Some([have_rad, needed_rad])),
+            } => (
+                ",ANGLE",
+                Some([have_rad, needed_rad].map(|angle| angle * DEGREES)),
+            ),
             NotObservable::NoIntersection => (",APART", None),
+            NotObservable::SeveralPlaces { .. } => (",PLACES", None),
+            NotObservable::WideRange { have, needed } => {
+                (",WIDE", Some([have, needed].map(|part| 100.0 * part)))
+            }
+            NotObservable::Contradiction { .. } => (",CONTRARY", None),
         };
         self.begin("PFOXN");
         self.time(context.time);
         self.put(reason);
         self.field(context.bearings);
-        match angles {
-            Some([have_rad, needed_rad]) => {
-                self.decimal(have_rad * DEGREES, Unit::Tenth);
-                self.decimal(needed_rad * DEGREES, Unit::Tenth);
+        match figures {
+            Some([have, needed]) => {
+                self.decimal(have, Unit::Tenth);
+                self.decimal(needed, Unit::Tenth);
             }
             None => self.put(",,"),
         }

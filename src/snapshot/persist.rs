@@ -165,7 +165,10 @@ pub(crate) trait Value: Sized {
 /// A structure that is a value: its fields, in this order.
 macro_rules! value {
     ($type:ident { $($field:ident),+ $(,)? }) => {
-        impl $crate::snapshot::Value for $type {
+        $crate::snapshot::value!(impl[] $type as stringify!($type), { $($field),+ });
+    };
+    (impl[$($generics:tt)*] $type:ty as $name:expr, { $($field:ident),+ $(,)? }) => {
+        impl<$($generics)*> $crate::snapshot::Value for $type {
             const SIZE: usize = 0 $(+ $crate::snapshot::size_of_field(|v: &Self| &v.$field))+;
 
             fn write(&self, to: &mut $crate::snapshot::Writer<'_>) {
@@ -178,7 +181,7 @@ macro_rules! value {
                 Ok(Self { $($field: $crate::snapshot::Value::read(from)?),+ })
             }
         }
-        $crate::snapshot::by_value!(impl[] $type, concat!(stringify!($type) $(, " ", stringify!($field))+));
+        $crate::snapshot::by_value!(impl[$($generics)*] $type, concat!($name $(, " ", stringify!($field))+));
     };
 }
 pub(crate) use value;

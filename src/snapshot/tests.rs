@@ -139,9 +139,9 @@ fn so_does_a_robust_one() {
         bias_sigma_rad: 0.05,
         position_sigma_m: 20.0,
         correlation: Correlation {
-            at_rest: 0.9,
             distance_m: 60.0,
             time_s: 100.0,
+            ..Correlation::DEFAULT
         },
         ..Errors::DEFAULT
     };
@@ -357,7 +357,7 @@ fn other_shapes_are_refused() {
 
 /// Where the parts of a snapshot of [`small`] begin.
 const LIST: usize = HEADER;
-const ANSWER: usize = LIST + 4 + 3 * 37 + 22 + 4 + 4 * 5 * 4 + 8;
+const ANSWER: usize = LIST + 4 + 3 * 39 + 24 + 4 + 4 * 5 * 4 + 8;
 
 #[test]
 fn values_that_no_state_has_are_refused() {

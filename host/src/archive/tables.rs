@@ -153,6 +153,9 @@ impl FixRow {
                 needed_rad,
             } => ("angle", Some((have_rad, needed_rad))),
             NotObservable::NoIntersection => ("apart", None),
+            NotObservable::SeveralPlaces { .. } => ("places", None),
+            NotObservable::WideRange { .. } => ("wide", None),
+            NotObservable::Contradiction { .. } => ("contrary", None),
             _ => ("other", None),
         };
         Self {

@@ -238,6 +238,7 @@ impl<const N: usize, const B: usize, M: Moves<N>> Clean<N, B, M> {
             gain,
             information,
             limit: config.relative_range_sigma,
+            enough: 1.0,
         };
 
         let mut best = None;

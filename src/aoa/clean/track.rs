@@ -12,6 +12,8 @@ use crate::random::Rng;
 const ERRORS: Errors = Errors {
     rates: Mixture::new(0.0, 0.02),
     prior_bearings: f32::INFINITY,
+    scale_sigma: 0.0,
+    bias_sigma_rad: 0.0,
     correlation: Correlation::NONE,
     ..Errors::DEFAULT
 };

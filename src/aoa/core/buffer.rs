@@ -59,10 +59,11 @@ impl<const B: usize> Buffer<B> {
         self.latest.as_ref()
     }
 
-    /// Square of the distance of a point from where the latest bearing was taken.
+    /// Mean of the squares of the distances of a point from where the bearings were taken.
     pub(in crate::aoa) fn range_squared(&self, point: [f32; 2]) -> f32 {
-        let latest = self.latest().map_or([0.0; 2], Observation::position);
-        square_of_distance(point, latest)
+        let squares =
+            (self.entries.iter()).map(|entry| square_of_distance(point, entry.position()));
+        squares.sum::<f32>() / self.entries.len() as f32
     }
 
     /// Whether a reading can be taken.
@@ -204,7 +205,7 @@ pub(in crate::aoa) struct Entry {
     pub(in crate::aoa) probability: f32,
     /// Number of readings averaged.
     pub(in crate::aoa) readings: f32,
-    /// Number of independent readings that carry the same information.
+    /// Number of places whose bearings were averaged: their errors are as good as independent.
     pub(in crate::aoa) worth: f32,
     /// When the first of them was taken.
     pub(in crate::aoa) first_ms: u32,
@@ -267,6 +268,11 @@ impl Entry {
         self.observation.position()
     }
 
+    /// How many readings it stands for, in which bearings that exclude each other are one.
+    pub(in crate::aoa) fn weight(&self) -> f32 {
+        self.probability * self.readings
+    }
+
     /// Whether it may be one of several bearings of a reading, which exclude each other.
     pub(in crate::aoa) fn is_one_of_several(&self) -> bool {
         self.probability < 1.0
@@ -290,28 +296,31 @@ impl Entry {
             && (last.time_ms() == reading.time_ms() || self.first_ms == reading.time_ms())
     }
 
-    /// Seconds between a time and the span of the readings.
-    pub(in crate::aoa) fn seconds_from(&self, time_ms: u32) -> f32 {
-        let to_last = self.observation.since_ms(time_ms);
-        let span = self.observation.since_ms(self.first_ms);
-        let ms = if to_last < 0 {
-            -to_last
-        } else {
-            to_last.saturating_sub(span).max(0)
+    /// Seconds between the spans of the readings of two.
+    pub(in crate::aoa) fn seconds_from(&self, other: &Self) -> f32 {
+        let after = |a: &Self, b: &Self| {
+            1e-3 * b.observation.since_ms(a.observation.time_ms()) as f32 - b.span_s()
         };
-        1e-3 * ms as f32
+        let (forth, back) = (after(self, other), after(other, self));
+        let gap = if forth > back { forth } else { back };
+        if gap > 0.0 { gap } else { 0.0 }
     }
 
-    /// Takes one more reading of the same place into the mean, in which every reading counts the same: it adds `worth`
-    /// independent readings to what the mean is worth, which is exact for errors of an autoregression of first order.
-    pub(in crate::aoa) fn join(&mut self, new: &Self, worth: f32, comparison: &impl Comparison) {
-        // What one reading of the mean would tell on its own.
-        let each = self.observation.information() / self.worth;
-        let (n, fresh) = (self.readings, new.observation.information());
-        let mean = (n * each + fresh) / (n + 1.0);
-        let part = fresh / (n * each + fresh);
-        self.blend(new, part, mean * (self.worth + worth), comparison);
-        self.worth += worth;
+    /// Seconds between the first and the last of the readings.
+    pub(in crate::aoa) fn span_s(&self) -> f32 {
+        1e-3 * self.observation.since_ms(self.first_ms) as f32
+    }
+
+    /// Takes one more reading of the same place into the mean, in which every reading counts the same. It tells as much as
+    /// one reading, in the mean: how much less their own errors are is for the caller to say, by the number of readings.
+    pub(in crate::aoa) fn join(&mut self, new: &Self, comparison: &impl Comparison) {
+        let (old, fresh) = (
+            self.observation.information(),
+            new.observation.information(),
+        );
+        let n = self.readings;
+        let part = fresh / (n * old + fresh);
+        self.blend(new, part, (n * old + fresh) / (n + 1.0), comparison);
     }
 
     /// Takes another in, each counting by its information.
@@ -358,7 +367,7 @@ impl Entry {
     }
 
     /// Error of the bearing at the source; the bearing itself if it is not known where that is.
-    fn angle(&self, source: Option<[f32; 2]>) -> f32 {
+    pub(in crate::aoa) fn angle(&self, source: Option<[f32; 2]>) -> f32 {
         match source {
             Some(source) => linearise(&self.observation, source).residual,
             None => self.observation.bearing().radians(),

@@ -25,6 +25,9 @@ pub(in crate::aoa) struct Crossing {
     pub(in crate::aoa) information: f32,
     /// Largest standard deviation of the range that makes a fix, as a fraction of the range.
     pub(in crate::aoa) limit: f32,
+    /// Gain that is enough, in those of bearings by which the range is just known well enough: 1 where nothing else tells
+    /// that the source is not far away.
+    pub(in crate::aoa) enough: f32,
 }
 
 impl Crossing {
@@ -34,7 +37,7 @@ impl Crossing {
         NotObservable::CrossingAngle {
             have_rad: 2.0 * sqrt(gain / self.information),
             // Two halves of the bearings that differ by this angle have a likelihood ratio of 1 / (2 limit^2).
-            needed_rad: 2.0 / (self.limit * sqrt(self.information)),
+            needed_rad: 2.0 * sqrt(self.enough / self.information) / self.limit,
         }
     }
 
@@ -43,16 +46,32 @@ impl Crossing {
     /// # Errors
     /// The reason why not.
     pub(in crate::aoa) fn check(&self, variance: f32, range: f32) -> Result<(), NotObservable> {
-        let crosses = self.gain * self.limit * self.limit >= 1.0;
-        if crosses && is_narrow(variance, range, self.limit) {
-            Ok(())
-        } else {
-            Err(self.reason())
+        if self.gain * self.limit * self.limit < self.enough {
+            return Err(self.reason());
         }
+        check_narrow(variance, range, self.limit)
     }
 }
 
 /// Whether the largest variance of a position is small beside its squared range.
+///
+/// # Errors
+/// How large it is, if it is not.
+pub(in crate::aoa) fn check_narrow(
+    variance: f32,
+    range: f32,
+    limit: f32,
+) -> Result<(), NotObservable> {
+    if is_narrow(variance, range, limit) {
+        return Ok(());
+    }
+    Err(NotObservable::WideRange {
+        have: sqrt(variance / range),
+        needed: limit,
+    })
+}
+
+/// Whether it is.
 pub(in crate::aoa) fn is_narrow(variance: f32, range: f32, limit: f32) -> bool {
     variance <= limit * limit * range
 }

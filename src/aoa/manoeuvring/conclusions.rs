@@ -1,9 +1,9 @@
 //! The answer from both explanations.
 
 use super::{Config, Manoeuvring, Phase};
-use crate::aoa::core::{is_narrow, square_of_distance};
+use crate::aoa::core::{check_narrow, square_of_distance};
 use crate::aoa::track::Stationary;
-use crate::aoa::{Answer, Fix, Hypothesis, Motion, NotObservable};
+use crate::aoa::{Answer, Fix, Hypothesis, Motion};
 use crate::math::sqrt;
 
 /// Factor by which the relative range error of a moving source may exceed the limit for a first fix: more reports worse
@@ -70,10 +70,7 @@ impl<L: Stationary> Manoeuvring<L> {
         let fix = Fix::of_cloud(position, covariance, n, self.bearings);
         let limit = SLACK * L::beliefs(&config.stationary).relative_range_sigma;
         let range = square_of_distance(position, self.latest_position());
-        if is_narrow(fix.covariance.largest_eigenvalue(), range, limit) {
-            Answer::Fix(fix)
-        } else {
-            Answer::NotObservable(NotObservable::NoIntersection)
-        }
+        let narrow = check_narrow(fix.covariance.largest_eigenvalue(), range, limit);
+        narrow.map(|()| fix).into()
     }
 }

@@ -32,6 +32,7 @@ mod track;
 
 use heapless::Deque;
 
+use super::core::square_of_distance;
 use super::robust::outside::independent;
 use super::robust::{Errors, Learned};
 use super::track::{Stationary, Track};
@@ -309,7 +310,10 @@ impl<L: Stationary> Manoeuvring<L> {
     fn remember(&mut self, observation: &Observation, errors: &Errors) -> Observation {
         let earlier =
             (self.recent.iter()).map(|old| (old, seconds(observation.since_ms(old.time_ms()))));
-        let fresh = independent(observation, earlier, errors);
+        let range_m = (self.answer.fix()).map_or(0.0, |fix| {
+            sqrt(square_of_distance(fix.position, observation.position()))
+        });
+        let fresh = independent(observation, earlier, errors, range_m);
         if self.recent.is_full() {
             self.recent.pop_front();
         }

@@ -163,7 +163,9 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
                     return;
                 }
                 // Particles have been moved: the expensive part runs once per bearing.
-                Answer::NotObservable(NotObservable::NoIntersection) => break,
+                Answer::NotObservable(
+                    NotObservable::SeveralPlaces { .. } | NotObservable::WideRange { .. },
+                ) => break,
                 Answer::NotObservable(_) => {}
             }
         }

@@ -1,10 +1,13 @@
 //! Unassigned bearings, and the sources that may be found among them.
 
 use super::config::Config;
-use super::density::Density;
+use core::f32::consts::TAU;
+
+use super::density::{Density, Width};
 use super::evidence::{Candidate, Evidence};
 use super::mode::{MODES, Mode, Modes, best, hypotheses, plane, position};
 use super::search::search;
+use super::term::PLAIN;
 use crate::aoa::core::is_narrow;
 use crate::aoa::words::Belief;
 use crate::aoa::{Advice, Answer, Hypothesis, Mixture, NotObservable, Observation, PushError};
@@ -19,7 +22,7 @@ use crate::random::Rng;
 #[derive(Debug, Clone)]
 pub(in crate::aoa) struct Candidates<const B: usize> {
     evidence: Evidence<B>,
-    modes: Modes,
+    modes: Modes<PLAIN>,
 }
 
 persist!(impl[const B: usize] Candidates<B> as "Candidates"(B) { evidence, modes });
@@ -47,15 +50,14 @@ impl<const B: usize> Candidates<B> {
     ) -> Result<(), PushError> {
         let errors = &config.errors;
         self.evidence.bearings.admit(observation)?;
-        self.evidence.push(&(*observation).into(), None, errors);
+        self.evidence.push::<PLAIN>(&(*observation).into(), errors);
         // What is expected of a source that is new does not depend on where the first one was heard.
-        self.evidence
-            .centre_on(observation.position(), config.range_m);
+        self.evidence.centre_on(observation.position(), 0.0);
         if self.evidence.entries().len() > 1 {
             let terms = self.evidence.terms(errors);
             self.modes = search(&self.evidence, &terms, config, &self.modes, rng);
             if let Some(best) = best(&self.modes) {
-                self.evidence.set_source(&best.mean);
+                self.evidence.set_source(&best.mean, errors.scale_sigma);
             }
         }
         Ok(())
@@ -75,7 +77,8 @@ impl<const B: usize> Candidates<B> {
         let found = is_narrow(variance, range, config.relative_range_sigma) && {
             let terms = self.evidence.terms(&config.errors);
             let density = self.evidence.density(&terms, config);
-            log_odds_of_source(&density, mode, &config.errors.rates) > log_odds
+            let prior = density.log_prior(&mode.mean) - self.evidence.region(config).log_volume();
+            log_odds_of_source(&density, prior, mode, &config.errors.rates) > log_odds
         };
         found.then(|| Candidate {
             entries: self.evidence.entries(),
@@ -101,8 +104,8 @@ impl<const B: usize> Candidates<B> {
 
     /// The place of the mode of this rank by mass.
     fn place(&self, rank: usize) -> Option<usize> {
-        let heavier = |mode: &Mode| {
-            let heavier = |other: &&Mode| other.log_mass > mode.log_mass;
+        let heavier = |mode: &Mode<PLAIN>| {
+            let heavier = |other: &&Mode<PLAIN>| other.log_mass > mode.log_mass;
             self.modes.iter().filter(heavier).count()
         };
         self.modes.iter().position(|mode| heavier(mode) == rank)
@@ -129,7 +132,9 @@ impl<const B: usize> Candidates<B> {
         let terms = self.evidence.terms(&config.errors);
         match self.evidence.crossing(&terms, &self.modes, config) {
             Err(reason) => reason,
-            Ok(()) => NotObservable::NoIntersection,
+            Ok(()) => NotObservable::SeveralPlaces {
+                have: self.modes.len() as u32,
+            },
         }
     }
 }
@@ -140,15 +145,15 @@ impl<const B: usize> Candidates<B> {
 /// This is a Bayes factor: over all places, by Laplace's approximation, and over all rates of the source's bearings. So
 /// outliers, however many there are, hardly ever push it above c: with a probability of less than 1/c (Ville's
 /// inequality).
-fn log_odds_of_source(density: &Density<'_>, mode: &Mode, rates: &Mixture) -> f32 {
-    let bias = density.bias_sigma_rad * mode.mean[2];
-    let count = density.terms.len() as f32;
-    let odds = || {
-        density
-            .terms
-            .iter()
-            .map(|term| term.read(&mode.mean, bias).odds)
-    };
+fn log_odds_of_source(
+    density: &Density<'_, PLAIN>,
+    log_prior: f32,
+    mode: &Mode<PLAIN>,
+    rates: &Mixture,
+) -> f32 {
+    let width = Width::new(density.scale_sigma, &mode.mean);
+    let count = density.places().count() as f32;
+    let odds = || (density.places()).map(|place| density.odds(place, &mode.mean, &width));
     let fitted: f32 = odds().map(|odds| odds / (1.0 + odds)).sum();
     // The rate that makes the most of it has more than 1 / (count + 1) of the mass of all rates about it.
     let rate = fitted / (count + 1.0);
@@ -156,9 +161,8 @@ fn log_odds_of_source(density: &Density<'_>, mode: &Mode, rates: &Mixture) -> f3
     let gain: f32 = odds()
         .map(|odds| ln(1.0 - rate + rate * scale * odds))
         .sum();
-    let region = &density.region;
     gain - ln(1.0 + count)
-        + region.log_density(&mode.mean)
-        + ln(2.0 * region.inverse_square)
+        + log_prior
+        + const { ln(TAU) + ln(0.766) }
         + mode.covariance.half_ln_determinant()
 }

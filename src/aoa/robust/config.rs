@@ -1,8 +1,8 @@
 //! What a locator for bearings of which some are wrong can be told.
 
-use super::errors::Errors;
+use super::errors::{Correlation, Errors};
 use crate::ConfigError;
-use crate::config::{require_all, require_within};
+use crate::config::{require, require_all, require_within};
 
 /// What a [`Robust`](super::Robust) locator can be told.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,7 +10,9 @@ use crate::config::{require_all, require_within};
 pub struct Config {
     /// What is believed of the errors before any bearing.
     pub errors: Errors,
-    /// The source is as likely nearer to the place of the first bearing as farther away than this many metres, 1 to 1e6.
+    /// Range from which on all orders of magnitude are as likely, from the place of the first bearing; metres, 0.01 to 1e6.
+    pub nearest_m: f32,
+    /// Range up to which they are, at least as large, up to 1e6. If both are the same, all places within are as likely.
     pub range_m: f32,
     /// Largest standard deviation of the range to the source that makes a fix, as a fraction of the range, 0.01 to 1.
     pub relative_range_sigma: f32,
@@ -22,20 +24,27 @@ pub struct Config {
 }
 
 impl Config {
-    /// For a direction finder on a vehicle.
+    /// For any direction finder, in a room or on a vehicle: a source a metre to 20 km away.
     pub const DEFAULT: Self = Self {
         errors: Errors::DEFAULT,
+        nearest_m: 1.0,
         range_m: 20_000.0,
         relative_range_sigma: 0.25,
         resample_below: 0.5,
         moves: 2,
     };
 
-    /// For a vehicle in a city: its array is mounted 3 degrees off, and satellites place it to 3 m.
+    /// For a vehicle in a city: its array is mounted 3 degrees off, satellites place it to 3 m, and what reflections add to
+    /// bearings changes every 5 m.
     pub const CITY: Self = Self {
         errors: Errors {
             bias_sigma_rad: 0.05,
             position_sigma_m: 3.0,
+            correlation: Correlation {
+                distance: 0.0,
+                distance_m: 5.0,
+                ..Correlation::DEFAULT
+            },
             ..Errors::DEFAULT
         },
         ..Self::DEFAULT
@@ -48,10 +57,15 @@ impl Config {
     pub const fn check(&self) -> Result<(), ConfigError> {
         require_all!(self.errors);
         require_within!(self:
-            range_m 1.0..=1e6,
+            nearest_m 0.01..=1e6,
+            range_m 0.01..=1e6,
             relative_range_sigma 0.01..=1.0,
             resample_below 0.0..=1.0,
             moves 1..=16,
+        );
+        require!(
+            self.nearest_m <= self.range_m,
+            "nearest_m is larger than range_m"
         );
         Ok(())
     }

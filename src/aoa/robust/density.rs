@@ -1,76 +1,283 @@
 //! What all bearings and the priors say of a state.
 
-use super::term::{State, Term};
-use crate::aoa::core::{BLOCK, Block, Target, square_of_distance};
-use crate::math::ln;
+use core::f32::consts::PI;
 
-/// Where a source may be before any bearing: a density of 1 / (1 + r^2 / R^2)^2 about the first receiver.
+use super::term::{BIASES, Line, SCALE, State, Term};
+use crate::aoa::Mixture;
+use crate::aoa::core::{BLOCK, Block, Target, square_of_distance};
+use crate::math::{exp, ln, sqrt};
+
+/// Where a source may be before any bearing: a density of 1 / ((1 + r^2 / a^2) (1 + r^2 / b^2)) about the first receiver,
+/// for a nearest range a and a farthest one b.
 ///
-/// Flat within R, half of it there, and proper: a posterior under which every bearing may be outlier has an infinite mass
-/// at infinity without.
+/// Between the two all ranges of one order of magnitude are as likely as those of the next, and it is proper: a posterior
+/// under which every bearing may be an outlier has an infinite mass at infinity without.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Region {
     pub(super) centre: [f32; 2],
-    /// 1 / R^2
-    pub(super) inverse_square: f32,
+    /// 1 / a^2 and 1 / b^2.
+    inverse_squares: [f32; 2],
 }
 
 impl Region {
-    /// One plus the square of the distance in ranges.
-    fn spread(&self, &[x, y, _]: &State) -> f32 {
-        1.0 + square_of_distance([x, y], self.centre) * self.inverse_square
+    pub(super) fn new(centre: [f32; 2], ranges_m: [f32; 2]) -> Self {
+        Self {
+            centre,
+            inverse_squares: ranges_m.map(|range| 1.0 / (range * range)),
+        }
     }
 
-    /// Of place and bias, up to a constant.
-    pub(super) fn log_density(&self, state: &State) -> f32 {
-        -2.0 * ln(self.spread(state)) - 0.5 * state[2] * state[2]
+    /// Logarithm of (b / a)^2.
+    fn span(&self) -> f32 {
+        /// That of one range, as far as f32 can tell.
+        const LEAST: f32 = 1e-3;
+        let [near, far] = self.inverse_squares;
+        let span = ln(near / far);
+        if span > LEAST { span } else { LEAST }
+    }
+
+    /// Of a place, up to a constant.
+    pub(super) fn log_density(&self, place: [f32; 2]) -> f32 {
+        let square = square_of_distance(place, self.centre);
+        let [near, far] = self.inverse_squares;
+        -ln((1.0 + square * near) * (1.0 + square * far))
+    }
+
+    /// The logarithm of the integral of that density over all places.
+    pub(super) fn log_volume(&self) -> f32 {
+        let span = self.span();
+        ln(PI * span / ((1.0 - exp(-span)) * self.inverse_squares[0]))
+    }
+
+    /// Distance from the centre that is not exceeded with this probability.
+    pub(super) fn quantile(&self, probability: f32) -> f32 {
+        let span = self.span();
+        let ratio = (exp(probability * span) - 1.0) / (1.0 - exp((probability - 1.0) * span));
+        sqrt(ratio / self.inverse_squares[0])
     }
 
     /// Pull to the centre: that of a normal density which draws as strongly here, in 1 / m^2.
-    pub(super) fn information(&self, state: &State) -> f32 {
-        4.0 * self.inverse_square / self.spread(state)
+    fn information(&self, place: [f32; 2]) -> f32 {
+        let square = square_of_distance(place, self.centre);
+        let pull = |inverse: f32| 2.0 * inverse / (1.0 + square * inverse);
+        let [near, far] = self.inverse_squares;
+        pull(near) + pull(far)
     }
 }
 
 /// The posterior of some bearings.
 #[derive(Clone, Copy)]
-pub(super) struct Density<'a> {
-    pub(super) terms: &'a [Term],
-    pub(super) region: Region,
-    /// In radians.
-    pub(super) bias_sigma_rad: f32,
+pub(super) struct Density<'a, const D: usize> {
+    pub(super) terms: &'a [Term<D>],
+    pub(super) space: Space,
+    pub(super) scale_sigma: f32,
+}
+
+/// Where a source is sought, which says what the first two numbers of a state are.
+#[derive(Clone, Copy)]
+pub(super) enum Space {
+    /// In the plane: metres east and north.
+    Plane(Region),
+    /// At infinity: its direction in radians; and a number without a meaning.
+    Infinity,
+}
+
+impl Space {
+    /// Logarithm of the density before any bearing, its gradient, and the information of a normal density that draws as
+    /// strongly: of the first two numbers.
+    pub(super) fn prior(&self, [x, y]: [f32; 2]) -> (f32, [f32; 2], [f32; 2]) {
+        match self {
+            Self::Plane(region) => {
+                let pull = region.information([x, y]);
+                let [cx, cy] = region.centre;
+                let gradient = [pull * (cx - x), pull * (cy - y)];
+                (region.log_density([x, y]), gradient, [pull; 2])
+            }
+            Self::Infinity => (-0.5 * y * y, [0.0, -y], [0.0, 1.0]),
+        }
+    }
 }
 
 /// As many odds as can be multiplied without overflow before the logarithm is taken.
 const PRODUCTS: usize = 3;
 
-impl Density<'_> {
-    /// Log-density up to a constant.
+impl<'a, const D: usize> Density<'a, D> {
+    /// The gradient and the information of the prior: those of a normal density that draws as strongly.
+    pub(super) fn prior(&self, state: &State<D>) -> (State<D>, State<D>) {
+        let mut gradient = state.map(|z| -z);
+        let mut information = [1.0; D];
+        let (_, [gx, gy], [ix, iy]) = self.space.prior([state[0], state[1]]);
+        (gradient[0], gradient[1]) = (gx, gy);
+        (information[0], information[1]) = (ix, iy);
+        let bend = sqrt(1.0 + state[SCALE] * state[SCALE]);
+        gradient[SCALE] /= bend;
+        information[SCALE] /= bend;
+        (gradient, information)
+    }
+
+    /// The logarithm of the prior of a state, up to a constant.
+    pub(super) fn log_prior(&self, state: &State<D>) -> f32 {
+        self.space.prior([state[0], state[1]]).0 + log_prior_of_errors(state)
+    }
+
+    /// What the bearings say of a state, but for the prior of the place.
     #[inline(never)]
-    pub(super) fn log_density(&self, state: &State) -> f32 {
-        let bias = self.bias_sigma_rad * state[2];
-        let one = |term: &Term| term.log_likelihood(state, bias);
-        self.terms.iter().map(one).sum::<f32>() + self.region.log_density(state)
+    pub(super) fn log_likelihood(&self, state: &State<D>) -> f32 {
+        let width = Width::new(self.scale_sigma, state);
+        let one = |place| ln(1.0 + self.odds(place, state, &width));
+        self.places().map(one).sum::<f32>() + log_prior_of_errors(state)
+    }
+
+    /// Log-density up to a constant.
+    pub(super) fn log_density(&self, state: &State<D>) -> f32 {
+        self.log_likelihood(state) + self.space.prior([state[0], state[1]]).0
+    }
+
+    /// The bearings of each place, which exclude each other.
+    pub(super) fn places(&self) -> impl Iterator<Item = &'a [Term<D>]> {
+        self.terms.chunk_by(|term, _| !term.is_last_of_place())
+    }
+
+    /// The odds that one of the bearings of a place is no outlier.
+    pub(super) fn odds(&self, place: &[Term<D>], state: &State<D>, width: &Width) -> f32 {
+        let odds = |term: &Term<D>| term.read(&self.line(term, state), width).odds;
+        place.iter().map(odds).sum()
+    }
+
+    /// Counts what the bearings are, from a state.
+    #[inline(never)]
+    pub(super) fn count(&self, state: &State<D>, weight: f32, counts: &mut Mixture) {
+        let width = Width::new(self.scale_sigma, state);
+        for place in self.places() {
+            let total = 1.0 + self.odds(place, state, &width);
+            let mut worth = 0.0;
+            for term in place {
+                let reading = term.read(&self.line(term, state), &width);
+                worth = reading.worth;
+                let fitted = weight * worth * reading.odds / total;
+                if reading.line.mirrored {
+                    counts.mirrored += fitted;
+                } else {
+                    counts.direct += fitted;
+                }
+            }
+            counts.outlier += weight * worth / total;
+        }
+    }
+
+    /// What the bearings tell of directions that are no outliers, from a state, in 1 / rad^2.
+    #[inline(never)]
+    pub(super) fn information(&self, state: &State<D>) -> f32 {
+        let width = Width::new(self.scale_sigma, state);
+        let of_place = |place: &[Term<D>]| {
+            let told = |term: &Term<D>| {
+                let reading = term.read(&self.line(term, state), &width);
+                reading.odds * reading.precision
+            };
+            place.iter().map(told).sum::<f32>() / (1.0 + self.odds(place, state, &width))
+        };
+        self.places().map(of_place).sum()
+    }
+
+    /// How a bearing is off, seen from a state.
+    pub(super) fn line(&self, term: &Term<D>, state: &State<D>) -> Line {
+        match self.space {
+            Space::Plane(_) => term.line(state),
+            Space::Infinity => term.line_far(state),
+        }
+    }
+
+    /// The same with the derivatives of the error by the state but for the scale.
+    pub(super) fn linearise(&self, term: &Term<D>, state: &State<D>) -> (Line, State<D>) {
+        let mut gradient = *term.features();
+        let [gx, gy] = match self.space {
+            Space::Plane(_) => term.gradient(state),
+            Space::Infinity => [1.0, 0.0],
+        };
+        gradient[0] = gx;
+        gradient[1] = gy;
+        (self.line(term, state), gradient)
+    }
+
+    /// The same bearings of a source at infinity.
+    pub(super) const fn at_infinity(&self) -> Self {
+        Self {
+            space: Space::Infinity,
+            ..*self
+        }
     }
 }
 
-impl Target<3> for Density<'_> {
+/// Of the scale and the biases, up to a constant.
+///
+/// That of the scale is a hyperbolic density (Barndorff-Nielsen 1977): normal about what is stated, but far from it it falls
+/// as slowly as an exponential, for where sigmas are wrong, they may be wrong by any factor.
+fn log_prior_of_errors<const D: usize>(state: &State<D>) -> f32 {
+    let squares = state.iter().skip(BIASES).map(|z| z * z);
+    1.0 - sqrt(1.0 + state[SCALE] * state[SCALE]) - 0.5 * squares.sum::<f32>()
+}
+
+/// What the scale of a state does to the errors of bearings.
+#[derive(Clone, Copy)]
+pub(super) struct Width {
+    /// Logarithm of the height of their density.
+    pub(super) log_height: f32,
+    /// Their precision.
+    pub(super) precision: f32,
+}
+
+impl Width {
+    pub(super) fn new<const D: usize>(scale_sigma: f32, state: &State<D>) -> Self {
+        let log_height = -scale_sigma * state[SCALE];
+        Self {
+            log_height,
+            precision: exp(2.0 * log_height),
+        }
+    }
+}
+
+impl<const D: usize> Target<D> for Density<'_, D> {
     #[inline(never)]
-    fn log_densities(&self, states: &Block<3>) -> [f32; BLOCK] {
-        let biases = states[2].map(|bias| self.bias_sigma_rad * bias);
-        let mut sums = core::array::from_fn(|i| {
-            let [x, y, bias] = states.each_ref().map(|column| column[i]);
-            self.region.log_density(&[x, y, bias])
-        });
-        for terms in self.terms.chunks(PRODUCTS) {
-            let mut products = [1.0; BLOCK];
-            for term in terms {
-                term.multiply(states, &biases, &mut products);
+    fn log_densities(&self, states: &Block<D>) -> [f32; BLOCK] {
+        let mut sums = [0.0; BLOCK];
+        let (mut heights, mut precisions) = ([0.0; BLOCK], [1.0; BLOCK]);
+        for (i, sum) in sums.iter_mut().enumerate() {
+            let state = states.each_ref().map(|column| column[i]);
+            *sum = self.log_prior(&state);
+            let width = Width::new(self.scale_sigma, &state);
+            (heights[i], precisions[i]) = (width.log_height, width.precision);
+        }
+        let (mut products, mut odds, mut factors) = ([1.0; BLOCK], [0.0; BLOCK], 0);
+        for term in self.terms {
+            let mut biases = [0.0; BLOCK];
+            for (feature, column) in term.features().iter().zip(states).skip(BIASES) {
+                for (bias, z) in biases.iter_mut().zip(column) {
+                    *bias += feature * z;
+                }
             }
-            for (sum, product) in sums.iter_mut().zip(products) {
-                *sum += ln(product);
+            term.add_odds(states, &biases, &heights, &precisions, &mut odds);
+            if !term.is_last_of_place() {
+                continue;
+            }
+            for (product, odds) in products.iter_mut().zip(&mut odds) {
+                *product *= 1.0 + *odds;
+                *odds = 0.0;
+            }
+            factors += 1;
+            if factors == PRODUCTS {
+                add_logarithms(&mut sums, &mut products);
+                factors = 0;
             }
         }
+        add_logarithms(&mut sums, &mut products);
         sums
+    }
+}
+
+/// Takes the logarithms of products into sums; the products are one again.
+fn add_logarithms(sums: &mut [f32; BLOCK], products: &mut [f32; BLOCK]) {
+    for (sum, product) in sums.iter_mut().zip(products) {
+        *sum += ln(*product);
+        *product = 1.0;
     }
 }

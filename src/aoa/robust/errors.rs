@@ -1,10 +1,10 @@
 //! How the errors of bearings are distributed, and how that is learned from the bearings themselves.
 
 use crate::ConfigError;
-use crate::aoa::core::square_of_distance;
+use crate::aoa::core::{Entry, square_of_distance};
 use crate::aoa::{Mixture, Observation, SigmaScale};
 use crate::config::{require, require_all, require_within};
-use crate::math::{exp, sqrt};
+use crate::math::{exp, sin_cos, sqrt, wrap};
 use crate::snapshot::value;
 
 /// What weighs more bearings than this is not learned.
@@ -12,8 +12,9 @@ const CERTAIN: f32 = 1e6;
 
 /// What is believed of the errors before any bearing. A zero switches a part off.
 ///
-/// The error of a bearing that is not an outlier is normal, with the standard deviation of its observation times a scale,
-/// which is learned unless `scale_bearings` is infinite, as it is by default.
+/// The error of a bearing that is not an outlier is the sum of a bias, of what it has in common with other bearings of its
+/// place, and of an error of its own. All but the bias are normal, and as many times as large as stated as a scale says,
+/// which is learned.
 ///
 /// ```
 /// use foxhunt::aoa::{Mixture, robust::Errors};
@@ -34,15 +35,19 @@ pub struct Errors {
     /// How many observed bearings the rates weigh as much as, at least 1. Infinity keeps them as they are.
     pub prior_bearings: f32,
     /// How many times as large as stated the standard deviations of direct and mirrored bearings are, 0.1 to 10. Where that
-    /// is learned, the root of the mean square of what is expected.
+    /// is learned, the median of what is expected.
     pub sigma_scale: f32,
-    /// How many observed bearings this scale weighs as much as, at least 1. Infinity keeps it as it is. The fewer, the
-    /// sooner regions shrink where bearings are better than stated, and the sooner errors that do not average out, like
-    /// those of a place, are taken for good bearings.
-    pub scale_bearings: f32,
-    /// Standard deviation of the common bias of all bearings, as of an array that was not mounted straight; radians, 0 to
-    /// 0.5. Zero is no bias.
+    /// What is believed of the natural logarithm of that scale before any bearing: near its median, this is the standard
+    /// deviation; farther away the density falls by a factor of e for each of it. 0 to 1.5; zero keeps the scale as it is.
+    pub scale_sigma: f32,
+    /// Standard deviation of the error that all bearings of a station at one place share, as that of a compass or of
+    /// reflections there, beside what `correlation` says; radians, 0 to 1. More readings of the place do not average it out.
+    pub stop_sigma_rad: f32,
+    /// Standard deviation of the bias of bearings, as of an array that was not mounted straight; radians, 0 to 0.5. Zero is
+    /// no bias.
     pub bias_sigma_rad: f32,
+    /// Which bearings have a bias in common.
+    pub biases: Biases,
     /// Standard deviation of each coordinate of the places where bearings are taken; metres, 0 to 1000. Zero is exact.
     ///
     /// Seen from a source at a range r, a place that is off by p across the line of sight turns the bearing by p / r: the
@@ -76,33 +81,32 @@ impl Learned {
     };
 }
 
-/// What bearings are, in the mean over what they may be.
-pub(super) struct Counts {
-    /// How many are of each kind.
-    pub(super) kinds: Mixture,
-    /// How many independent bearings those that are not outliers are worth.
-    pub(super) bearings: f32,
-    /// Sum of the squared errors of those that are not outliers, in stated sigmas.
-    pub(super) squares: f32,
+/// Which bearings have a bias in common. A locator of dimension `D` knows `D - 3` numbers of biases.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Biases {
+    /// All: one number.
+    Common,
+    /// Those of one station: a number each, by the station's own number. Stations beyond the last number share it.
+    PerStation,
+    /// Those of one direction, as it is seen from the array, whose [heading](Observation::with_heading) is known: a constant
+    /// and the cosine and sine of each harmonic. An array on a roof is off by such a curve; the standard deviation is that
+    /// of the whole curve, in every direction.
+    ByDirection,
 }
 
-impl Counts {
-    pub(super) const NONE: Self = Self {
-        kinds: Mixture::ZERO,
-        bearings: 0.0,
-        squares: 0.0,
-    };
-}
-
-/// How much the errors of two bearings have in common.
+/// How much the errors of two bearings of one station have in common.
 ///
-/// Readings from within a quarter of `distance_m` that say the same become one.
+/// Readings from within a quarter of the distance over which that falls become one, if they say the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Correlation {
     /// Correlation of two bearings that are taken one after the other at one place, 0 to 0.99. Zero is none.
     pub at_rest: f32,
-    /// It falls by a factor of e over this many metres, 0.001 to 1e6.
+    /// It falls by a factor of e over this fraction of the range to the source, 0 to 1; as long as that is not known, of
+    /// the extent of the places where bearings were taken.
+    pub distance: f32,
+    /// It falls by a factor of e over so many metres, if that is farther, 0 to 1e6.
     pub distance_m: f32,
     /// It falls by a factor of e over this many seconds, at least 0.001.
     pub time_s: f32,
@@ -112,15 +116,16 @@ impl Correlation {
     /// Independent errors.
     pub const NONE: Self = Self {
         at_rest: 0.0,
-        distance_m: 1.0,
-        time_s: 1.0,
+        distance: 0.0,
+        distance_m: 0.0,
+        time_s: f32::INFINITY,
     };
 
-    /// Nine tenths at one place, less by a factor of e every 5 m, whatever the time.
+    /// Nine tenths at one place, less by a factor of e every hundredth of the range, whatever the time.
     pub const DEFAULT: Self = Self {
         at_rest: 0.9,
-        distance_m: 5.0,
-        time_s: f32::INFINITY,
+        distance: 0.01,
+        ..Self::NONE
     };
 
     /// Checks the fields.
@@ -128,17 +133,34 @@ impl Correlation {
     /// # Errors
     /// Names the field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
-        require_within!(self: at_rest 0.0..=0.99, distance_m 0.001..=1e6);
+        require_within!(self: at_rest 0.0..=0.99, distance 0.0..=1.0, distance_m 0.0..=1e6);
         require!(self.time_s >= 0.001, "time_s is less than 0.001");
         Ok(())
     }
 
-    /// How far apart two bearings are, as the exponent of their correlation.
-    pub(super) fn lengths(&self, distance_m: f32, seconds: f32) -> f32 {
-        distance_m / self.distance_m + seconds / self.time_s
+    /// The distance over which it falls by a factor of e, in metres, for sources at a range.
+    pub(super) fn length_m(&self, range_m: f32) -> f32 {
+        /// Of places that are one.
+        const LEAST_M: f32 = 1e-3;
+        let length = self.distance * range_m;
+        let least = if self.distance_m > LEAST_M {
+            self.distance_m
+        } else {
+            LEAST_M
+        };
+        if length > least { length } else { least }
     }
 
-    /// How many independent readings the next one of a row is worth.
+    /// Of readings that are evenly spread over a time, in the mean over all pairs: one if there is no time between them.
+    fn over(&self, seconds: f32) -> f32 {
+        let x = seconds / self.time_s;
+        if x < 0.01 {
+            return 1.0;
+        }
+        2.0 * (x - 1.0 + exp(-x)) / (x * x)
+    }
+
+    /// How many independent readings the next one of a row is worth, of an autoregression of first order.
     pub(super) fn worth(&self, lengths: f32) -> f32 {
         let r = self.at_rest * exp(-lengths);
         (1.0 - r) / (1.0 + r)
@@ -146,8 +168,8 @@ impl Correlation {
 }
 
 impl Errors {
-    /// 8 % mirrored bearings and 12 % outliers, learned as soon as there are more than 10; sigmas as stated; no bias; nine
-    /// tenths of the error in common at one place, less by a factor of e every 5 m.
+    /// 8 % mirrored bearings and 12 % outliers, learned as soon as there are more than 10; sigmas that are as stated, or else
+    /// wrong by any factor; an array that is turned by some four degrees; nine tenths of the error in common at one place.
     pub const DEFAULT: Self = Self {
         rates: Mixture {
             direct: 0.8,
@@ -156,8 +178,10 @@ impl Errors {
         },
         prior_bearings: 10.0,
         sigma_scale: 1.0,
-        scale_bearings: f32::INFINITY,
-        bias_sigma_rad: 0.0,
+        scale_sigma: 0.15,
+        stop_sigma_rad: 0.0,
+        bias_sigma_rad: 0.07,
+        biases: Biases::Common,
         position_sigma_m: 0.0,
         correlation: Correlation::DEFAULT,
     };
@@ -175,52 +199,105 @@ impl Errors {
             "rates do not add up to one"
         );
         require!(self.prior_bearings >= 1.0, "prior_bearings is less than 1");
-        require_within!(self: sigma_scale 0.1..=10.0);
-        require!(self.scale_bearings >= 1.0, "scale_bearings is less than 1");
-        require_within!(self: bias_sigma_rad 0.0..=0.5, position_sigma_m 0.0..=1000.0);
+        require_within!(self:
+            sigma_scale 0.1..=10.0,
+            scale_sigma 0.0..=1.5,
+            stop_sigma_rad 0.0..=1.0,
+            bias_sigma_rad 0.0..=0.5,
+            position_sigma_m 0.0..=1000.0,
+        );
         require_all!(self.correlation);
         Ok(())
     }
 
-    /// Of the error of a bearing, in square radians, with that of its place, if the bearing is worth so many independent
-    /// ones, on a source thought to be at a place.
-    pub(super) fn variance(
+    /// Of the error of a bearing, in square radians, with that of its place, on a source thought to be at a place.
+    pub(super) fn variance(&self, observation: &Observation, source: Option<[f32; 2]>) -> f32 {
+        let sigma = self.sigma_scale * observation.sigma_rad();
+        let stop = self.sigma_scale * self.stop_sigma_rad;
+        sigma * sigma + stop * stop + self.variance_of_place(observation, source)
+    }
+
+    /// What the error of its place adds to the variance of a bearing.
+    pub(super) fn variance_of_place(
         &self,
         observation: &Observation,
-        worth: f32,
         source: Option<[f32; 2]>,
     ) -> f32 {
-        let own = self.own_variance(observation);
         let square = self.position_sigma_m * self.position_sigma_m;
-        match source {
-            Some(source) if square > 0.0 => {
-                let range = worth * square_of_distance(source, observation.position());
-                // No more than a radian, about the source itself.
-                own + square / if range > square { range } else { square }
+        let Some(source) = source.filter(|_| square > 0.0) else {
+            return 0.0;
+        };
+        let range = square_of_distance(source, observation.position());
+        // No more than a radian, about the source itself.
+        square / if range > square { range } else { square }
+    }
+
+    /// Whether bearings share errors beside biases.
+    pub(super) fn are_correlated(&self) -> bool {
+        self.correlation.at_rest > 0.0 || self.stop_sigma_rad > 0.0
+    }
+
+    /// Whether variances depend on how far away the source is.
+    pub(super) fn depend_on_range(&self) -> bool {
+        self.position_sigma_m > 0.0 || self.are_correlated()
+    }
+
+    /// The derivatives of the error of a bearing by the numbers of the biases, which are zero before.
+    pub(super) fn features(&self, observation: &Observation, numbers: &mut [f32]) {
+        let Some(last) = numbers.len().checked_sub(1) else {
+            return;
+        };
+        let sigma = self.bias_sigma_rad;
+        let station = usize::from(observation.station());
+        match self.biases {
+            Biases::Common => set(numbers, 0, sigma),
+            Biases::PerStation => set(numbers, if station < last { station } else { last }, sigma),
+            Biases::ByDirection => {
+                let harmonics = last / 2;
+                let each = sigma / sqrt(1.0 + harmonics as f32);
+                let turn = wrap(observation.bearing().radians() - observation.heading().radians());
+                set(numbers, 0, each);
+                for harmonic in 0..harmonics {
+                    let (sin, cos) = sin_cos(wrap((harmonic + 1) as f32 * turn));
+                    set(numbers, 2 * harmonic + 1, each * cos);
+                    set(numbers, 2 * harmonic + 2, each * sin);
+                }
             }
-            _ => own,
         }
     }
 
-    /// Of the error of a bearing without that of its place.
-    pub(super) fn own_variance(&self, observation: &Observation) -> f32 {
-        let sigma = self.sigma_scale * observation.sigma_rad();
-        sigma * sigma
+    /// Variance of the error of an entry on its own, in stated sigmas: of the part that the readings share, which is as
+    /// large for many as for one, and of the others.
+    pub(super) fn own_variance(&self, entry: &Entry) -> f32 {
+        let correlation = &self.correlation;
+        let shared = correlation.at_rest * correlation.over(entry.span_s());
+        let single = (1.0 - correlation.at_rest) * entry.worth / entry.readings;
+        let stop = self.stop_sigma_rad * self.stop_sigma_rad / entry.worth;
+        stop + (shared + single) / entry.observation.information()
     }
 
-    /// Whether the scale of the sigmas is learned.
-    pub(super) fn learns_scale(&self) -> bool {
-        self.scale_bearings <= CERTAIN
+    /// Covariance of the errors of two entries of a station, in stated sigmas, of which the errors of places and of time
+    /// have fallen by these exponents.
+    pub(super) fn covariance(&self, [a, b]: [&Entry; 2], place: f32, time: f32) -> f32 {
+        let stop = self.stop_sigma_rad * self.stop_sigma_rad;
+        let [a, b] = [a, b].map(|entry| entry.observation.sigma_rad());
+        exp(-place) * (stop + self.correlation.at_rest * exp(-time) * a * b)
     }
 
     /// These errors as far as learned.
     pub(in crate::aoa) fn with(&self, learned: &Learned) -> Self {
+        let mut errors = self.with_rates(learned);
+        if learned.sigma_scale.mean > 0.0 {
+            errors.sigma_scale = learned.sigma_scale.mean;
+        }
+        errors
+    }
+
+    /// These errors, with the rates as far as learned.
+    pub(super) fn with_rates(&self, learned: &Learned) -> Self {
         let mut errors = *self;
         if learned.rates.outlier > 0.0 {
             errors.rates = learned.rates;
-        }
-        if learned.sigma_scale.mean > 0.0 {
-            errors.sigma_scale = learned.sigma_scale.mean;
         }
         errors
     }
@@ -230,47 +307,38 @@ impl Errors {
         if learned.sigma_scale.mean > 0.0 {
             learned.sigma_scale
         } else {
-            self.scale(self.sigma_scale, self.scale_bearings)
+            self.scale(0.0, 1.0)
         }
     }
 
-    /// A scale that is known by so many bearings.
-    fn scale(&self, mean: f32, bearings: f32) -> SigmaScale {
+    /// The scale, of which the mean and the variance of the logarithm are known, in prior sigmas.
+    pub(super) fn scale(&self, mean: f32, variance: f32) -> SigmaScale {
+        let mean = self.sigma_scale * exp(self.scale_sigma * mean);
         SigmaScale {
             mean,
-            // Of the root of a variance that has an inverse gamma distribution.
-            sigma: mean / sqrt(2.0 * bearings),
+            sigma: mean * self.scale_sigma * sqrt(variance),
         }
     }
 
-    /// One step of expectation maximisation: the mean of the Dirichlet distribution of these rates and the counts; and the
-    /// root of the mean of the inverse gamma distribution of the square of the scale. What is not to be learned is zero.
-    ///
-    /// Where the squares count the uncertainty of the source as well, that mean makes the covariance of a linear problem
-    /// that of its t distribution: no more is to be added for not knowing the scale.
-    pub(super) fn learned(&self, counts: &Counts) -> Learned {
-        let mut learned = Learned::NOTHING;
-        let Counts {
-            kinds,
-            bearings,
-            squares,
-        } = counts;
+    /// One step of expectation maximisation: the mean of the Dirichlet distribution of these rates and the counts; zero
+    /// where they are not to be learned.
+    pub(super) fn learned_rates(&self, counts: &Mixture) -> Mixture {
         let weight = self.prior_bearings;
-        if weight <= CERTAIN {
-            let total = weight + kinds.total();
-            let rate = |mean: f32, count: f32| (weight * mean + count) / total;
-            learned.rates = Mixture {
-                direct: rate(self.rates.direct, kinds.direct),
-                mirrored: rate(self.rates.mirrored, kinds.mirrored),
-                outlier: rate(self.rates.outlier, kinds.outlier),
-            };
+        if weight > CERTAIN {
+            return Mixture::ZERO;
         }
-        if self.learns_scale() {
-            let weight = self.scale_bearings;
-            let total = weight + bearings;
-            let square = weight * self.sigma_scale * self.sigma_scale + squares;
-            learned.sigma_scale = self.scale(sqrt(square / total), total);
+        let total = weight + counts.total();
+        let rate = |mean: f32, count: f32| (weight * mean + count) / total;
+        Mixture {
+            direct: rate(self.rates.direct, counts.direct),
+            mirrored: rate(self.rates.mirrored, counts.mirrored),
+            outlier: rate(self.rates.outlier, counts.outlier),
         }
-        learned
+    }
+}
+
+fn set(numbers: &mut [f32], place: usize, value: f32) {
+    if let Some(number) = numbers.get_mut(place) {
+        *number = value;
     }
 }

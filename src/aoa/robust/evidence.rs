@@ -3,14 +3,18 @@
 use heapless::Vec;
 
 use super::config::Config;
-use super::density::{Density, Region};
-use super::errors::{Counts, Errors};
-use super::mode::{Mode, Modes, best, dot, plane, position};
-use super::term::{State, Term, fold_angle};
-use crate::aoa::core::{Buffer, Comparison, Crossing, Entry, square_of_distance};
-use crate::aoa::{Alternative, NotObservable, Observation};
-use crate::math::{ln, sqrt, wrap};
+use super::density::{Density, Region, Space, Width};
+use super::errors::Errors;
+use super::mode::{Mode, Modes, best, plane, position};
+use super::term::{PLAIN, State, Term, fold_angle};
+use crate::aoa::core::{Buffer, Comparison, Crossing, Entry};
+use crate::aoa::{Alternative, Mixture, NotObservable, Observation};
+use crate::math::exp;
 use crate::persist;
+
+/// Gain of the best mode over infinity from which on particles are started, whose cloud then says how far away the source may
+/// be: less starts them in vain, more withholds fixes that are narrow enough.
+const ENOUGH: f32 = 0.5;
 
 /// All bits of an empty one are zero.
 #[derive(Debug, Clone)]
@@ -18,28 +22,30 @@ pub(super) struct Evidence<const B: usize> {
     pub(super) bearings: Buffer<B>,
     /// Centre of the prior.
     centre: [f32; 2],
-    /// Its range; zero for that of the configuration.
+    /// Its range; zero for those of the configuration.
     range_m: f32,
     /// Where the source was when the particles last moved; before the first fix, the best hypothesis.
     pub(super) source: Option<[f32; 2]>,
+    /// The scale of the errors then, as a multiple of what was expected. Known with the source.
+    scale: f32,
 }
 
 persist!(impl[const B: usize] Evidence<B> as "robust::Evidence"(B) {
-    bearings, centre, range_m, source
+    bearings, centre, range_m, source, scale
 });
 
 /// What a new bearing changed.
-pub(super) struct Change {
+pub(super) struct Change<const D: usize> {
     /// What it says.
-    pub(super) new: Term,
+    pub(super) new: Term<D>,
     /// What no longer is said, if it has been joined with a former one.
-    pub(super) old: Option<Term>,
+    pub(super) old: Option<Term<D>>,
     /// It has no alternative that is more likely.
     pub(super) likely: bool,
 }
 
 /// What bearings say, in the order of the entries.
-pub(super) type Terms<const B: usize> = Vec<Term, B>;
+pub(super) type Terms<const D: usize, const B: usize> = Vec<Term<D>, B>;
 
 impl<const B: usize> Evidence<B> {
     pub(super) const EMPTY: Self = Self {
@@ -47,6 +53,7 @@ impl<const B: usize> Evidence<B> {
         centre: [0.0; 2],
         range_m: 0.0,
         source: None,
+        scale: 0.0,
     };
 
     pub(super) fn clear(&mut self) {
@@ -59,88 +66,54 @@ impl<const B: usize> Evidence<B> {
         self.bearings.entries()
     }
 
-    /// The prior is about here.
+    /// The prior is about here: flat within the range, or that of the configuration if it is zero.
     pub(super) fn centre_on(&mut self, centre: [f32; 2], range_m: f32) {
         (self.centre, self.range_m) = (centre, range_m);
     }
 
-    /// Errors of places count by the range of the source, which is here.
-    pub(super) fn set_source(&mut self, &[x, y, _]: &State) {
-        self.source = Some([x, y]);
+    /// The source is thought to be here, and errors of this scale.
+    pub(super) fn set_source<const D: usize>(&mut self, state: &State<D>, scale_sigma: f32) {
+        self.source = Some(position(state));
+        self.scale = exp(-Width::new(scale_sigma, state).log_height);
+    }
+
+    /// Errors of the scale that is thought to be.
+    pub(super) fn scaled(&self, errors: &Errors) -> Errors {
+        let scale = if self.source.is_some() {
+            self.scale
+        } else {
+            1.0
+        };
+        Errors {
+            sigma_scale: scale * errors.sigma_scale,
+            ..*errors
+        }
     }
 
     /// The prior of the place.
     pub(super) fn region(&self, config: &Config) -> Region {
         let own = self.range_m;
-        let range_m = if own > 0.0 { own } else { config.range_m };
-        Region {
-            centre: self.centre,
-            inverse_square: 1.0 / (range_m * range_m),
-        }
+        let configured = [config.nearest_m, config.range_m];
+        Region::new(self.centre, if own > 0.0 { [own; 2] } else { configured })
     }
 
-    /// What the bearings say. Made when it is needed, because it takes as much memory as they do.
-    #[inline(never)]
-    pub(super) fn terms(&self, errors: &Errors) -> Terms<B> {
-        let mut terms = Vec::new();
-        for entry in self.entries() {
-            let _ = terms.push(self.term(entry, errors));
-        }
-        terms
-    }
-
-    pub(super) fn density<'a>(&self, terms: &'a [Term], config: &Config) -> Density<'a> {
+    pub(super) fn density<'a, const D: usize>(
+        &self,
+        terms: &'a [Term<D>],
+        config: &Config,
+    ) -> Density<'a, D> {
         Density {
             terms,
-            region: self.region(config),
-            bias_sigma_rad: config.errors.bias_sigma_rad,
+            space: Space::Plane(self.region(config)),
+            scale_sigma: config.errors.scale_sigma,
         }
     }
 
-    /// Variance of the error of a bearing, with that of its place.
-    pub(super) fn variance(&self, entry: &Entry, errors: &Errors) -> f32 {
-        errors.variance(&entry.observation, entry.worth, self.source)
-    }
-
-    /// What a bearing says, be it in the buffer or not.
-    pub(super) fn term(&self, entry: &Entry, errors: &Errors) -> Term {
-        Term::of(entry, errors, self.source)
-    }
-
-    /// What the bearings are if the source is about one of some modes, for which they have these `terms`.
-    #[inline(never)]
-    pub(super) fn counts(&self, terms: &[Term], modes: &Modes, errors: &Errors) -> Counts {
-        let mut counts = Counts::NONE;
-        for mode in modes {
-            let bias = errors.bias_sigma_rad * mode.mean[2];
-            let covariance = mode.covariance.matrix();
-            for (term, entry) in terms.iter().zip(self.entries()) {
-                let reading = term.read(&mode.mean, bias);
-                let fitted = reading.count(&mut counts.kinds, mode.weight);
-                // The portions of bearings that exclude each other sum to one, whichever fits.
-                counts.kinds.outlier -= mode.weight * (1.0 - entry.probability);
-                if !errors.learns_scale() {
-                    continue;
-                }
-                let worth = if entry.worth < 1.0 { entry.worth } else { 1.0 };
-                let [x, y] = term.gradient(&mode.mean);
-                let gradient = [x, y, errors.bias_sigma_rad];
-                let spread = dot(&gradient, &covariance.map(|row| dot(&row, &gradient)));
-                let square = reading.error * reading.error + spread;
-                // In the mean, what of the error is that of the place is not the bearing's own.
-                let total = self.variance(entry, errors);
-                let own = errors.own_variance(&entry.observation) / total;
-                let scale = errors.sigma_scale * errors.sigma_scale;
-                let expected = scale * (own * square / (worth * total) + 1.0 - own);
-                counts.bearings += fitted * worth;
-                counts.squares += fitted * worth * expected;
-            }
+    pub(super) fn lines(&self, errors: &Errors) -> Lines {
+        Lines {
+            source: self.source,
+            errors: self.scaled(errors),
         }
-        // The alternative of a bearing that fits may have been forgotten.
-        if counts.kinds.outlier < 0.0 {
-            counts.kinds.outlier = 0.0;
-        }
-        counts
     }
 
     /// Forgets its own bearings, and takes those of a candidate.
@@ -148,135 +121,111 @@ impl<const B: usize> Evidence<B> {
         let (latest, mean) = (candidate.latest, candidate.mode.mean);
         self.clear();
         self.centre = latest.map_or([0.0; 2], Observation::position);
-        self.set_source(&mean);
-        let lines = Lines {
-            source: Some(mean),
-            errors,
-        };
+        self.set_source(&mean, errors.scale_sigma);
+        let lines = self.lines(errors);
         self.bearings.adopt(candidate.entries(), latest, &lines);
     }
 
     /// Forgets the bearings that a mode explains.
-    pub(super) fn release(&mut self, mode: &Mode, errors: &Errors) {
+    pub(super) fn release<const D: usize>(&mut self, mode: &Mode<D>, errors: &Errors) {
         let source = self.source;
         self.bearings
             .retain(|entry| !explains(mode, entry, source, errors));
     }
 
-    /// Takes a bearing. `source` is where the source is thought to be, if anywhere.
-    pub(super) fn push(
+    /// Takes a bearing. The source is thought to be where it was last [set](Self::set_source).
+    pub(super) fn push<const D: usize>(
         &mut self,
         bearing: &Alternative,
-        source: Option<State>,
         errors: &Errors,
-    ) -> Change {
+    ) -> Change<D> {
         let (observation, probability) = (*bearing.observation(), bearing.probability());
         if self.bearings.entries().is_empty() && self.range_m == 0.0 {
             self.centre = observation.position();
         }
         self.bearings.note(&observation, probability);
         let likely = probability > 0.5;
-        let mut new = Entry::new(observation, probability);
-        let lines = Lines { source, errors };
-        let correlation = errors.correlation;
-        if correlation.at_rest > 0.0
-            && let Some((place, distance)) = self.nearest_similar(&new, &lines)
-            && let Some(entry) = self.bearings.entries_mut().get_mut(place)
+        let new = Entry::new(observation, probability);
+        let lines = self.lines(errors);
+        if let Some(place) = self.entry_to_join(&new, errors)
+            && let Some(before) = self.entries().get(place).copied()
         {
-            let seconds = entry.seconds_from(observation.time_ms());
-            let worth = correlation.worth(correlation.lengths(distance, seconds));
-            if distance < 0.25 * correlation.distance_m {
-                let before = *entry;
-                entry.join(&new, worth, &lines);
-                let after = *entry;
-                return Change {
-                    new: self.term(&after, errors),
-                    old: Some(self.term(&before, errors)),
-                    likely,
-                };
+            let mut after = before;
+            after.join(&new, &lines);
+            if let Some(entry) = self.bearings.entries_mut().get_mut(place) {
+                *entry = after;
             }
-            new.observation = tempered(observation, worth);
-            new.worth = worth;
+            let [new, old] = [after, before].map(|entry| self.term_of(&entry, errors, Some(place)));
+            return Change {
+                new,
+                old: Some(old),
+                likely,
+            };
         }
+        let term = self.term_of(&new, errors, None);
         self.bearings.add(new, &lines);
         Change {
-            new: self.term(&new, errors),
+            new: term,
             old: None,
             likely,
         }
     }
 
-    /// The nearest bearing of the station that says the same, and how far away it was taken, in metres.
-    fn nearest_similar(&self, new: &Entry, lines: &Lines<'_>) -> Option<(usize, f32)> {
-        let mut best = None;
-        let mut least = f32::INFINITY;
-        for (i, old) in self.entries().iter().enumerate() {
-            let square = square_of_distance(old.position(), new.position());
-            if square < least && old.is_of_station_of(new) && lines.is_similar(old, new) {
-                least = square;
-                best = Some(i);
-            }
-        }
-        best.map(|i| (i, sqrt(least)))
-    }
-
     /// Whether bearings make a fix by their best mode, under the same mixture as all else.
     #[inline(never)]
-    pub(super) fn crossing(
+    pub(super) fn crossing<const D: usize>(
         &self,
-        terms: &[Term],
-        modes: &Modes,
+        terms: &[Term<D>],
+        modes: &Modes<D>,
         config: &Config,
     ) -> Result<(), NotObservable> {
-        let (at_infinity, information) = self.at_infinity(terms, &config.errors);
+        let density = self.density(terms, config);
         let mut crossing = Crossing {
             gain: 0.0,
-            information,
+            information: terms.iter().map(Term::precision).sum(),
             limit: config.relative_range_sigma,
+            enough: ENOUGH,
         };
         let best = best(modes).ok_or_else(|| crossing.reason())?;
-        let density = self.density(terms, config);
-        crossing.gain = 2.0 * (density.log_density(&best.mean) - at_infinity);
+        crossing.information = density.information(&best.mean);
+        let far = self.best_at_infinity(&density);
+        crossing.gain = 2.0 * (density.log_likelihood(&best.mean) - far);
         let variance = plane(&best.covariance.matrix()).largest_eigenvalue();
         let range = self.bearings.range_squared(position(&best.mean));
-        crossing.check(variance, range)
+        crossing.check(variance, range).map_err(|reason| {
+            let mut counts = Mixture::ZERO;
+            density.count(&best.mean, 1.0, &mut counts);
+            let outliers = counts.outlier / counts.total();
+            if outliers > 0.5 {
+                NotObservable::Contradiction { outliers }
+            } else {
+                reason
+            }
+        })
     }
 
-    /// The log-likelihood of a source at infinity, in the direction that fits best; and the sum of 1 / sigma^2.
+    /// The log-likelihood of a source at infinity, in the direction, with the scale and the biases that fit best.
     #[inline(never)]
-    fn at_infinity(&self, terms: &[Term], errors: &Errors) -> (f32, f32) {
-        /// Directions that are tried, those of some bearings, and means of those that fit: more find the best direction
-        /// more often, which keeps parallel bearings from making a fix.
+    fn best_at_infinity<const D: usize>(&self, density: &Density<'_, D>) -> f32 {
+        /// Directions that are tried, those of some bearings, and steps of the climb from the best: more find the best
+        /// direction more often, which keeps parallel bearings from making a fix.
         const STARTS: usize = 16;
-        const MEANS: u32 = 4;
-        let density = |direction: f32| {
-            let (mut sum, mut pull, mut total) = (0.0, 0.0, 1e-9);
-            for (o, term) in self.bearings.observations().zip(terms) {
-                let reading = term.read_far(o.bearing().radians(), direction);
-                sum += ln(1.0 + reading.odds);
-                pull += reading.information * reading.error;
-                total += reading.information;
-            }
-            (sum, wrap(direction - pull / total))
-        };
-        let (mut best, mut next) = (f32::NEG_INFINITY, 0.0);
+        const STEPS: u32 = 6;
+        let density = density.at_infinity();
+        let (mut best, mut start) = (f32::NEG_INFINITY, [0.0; D]);
         let step = self.entries().len().div_ceil(STARTS).max(1);
-        for o in self.bearings.observations().step_by(step) {
-            let (sum, mean) = density(o.bearing().radians());
+        for observation in self.bearings.observations().step_by(step) {
+            let mut state = [0.0; D];
+            state[0] = observation.bearing().radians();
+            let sum = density.log_likelihood(&state);
             if sum > best {
-                (best, next) = (sum, mean);
+                (best, start) = (sum, state);
             }
         }
-        for _ in 0..MEANS {
-            let (sum, mean) = density(next);
-            if sum > best {
-                best = sum;
-            }
-            next = mean;
+        match Mode::climb(&density, start, STEPS) {
+            Some(mode) => density.log_likelihood(&mode.mean),
+            None => best,
         }
-        let information =
-            |entry: &Entry| entry.probability / errors.own_variance(&entry.observation);
-        (best, self.entries().iter().map(information).sum())
     }
 }
 
@@ -287,8 +236,8 @@ pub struct Candidate<'a> {
     pub(super) latest: Option<&'a Observation>,
     /// What the range of errors of places is counted by.
     pub(super) source: Option<[f32; 2]>,
-    pub(super) mode: &'a Mode,
-    pub(super) modes: &'a Modes,
+    pub(super) mode: &'a Mode<PLAIN>,
+    pub(super) modes: &'a Modes<PLAIN>,
     pub(super) errors: &'a Errors,
 }
 
@@ -300,8 +249,7 @@ impl Candidate<'_> {
 
     /// Where the source may be.
     pub(in crate::aoa) fn position(&self) -> [f32; 2] {
-        let [x, y, _] = self.mode.mean;
-        [x, y]
+        position(&self.mode.mean)
     }
 
     /// The latest bearing by time, whatever source it is of.
@@ -317,22 +265,42 @@ impl Candidate<'_> {
 }
 
 /// Whether a bearing is likelier direct or mirrored than an outlier if the source is at a mode.
-fn explains(mode: &Mode, entry: &Entry, source: Option<[f32; 2]>, errors: &Errors) -> bool {
-    Term::of(entry, errors, source)
-        .read(&mode.mean, errors.bias_sigma_rad * mode.mean[2])
-        .odds
-        > 1.0
+fn explains<const D: usize>(
+    mode: &Mode<D>,
+    entry: &Entry,
+    source: Option<[f32; 2]>,
+    errors: &Errors,
+) -> bool {
+    let variance = errors.sigma_scale * errors.sigma_scale * errors.own_variance(entry);
+    let variance = variance + errors.variance_of_place(&entry.observation, source);
+    let term = Term::new(&entry.observation, errors, variance)
+        .with_biases(&entry.observation, errors)
+        .with_probability(entry.probability);
+    let width = Width::new(errors.scale_sigma, &mode.mean);
+    term.read(&term.line(&mode.mean), &width).odds > 1.0
 }
 
 /// Bearings that may be mirrored or outliers: they are compared as lines.
-pub(super) struct Lines<'a> {
-    pub(super) source: Option<State>,
-    pub(super) errors: &'a Errors,
+pub(super) struct Lines {
+    pub(super) source: Option<[f32; 2]>,
+    /// With the scale that is thought to be.
+    pub(super) errors: Errors,
 }
 
-impl Comparison for Lines<'_> {
+impl Lines {
+    /// Whether an angle between two bearings is within three sigmas of their difference, if their errors have this
+    /// covariance in square stated sigmas.
+    pub(super) fn is_within(&self, pair: [&Entry; 2], turn: f32, covariance: f32) -> bool {
+        let errors = &self.errors;
+        let [a, b] = pair.map(|entry| errors.variance(&entry.observation, self.source));
+        let scale = errors.sigma_scale * errors.sigma_scale;
+        turn * turn < 9.0 * (a + b - 2.0 * scale * covariance)
+    }
+}
+
+impl Comparison for Lines {
     fn source(&self) -> Option<[f32; 2]> {
-        self.source.map(|[x, y, _]| [x, y])
+        self.source
     }
 
     /// Once it is known where the source is, a mirrored bearing says what a direct one does: they are lines. But of
@@ -345,30 +313,22 @@ impl Comparison for Lines<'_> {
         }
     }
 
-    /// Within three sigmas of their difference.
     fn is_similar(&self, a: &Entry, b: &Entry) -> bool {
-        let turn = a.turn(b, self);
-        let variance =
-            |entry: &Entry| (self.errors).variance(&entry.observation, 1.0, self.source());
-        turn * turn < 9.0 * (variance(a) + variance(b))
+        self.is_within([a, b], a.turn(b, self), 0.0)
     }
 
     /// The likelier one; as long as nothing is known of the source, the sharper one.
     fn prefers(&self, a: &Entry, b: &Entry) -> bool {
-        let doubt = |entry: &Entry| match &self.source {
-            Some(state) => {
-                let term = Term::of(entry, self.errors, self.source());
-                -term.log_likelihood(state, self.errors.bias_sigma_rad * state[2])
+        let doubt = |entry: &Entry| match self.source {
+            Some([x, y]) => {
+                let variance = self.errors.variance(&entry.observation, self.source);
+                let term = Term::<PLAIN>::new(&entry.observation, &self.errors, variance);
+                -term
+                    .with_probability(entry.probability)
+                    .log_likelihood(&[x, y, 0.0, 0.0])
             }
             None => entry.observation.sigma_rad(),
         };
         doubt(a) <= doubt(b)
     }
-}
-
-/// A bearing that counts for `worth` of its information.
-pub(super) fn tempered(observation: Observation, worth: f32) -> Observation {
-    let sigma = observation.sigma_rad() / sqrt(worth);
-    let most = Observation::MAX_SIGMA_RAD;
-    observation.with_sigma(if sigma < most { sigma } else { most })
 }

@@ -13,12 +13,13 @@
 //! wrong start does not last, and nothing else is needed against it.
 //!
 //! * There is no fix while the bearings might as well be parallel, nor while hypotheses that lie apart are of similar
-//!   weight: the answer then is [`NotObservable::NoIntersection`], and the [hypotheses](Locate::hypothesis) are where they
+//!   weight: the answer then is [`NotObservable::SeveralPlaces`], and the [hypotheses](Locate::hypothesis) are where they
 //!   are. A fix may be taken back.
 //! * The rates of mirrored and outlier bearings are learned from the first fix on, by a step of expectation maximisation
-//!   at a time; with [`Errors::scale_bearings`] also how many times as large as stated the errors of the others are.
-//! * Readings of one place are one bearing, their mean, which is worth as many independent ones as their correlation
-//!   leaves.
+//!   at a time. How many times as large as stated the errors of the others are is a number of each particle, like the
+//!   biases.
+//! * Readings of one place are one bearing, their mean. What its error has in common with those of other places nearby, more
+//!   bearings do not average out.
 //! * A receiver that does not know exactly where it is may say how well it does: [`Errors::position_sigma_m`].
 //! * A reading of several bearings that exclude each other, as the peaks of a [spectrum](super::spectrum), is taken bearing
 //!   by bearing, each with its probability.
@@ -34,12 +35,13 @@ mod mode;
 pub(super) mod outside;
 mod proposal;
 mod search;
+mod shared;
 mod term;
 mod track;
 
 use core::f32::consts::LN_2;
 
-use super::core::{Entry, Proposal, is_depleted, is_narrow, sweep};
+use super::core::{Proposal, check_narrow, is_depleted, sweep};
 use super::words::Belief;
 use super::{
     Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
@@ -47,20 +49,21 @@ use super::{
 };
 use crate::ConfigError;
 use crate::filter::ParticleFilter;
-use crate::math::sqrt;
+use crate::math::{ln, sqrt};
 use crate::particles::read;
 use crate::persist;
 use crate::random::Rng;
 use crate::resample::Scheme;
 pub(super) use candidates::Candidates;
 pub use config::Config;
-pub use errors::{Correlation, Errors, Learned};
+use density::Width;
+pub use errors::{Biases, Correlation, Errors, Learned};
 pub(super) use evidence::Candidate;
 use evidence::{Change, Evidence};
 use mode::{Modes, hypotheses, plane, position};
 use proposal::MixtureProposal;
 use search::search;
-use term::{State, Term};
+use term::{BIASES, PLAIN, SCALE, State, Term};
 
 /// Locates one stationary source, with `N` particles and a buffer of `B` bearings, some of which may be wrong.
 ///
@@ -84,13 +87,13 @@ use term::{State, Term};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct Robust<const N: usize, const B: usize = 64> {
+pub struct Robust<const N: usize, const B: usize = 64, const D: usize = 4> {
     evidence: Evidence<B>,
-    filter: ParticleFilter<3, N>,
-    modes: Modes,
+    filter: ParticleFilter<D, N>,
+    modes: Modes<D>,
     answer: Answer,
     /// Mean and covariance of the particles.
-    moments: (State, [State; 3]),
+    moments: (State<D>, [State<D>; D]),
     learned: Learned,
     /// Bearings since the last search for modes.
     since_search: u32,
@@ -98,7 +101,7 @@ pub struct Robust<const N: usize, const B: usize = 64> {
     outliers_removed: f32,
 }
 
-persist!(impl[const N: usize, const B: usize] Robust<N, B> as "Robust"(N, B) {
+persist!(impl[const N: usize, const B: usize, const D: usize] Robust<N, B, D> as "Robust"(N, B, D) {
     evidence, filter, modes, answer, moments, learned, since_search, outliers_removed
 });
 
@@ -108,19 +111,20 @@ const START_MOVES: u8 = 3;
 /// Particles are moved after so many bearings at the latest: fewer find a missed mode sooner, for time.
 const AT_LEAST_EVERY: u32 = 8;
 
-impl<const N: usize, const B: usize> Locate for Robust<N, B> {
+impl<const N: usize, const B: usize, const D: usize> Locate for Robust<N, B, D> {
     type Config = Config;
 
     const ALTERNATIVES: bool = true;
 
     const EMPTY: Self = {
         assert!(N >= 2 && B >= 2, "a locator needs particles and bearings");
+        assert!(D >= PLAIN, "a state holds a place, a scale and a bias");
         Self {
             evidence: Evidence::EMPTY,
             filter: ParticleFilter::EMPTY,
             modes: Modes::new(),
             answer: Answer::NOTHING,
-            moments: ([0.0; 3], [[0.0; 3]; 3]),
+            moments: ([0.0; D], [[0.0; D]; D]),
             learned: Learned::NOTHING,
             since_search: 0,
             outliers_removed: 0.0,
@@ -153,13 +157,11 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
         self.evidence.bearings.admit(first.observation())?;
         let believed = self.believed(config);
         let fixed = matches!(self.answer, Answer::Fix(_));
-        let source = fixed.then_some(self.moments.0);
         let mut surprising = false;
         for alternative in alternatives {
-            let errors = &believed.errors;
-            let change = self.evidence.push(alternative, source, errors);
+            let change = self.evidence.push(alternative, &believed.errors);
             if fixed {
-                surprising |= self.weigh(&change, errors.bias_sigma_rad);
+                surprising |= self.weigh(&change, believed.errors.scale_sigma);
             }
         }
         let answer = if fixed {
@@ -193,11 +195,11 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
 
     fn bias(&self, config: &Config) -> Option<Bias> {
         self.answer.fix()?;
-        let (mean, [_, _, [_, _, variance]]) = self.moments;
+        let (mean, covariance) = &self.moments;
         let scale = config.errors.bias_sigma_rad;
         Some(Bias {
-            mean_rad: scale * mean[2],
-            sigma_rad: scale * sqrt(variance),
+            mean_rad: scale * mean[BIASES],
+            sigma_rad: scale * sqrt(covariance[BIASES][BIASES]),
         })
     }
 
@@ -222,14 +224,13 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
     #[inline(never)]
     fn classify(&self, observation: &Observation, config: &Config) -> Option<Mixture> {
         self.answer.fix()?;
-        let new = Entry::new(*observation, 1.0);
-        let term = self.evidence.term(&new, &self.believed(config).errors);
+        let errors = self.believed(config).errors;
+        let term = self.evidence.new_term(observation, &errors);
         let particles = self.filter.particles().columns();
-        let scale = config.errors.bias_sigma_rad;
         let mut probabilities = Mixture::ZERO;
         for (i, weight) in self.weights().iter().enumerate() {
-            let state = read(&particles, i);
-            term.read(&state, scale * state[2])
+            let state: State<D> = read(&particles, i);
+            term.read(&term.line(&state), &Width::new(errors.scale_sigma, &state))
                 .count(&mut probabilities, *weight);
         }
         Some(probabilities)
@@ -237,19 +238,19 @@ impl<const N: usize, const B: usize> Locate for Robust<N, B> {
 
     fn cloud(&self, index: usize) -> Option<Cloud<'_>> {
         self.answer.fix().filter(|_| index == 0)?;
-        let [east, north, _] = self.columns();
+        let columns = self.columns();
         Some(Cloud {
-            east,
-            north,
+            east: columns[0],
+            north: columns[1],
             weights: self.weights(),
         })
     }
 }
 
-impl<const N: usize, const B: usize> Robust<N, B> {
-    /// The particles' coordinates: metres east, metres north, and the bias in its prior sigmas. They mean nothing before
-    /// the first fix.
-    pub fn columns(&self) -> [&[f32]; 3] {
+impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
+    /// The particles' coordinates: metres east, metres north, the logarithm of the scale of the errors in its prior sigmas,
+    /// and the numbers of the biases in theirs. They mean nothing before the first fix.
+    pub fn columns(&self) -> [&[f32]; D] {
         self.filter.particles().columns()
     }
 
@@ -263,20 +264,20 @@ impl<const N: usize, const B: usize> Robust<N, B> {
         self.evidence.bearings.observations()
     }
 
-    /// The configuration with the errors as learned so far.
+    /// The configuration with the rates as learned so far.
     fn believed(&self, config: &Config) -> Config {
         Config {
-            errors: config.errors.with(&self.learned),
+            errors: config.errors.with_rates(&self.learned),
             ..*config
         }
     }
 
     /// Weighs the particles by a new bearing; whether they find it an outlier.
-    fn weigh(&mut self, change: &Change, bias_sigma_rad: f32) -> bool {
-        let likelihood = |state: &State| {
-            let bias = bias_sigma_rad * state[2];
-            let old = (change.old).map_or(0.0, |old| old.log_likelihood(state, bias));
-            change.new.log_likelihood(state, bias) - old
+    fn weigh(&mut self, change: &Change<D>, scale_sigma: f32) -> bool {
+        let likelihood = |state: &State<D>| {
+            let width = Width::new(scale_sigma, state);
+            let log = |term: &Term<D>| ln(1.0 + term.read(&term.line(state), &width).odds);
+            log(&change.new) - change.old.as_ref().map_or(0.0, log)
         };
         // The likelihood is finite, so the update cannot fail. As an evidence it is the mean of 1 + odds.
         let evidence = self.filter.update(&likelihood).unwrap_or(0.0);
@@ -295,8 +296,9 @@ impl<const N: usize, const B: usize> Robust<N, B> {
             let believed = self.believed(config);
             let mut terms = self.evidence.terms(&believed.errors);
             self.find_modes(&terms, &believed, rng);
-            self.learn(&terms, &believed, config);
-            self.evidence.set_source(&self.filter.mean());
+            self.learn(&terms, config);
+            self.evidence
+                .set_source(&self.filter.mean(), config.errors.scale_sigma);
             let believed = self.believed(config);
             terms = self.evidence.terms(&believed.errors);
             self.filter.resample(Scheme::Systematic, rng);
@@ -317,10 +319,11 @@ impl<const N: usize, const B: usize> Robust<N, B> {
         }
         let mut terms = self.evidence.terms(&believed.errors);
         self.find_modes(&terms, believed, rng);
-        if believed.errors.position_sigma_m > 0.0
+        if believed.errors.depend_on_range()
             && let Some(best) = mode::best(&self.modes)
         {
-            self.evidence.set_source(&best.mean);
+            self.evidence
+                .set_source(&best.mean, believed.errors.scale_sigma);
             terms = self.evidence.terms(&believed.errors);
         }
         self.evidence.crossing(&terms, &self.modes, believed)?;
@@ -330,28 +333,32 @@ impl<const N: usize, const B: usize> Robust<N, B> {
 
     /// Starts the particles from all modes.
     #[inline(never)]
-    fn start<R: Rng + ?Sized>(&mut self, terms: &[Term], believed: &Config, rng: &mut R) {
+    fn start<R: Rng + ?Sized>(&mut self, terms: &[Term<D>], believed: &Config, rng: &mut R) {
         let proposal = MixtureProposal::new(&self.modes, self.evidence.region(believed));
         self.filter.initialise(rng, |rng| proposal.draw(rng));
         self.sweep(terms, START_MOVES, believed, rng);
     }
 
-    fn find_modes<R: Rng + ?Sized>(&mut self, terms: &[Term], believed: &Config, rng: &mut R) {
+    fn find_modes<R: Rng + ?Sized>(&mut self, terms: &[Term<D>], believed: &Config, rng: &mut R) {
         self.modes = search(&self.evidence, terms, believed, &self.modes, rng);
         self.since_search = 0;
     }
 
     /// One step of expectation maximisation. Not before there is a fix: a chance crossing of two would teach that all
-    /// other bearings are outliers, or that their errors are large.
-    fn learn(&mut self, terms: &[Term], believed: &Config, config: &Config) {
-        let mut counts = self.evidence.counts(terms, &self.modes, &believed.errors);
-        counts.kinds.outlier += self.outliers_removed * counts.kinds.total();
-        self.learned = config.errors.learned(&counts);
+    /// other bearings are outliers.
+    fn learn(&mut self, terms: &[Term<D>], config: &Config) {
+        let density = self.evidence.density(terms, config);
+        let mut counts = Mixture::ZERO;
+        for mode in &self.modes {
+            density.count(&mode.mean, mode.weight, &mut counts);
+        }
+        counts.outlier += self.outliers_removed * counts.total();
+        self.learned.rates = config.errors.learned_rates(&counts);
     }
 
     fn sweep<R: Rng + ?Sized>(
         &mut self,
-        terms: &[Term],
+        terms: &[Term<D>],
         moves: u8,
         believed: &Config,
         rng: &mut R,
@@ -364,6 +371,11 @@ impl<const N: usize, const B: usize> Robust<N, B> {
     /// The fix, if the cloud is small beside its range: its sigma at most `slack` times as large as it may be.
     fn credible_fix(&mut self, slack: f32, config: &Config) -> Result<Fix, NotObservable> {
         self.moments = (self.filter.mean(), self.filter.covariance());
+        if config.errors.scale_sigma > 0.0 {
+            let (mean, covariance) = &self.moments;
+            let scale = (config.errors).scale(mean[SCALE], covariance[SCALE][SCALE]);
+            self.learned.sigma_scale = scale;
+        }
         let fix = Fix::of_cloud(
             position(&self.moments.0),
             plane(&self.moments.1),
@@ -372,12 +384,19 @@ impl<const N: usize, const B: usize> Robust<N, B> {
         );
         let range = self.evidence.bearings.range_squared(fix.position);
         let limit = slack * config.relative_range_sigma;
-        if is_narrow(fix.covariance.largest_eigenvalue(), range, limit) {
-            Ok(fix)
-        } else {
-            Err(NotObservable::NoIntersection)
-        }
+        check_narrow(fix.covariance.largest_eigenvalue(), range, limit)
+            .map_err(|wide| several_places(&self.modes).unwrap_or(wide))?;
+        Ok(fix)
     }
+}
+
+/// The reason, if it is that several modes have a good part of the mass.
+fn several_places<const D: usize>(modes: &Modes<D>) -> Option<NotObservable> {
+    const PART: f32 = 0.02;
+    let have = hypotheses(modes)
+        .filter(|one| one.probability >= PART)
+        .count() as u32;
+    (have > 1).then_some(NotObservable::SeveralPlaces { have })
 }
 
 #[cfg(test)]

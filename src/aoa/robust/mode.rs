@@ -2,8 +2,8 @@
 
 use heapless::Vec;
 
-use super::density::Density;
-use super::term::State;
+use super::density::{Density, Width};
+use super::term::{Reading, SCALE, State};
 use crate::aoa::Hypothesis;
 use crate::estimate::Symmetric2;
 use crate::kalman::Covariance;
@@ -13,43 +13,40 @@ use crate::snapshot::value;
 /// The most hypotheses that are kept: more keep more sources apart, for time and 60 bytes each.
 pub(super) const MODES: usize = 4;
 
-pub(super) type Modes = Vec<Mode, MODES>;
+pub(super) type Modes<const D: usize> = Vec<Mode<D>, MODES>;
 
 /// A mode and the normal distribution of its curvature.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Mode {
-    pub(super) mean: State,
-    pub(super) covariance: Covariance<3>,
+pub(super) struct Mode<const D: usize> {
+    pub(super) mean: State<D>,
+    pub(super) covariance: Covariance<D>,
     /// Logarithm of the mass about it by Laplace's approximation, up to a constant.
     pub(super) log_mass: f32,
     /// Weight among the proposals.
     pub(super) weight: f32,
 }
 
-value!(Mode {
-    mean,
-    covariance,
-    log_mass,
-    weight,
-});
+value!(impl[const D: usize] Mode<D> as "Mode", { mean, covariance, log_mass, weight });
 
-impl Mode {
+impl<const D: usize> Mode<D> {
     /// Squared distance of a state from the mean, in sigmas.
-    pub(super) fn distance(&self, state: &State) -> f32 {
+    pub(super) fn distance(&self, state: &State<D>) -> f32 {
         let offset = core::array::from_fn(|d| state[d] - self.mean[d]);
         let white = self.covariance.whiten(offset);
         dot(&white, &white)
     }
 
     /// The same of the position alone.
-    pub(super) fn distance_of_position(&self, &[x, y, _]: &State) -> f32 {
-        let offset = [x - self.mean[0], y - self.mean[1], 0.0];
-        let [u, v, _] = self.covariance.whiten(offset);
-        u * u + v * v
+    pub(super) fn distance_of_position(&self, state: &State<D>) -> f32 {
+        let mut offset = [0.0; D];
+        offset[0] = state[0] - self.mean[0];
+        offset[1] = state[1] - self.mean[1];
+        let white = self.covariance.whiten(offset);
+        white[0] * white[0] + white[1] * white[1]
     }
 
     /// A state about `from`, `scale` times as far as the sigmas `z` take it.
-    pub(super) fn step(&self, from: &State, scale: f32, z: [f32; 3]) -> State {
+    pub(super) fn step(&self, from: &State<D>, scale: f32, z: [f32; D]) -> State<D> {
         let offset = self.covariance.colour(z);
         core::array::from_fn(|d| from[d] + scale * offset[d])
     }
@@ -57,7 +54,7 @@ impl Mode {
     /// Climbs from `start` in at most so many steps: expectation maximisation over what each bearing is, damped
     /// Gauss-Newton over the state. `None` where the posterior has no curvature.
     #[inline(never)]
-    pub(super) fn climb(density: &Density<'_>, start: State, steps: u32) -> Option<Self> {
+    pub(super) fn climb(density: &Density<'_, D>, start: State<D>, steps: u32) -> Option<Self> {
         let mut mean = start;
         let mut here = Normal::at(density, &mean);
         // Levenberg's, as a fraction of the diagonal.
@@ -90,7 +87,7 @@ impl Mode {
 }
 
 /// Sets the weights by the masses, and drops the modes that have next to none.
-pub(super) fn weigh(modes: &mut Modes) {
+pub(super) fn weigh<const D: usize>(modes: &mut Modes<D>) {
     /// Least weight: Laplace's approximation is rough, and a mode that is never proposed is never tried; more wastes draws.
     const LEAST: f32 = 0.02;
     /// Logarithm of a mass over the largest that is dropped: less keeps modes that never come back, for time.
@@ -108,59 +105,86 @@ pub(super) fn weigh(modes: &mut Modes) {
 }
 
 /// The one with the largest weight.
-pub(super) fn best(modes: &[Mode]) -> Option<&Mode> {
+pub(super) fn best<const D: usize>(modes: &[Mode<D>]) -> Option<&Mode<D>> {
     modes.iter().max_by(|a, b| a.weight.total_cmp(&b.weight))
 }
 
 /// The largest logarithm of a mass.
-pub(super) fn largest(modes: &[Mode]) -> f32 {
+pub(super) fn largest<const D: usize>(modes: &[Mode<D>]) -> f32 {
     let masses = modes.iter().map(|mode| mode.log_mass);
     masses.fold(f32::NEG_INFINITY, |a, b| if b > a { b } else { a })
 }
 
-pub(super) fn dot(a: &State, b: &State) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+pub(super) fn dot<const D: usize>(a: &State<D>, b: &State<D>) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Sums over all bearings at one state.
-struct Normal {
-    matrix: [State; 3],
-    gradient: State,
+struct Normal<const D: usize> {
+    matrix: [State<D>; D],
+    gradient: State<D>,
     log_density: f32,
 }
 
-impl Normal {
-    fn at(density: &Density<'_>, state: &State) -> Self {
-        let (region, bias_sigma_rad) = (&density.region, density.bias_sigma_rad);
-        let pull = region.information(state);
-        let mut matrix = [[pull, 0.0, 0.0], [0.0, pull, 0.0], [0.0, 0.0, 1.0]];
-        let [cx, cy] = region.centre;
-        let mut gradient = [pull * (cx - state[0]), pull * (cy - state[1]), -state[2]];
-        let mut log_density = region.log_density(state);
-        for term in density.terms {
-            let reading = term.read(state, bias_sigma_rad * state[2]);
-            log_density += ln(1.0 + reading.odds);
-            let [gx, gy] = term.gradient(state);
-            let derivative = [gx, gy, bias_sigma_rad];
-            for ((row, total), a) in matrix.iter_mut().zip(&mut gradient).zip(derivative) {
-                let pull = reading.information * a;
-                for (entry, b) in row.iter_mut().zip(derivative) {
-                    *entry += pull * b;
-                }
-                *total -= pull * reading.error;
+impl<const D: usize> Normal<D> {
+    fn at(density: &Density<'_, D>, state: &State<D>) -> Self {
+        let (gradient, information) = density.prior(state);
+        let mut normal = Self {
+            matrix: diagonal(&information),
+            gradient,
+            log_density: density.log_prior(state),
+        };
+        let width = Width::new(density.scale_sigma, state);
+        for place in density.places() {
+            let total = 1.0 + density.odds(place, state, &width);
+            normal.log_density += ln(total);
+            for term in place {
+                let (line, gradient) = density.linearise(term, state);
+                let reading = term.read(&line, &width);
+                let fit = reading.odds / total;
+                normal.add(&reading, fit, &gradient, density.scale_sigma);
             }
         }
-        Self {
-            matrix,
-            gradient,
-            log_density,
+        normal
+    }
+
+    /// Adds a bearing that fits with this probability, and of which the error has these derivatives by all but the scale.
+    #[inline(never)]
+    fn add(&mut self, reading: &Reading, fit: f32, derivative: &State<D>, scale_sigma: f32) {
+        let information = fit * reading.precision;
+        let error = reading.line.error;
+        for ((row, total), a) in self
+            .matrix
+            .iter_mut()
+            .zip(&mut self.gradient)
+            .zip(derivative)
+        {
+            let pull = information * a;
+            for (entry, b) in row.iter_mut().zip(derivative) {
+                *entry += pull * b;
+            }
+            *total -= pull * error;
+        }
+        // A normal density of a standard deviation s has an information of 2 on ln s.
+        self.matrix[SCALE][SCALE] += 2.0 * fit * reading.worth * scale_sigma * scale_sigma;
+        let square = reading.precision * error * error;
+        self.gradient[SCALE] += fit * scale_sigma * (square - reading.worth);
+    }
+}
+
+fn diagonal<const D: usize>(entries: &State<D>) -> [State<D>; D] {
+    let mut matrix = [[0.0; D]; D];
+    for (d, (row, value)) in matrix.iter_mut().zip(entries).enumerate() {
+        if let Some(entry) = row.get_mut(d) {
+            *entry = *value;
         }
     }
+    matrix
 }
 
 /// The inverse of a matrix whose diagonal is larger by the fraction `damping`; `None` where that is not positive definite as
 /// far as f32 can tell.
-fn inverse(mut matrix: [State; 3], damping: f32) -> Option<[State; 3]> {
+fn inverse<const D: usize>(mut matrix: [State<D>; D], damping: f32) -> Option<[State<D>; D]> {
     for (d, row) in matrix.iter_mut().enumerate() {
         if let Some(entry) = row.get_mut(d) {
             *entry *= 1.0 + damping;
@@ -168,16 +192,15 @@ fn inverse(mut matrix: [State; 3], damping: f32) -> Option<[State; 3]> {
     }
     let factor = Covariance::new(&matrix)?;
     // The columns of the inverse of the factor.
-    let units = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let columns = units.map(|unit| factor.whiten(unit));
+    let columns = diagonal(&[1.0; D]).map(|unit| factor.whiten(unit));
     let finite = columns.iter().flatten().all(|entry| entry.is_finite());
     finite.then(|| columns.map(|a| columns.map(|b| dot(&a, &b))))
 }
 
 /// The modes as hypotheses.
-pub(super) fn hypotheses(modes: &Modes) -> impl Iterator<Item = Hypothesis> {
+pub(super) fn hypotheses<const D: usize>(modes: &Modes<D>) -> impl Iterator<Item = Hypothesis> {
     let best = largest(modes);
-    let mass = move |mode: &Mode| exp(mode.log_mass - best);
+    let mass = move |mode: &Mode<D>| exp(mode.log_mass - best);
     let total: f32 = modes.iter().map(mass).sum();
     modes.iter().map(move |mode| Hypothesis {
         position: position(&mode.mean),
@@ -186,12 +209,13 @@ pub(super) fn hypotheses(modes: &Modes) -> impl Iterator<Item = Hypothesis> {
     })
 }
 
-/// Of place and bias, the place.
-pub(super) fn position(&[x, y, _]: &State) -> [f32; 2] {
-    [x, y]
+/// Of a state, the place.
+pub(super) fn position<const D: usize>(state: &State<D>) -> [f32; 2] {
+    [state[0], state[1]]
 }
 
-/// Of a covariance of place and bias, that of the place.
-pub(super) fn plane(&[[xx, xy, _], [_, yy, _], _]: &[State; 3]) -> Symmetric2 {
+/// Of a covariance of a state, that of the place.
+pub(super) fn plane<const D: usize>(covariance: &[State<D>; D]) -> Symmetric2 {
+    let ([xx, xy], yy) = ([covariance[0][0], covariance[0][1]], covariance[1][1]);
     Symmetric2 { xx, xy, yy }
 }

@@ -3,27 +3,30 @@
 use core::f32::consts::TAU;
 
 use super::errors::Errors;
-use super::evidence::{Lines, tempered};
-use super::term::{State, Term};
+use super::evidence::Lines;
+use super::term::{PLAIN, Term};
 use crate::aoa::core::{Comparison, Entry, square_of_distance};
 use crate::aoa::{Mixture, Observation};
 use crate::math::{exp, sqrt};
 
-/// A bearing that counts for no more than it tells beside earlier ones, which come with their ages in seconds.
+/// A bearing that counts for no more than it tells beside earlier ones, which come with their ages in seconds, on a source at
+/// a range.
 pub(in crate::aoa) fn independent<'a>(
     observation: &Observation,
     earlier: impl Iterator<Item = (&'a Observation, f32)>,
     errors: &Errors,
+    range_m: f32,
 ) -> Observation {
     let new = Entry::new(*observation, 1.0);
     let lines = Lines {
         source: None,
-        errors,
+        errors: *errors,
     };
     let mut least = f32::INFINITY;
     for (old, seconds) in earlier {
         let distance = sqrt(square_of_distance(old.position(), new.position()));
-        let lengths = errors.correlation.lengths(distance, seconds);
+        let lengths =
+            distance / errors.correlation.length_m(range_m) + seconds / errors.correlation.time_s;
         if lengths < least && lines.is_similar(&Entry::new(*old, 1.0), &new) {
             least = lengths;
         }
@@ -39,7 +42,7 @@ pub(in crate::aoa) struct Line {
     pub(in crate::aoa) variance: f32,
     pub(in crate::aoa) mirrored: bool,
     /// Derivatives of the error by the place and by the bias in its prior sigmas.
-    pub(in crate::aoa) gradient: State,
+    pub(in crate::aoa) gradient: [f32; 3],
 }
 
 impl Line {
@@ -56,15 +59,28 @@ impl Line {
     }
 }
 
-pub(in crate::aoa) fn read(observation: &Observation, errors: &Errors, state: &State) -> Line {
-    let variance = errors.variance(observation, 1.0, Some([state[0], state[1]]));
-    let term = Term::new(observation, errors, variance);
-    let reading = term.read(state, errors.bias_sigma_rad * state[2]);
-    let [x, y] = term.gradient(state);
+/// The line of a bearing seen from a place, with a common bias in its prior sigmas.
+pub(in crate::aoa) fn read(
+    observation: &Observation,
+    errors: &Errors,
+    &[x, y, bias]: &[f32; 3],
+) -> Line {
+    let variance = errors.variance(observation, Some([x, y]));
+    let term = Term::<PLAIN>::new(observation, errors, variance);
+    let state = [x, y, 0.0, 0.0];
+    let line = term.line(&state);
+    let [gx, gy] = term.gradient(&state);
     Line {
-        error: reading.error,
+        error: line.error + errors.bias_sigma_rad * bias,
         variance,
-        mirrored: reading.mirrored,
-        gradient: [x, y, errors.bias_sigma_rad],
+        mirrored: line.mirrored,
+        gradient: [gx, gy, errors.bias_sigma_rad],
     }
+}
+
+/// A bearing that counts for `worth` of its information.
+fn tempered(observation: Observation, worth: f32) -> Observation {
+    let sigma = observation.sigma_rad() / sqrt(worth);
+    let most = Observation::MAX_SIGMA_RAD;
+    observation.with_sigma(if sigma < most { sigma } else { most })
 }

@@ -6,10 +6,10 @@ use super::config::Config;
 use super::density::Density;
 use super::evidence::{Evidence, Terms};
 use super::mode::{MODES, Mode, Modes, weigh};
-use super::term::{State, Term};
+use super::term::{SCALE, State, Term};
 use crate::aoa::core::{BLOCK, Entry, Target};
 use crate::aoa::triangulation::random_crossing;
-use crate::math::sqrt;
+use crate::math::ln;
 use crate::random::Rng;
 
 /// How many times as large the sigmas are while candidates are compared, because crossings scatter much more widely than
@@ -38,33 +38,30 @@ const SAME: f32 = 4.0;
 
 /// A place to climb from, and what the widened bearings say of it.
 #[derive(Clone, Copy)]
-struct Candidate {
-    state: State,
+struct Candidate<const D: usize> {
+    state: State<D>,
     score: f32,
 }
 
 /// The modes of all bearings, from those `known` before and from random crossings.
 #[inline(never)]
-pub(super) fn search<R: Rng + ?Sized, const B: usize>(
+pub(super) fn search<R: Rng + ?Sized, const D: usize, const B: usize>(
     evidence: &Evidence<B>,
-    terms: &[Term],
+    terms: &[Term<D>],
     config: &Config,
-    known: &Modes,
+    known: &Modes<D>,
     rng: &mut R,
-) -> Modes {
+) -> Modes<D> {
     let errors = &config.errors;
     let density = evidence.density(terms, config);
     let mut modes = climb_again(&density, known);
     let bias = errors.bias_sigma_rad;
-    let mut wide = Terms::<B>::new();
-    for entry in evidence.entries() {
-        let sigma = WIDENING * sqrt(evidence.variance(entry, errors));
-        let term = Term::new(&entry.observation, errors, sigma * sigma + bias * bias);
-        let _ = wide.push(term.with_probability(entry.probability));
-    }
+    let wide: Terms<D, B> = (terms.iter())
+        .map(|term| term.widened(WIDENING, bias))
+        .collect();
     let wide = Density {
         terms: &wide,
-        bias_sigma_rad: 0.0,
+        scale_sigma: 0.0,
         ..density
     };
     let mut candidates = candidates(evidence.entries(), &wide, rng);
@@ -72,18 +69,31 @@ pub(super) fn search<R: Rng + ?Sized, const B: usize>(
         let Some(start) = take_best(&mut candidates, &modes, &wide) else {
             break;
         };
-        if let Some(rough) = Mode::climb(&wide, start, ROUGH)
-            && let Some(mode) = Mode::climb(&density, rough.mean, FINE)
-        {
-            add(&mut modes, mode);
+        let Some(rough) = Mode::climb(&wide, start, ROUGH) else {
+            continue;
+        };
+        for scale in scales(errors.scale_sigma) {
+            let mut start = rough.mean;
+            start[SCALE] = scale;
+            if let Some(mode) = Mode::climb(&density, start, FINE) {
+                add(&mut modes, mode);
+            }
         }
     }
     weigh(&mut modes);
     modes
 }
 
+/// Scales to climb from, in prior sigmas: as is expected, and as large as the widened bearings have them. Good bearings
+/// beside outliers, or worse ones beside none: each may be a mode.
+fn scales(sigma: f32) -> impl Iterator<Item = f32> {
+    const LN_WIDENING: f32 = ln(WIDENING);
+    let wide = (sigma > 0.0).then(|| LN_WIDENING / sigma);
+    core::iter::once(0.0).chain(wide)
+}
+
 /// Where the modes of other bearings are by these.
-pub(super) fn climb_again(density: &Density<'_>, known: &Modes) -> Modes {
+pub(super) fn climb_again<const D: usize>(density: &Density<'_, D>, known: &Modes<D>) -> Modes<D> {
     let mut modes = Modes::new();
     for mode in known {
         if let Some(mode) = Mode::climb(density, mode.mean, AGAIN) {
@@ -94,27 +104,26 @@ pub(super) fn climb_again(density: &Density<'_>, known: &Modes) -> Modes {
 }
 
 /// Random crossings of the bearings as lines, for each of a pair may be mirrored.
-fn candidates<R: Rng + ?Sized>(
+fn candidates<R: Rng + ?Sized, const D: usize>(
     entries: &[Entry],
-    wide: &Density<'_>,
+    wide: &Density<'_, D>,
     rng: &mut R,
-) -> Vec<Candidate, CANDIDATES> {
+) -> Vec<Candidate<D>, CANDIDATES> {
     let mut candidates = Vec::new();
     for _ in 0..BLOCKS {
-        let mut block = [[0.0; BLOCK]; 3];
+        let mut states = [[0.0; D]; BLOCK];
         let mut valid = [false; BLOCK];
-        let [xs, ys, _] = &mut block;
-        for ((x, y), valid) in xs.iter_mut().zip(ys).zip(&mut valid) {
+        for (state, valid) in states.iter_mut().zip(&mut valid) {
             let fits = |a: &Entry, b: &Entry, _: &_| !a.excludes(b);
             if let Some(place) = random_crossing(entries, LEAST_SINE, TRIES, rng, fits) {
-                ([*x, *y], *valid) = (place, true);
+                (state[0], state[1]) = (place[0], place[1]);
+                *valid = true;
             }
         }
+        let block = core::array::from_fn(|d| states.map(|state| state[d]));
         let scores = wide.log_densities(&block);
-        let [xs, ys, _] = block;
-        for (((x, y), score), valid) in xs.into_iter().zip(ys).zip(scores).zip(valid) {
+        for ((state, score), valid) in states.into_iter().zip(scores).zip(valid) {
             if valid {
-                let state = [x, y, 0.0];
                 let _ = candidates.push(Candidate { state, score });
             }
         }
@@ -123,15 +132,21 @@ fn candidates<R: Rng + ?Sized>(
 }
 
 /// The best candidate that is not near a mode which the widened bearings find at least as good. It is not taken twice.
-fn take_best(candidates: &mut [Candidate], modes: &Modes, wide: &Density<'_>) -> Option<State> {
+fn take_best<const D: usize>(
+    candidates: &mut [Candidate<D>],
+    modes: &Modes<D>,
+    wide: &Density<'_, D>,
+) -> Option<State<D>> {
     let mut known = [f32::NEG_INFINITY; MODES];
     for (known, mode) in known.iter_mut().zip(modes) {
-        *known = wide.log_density(&[mode.mean[0], mode.mean[1], 0.0]);
+        let mut place = [0.0; D];
+        (place[0], place[1]) = (mode.mean[0], mode.mean[1]);
+        *known = wide.log_density(&place);
     }
-    let mut best: Option<&mut Candidate> = None;
+    let mut best: Option<&mut Candidate<D>> = None;
     for candidate in candidates {
         let above = best.as_ref().map_or(f32::NEG_INFINITY, |best| best.score);
-        let near = |(mode, known): (&Mode, &f32)| {
+        let near = |(mode, known): (&Mode<D>, &f32)| {
             *known >= candidate.score && mode.distance_of_position(&candidate.state) < NEAR
         };
         if candidate.score > above && !modes.iter().zip(&known).any(near) {
@@ -145,10 +160,11 @@ fn take_best(candidates: &mut [Candidate], modes: &Modes, wide: &Density<'_>) ->
 }
 
 /// Adds a mode, if it is a new one or the better of two; in place of the lightest when there are too many.
-pub(super) fn add(modes: &mut Modes, mode: Mode) {
+pub(super) fn add<const D: usize>(modes: &mut Modes<D>, mode: Mode<D>) {
     // Each near the other: a mode that is long, along a ray, lies about everything on it, but not the other way round.
-    let same =
-        |other: &&mut Mode| other.distance(&mode.mean) < SAME && mode.distance(&other.mean) < SAME;
+    let same = |other: &&mut Mode<D>| {
+        other.distance(&mode.mean) < SAME && mode.distance(&other.mean) < SAME
+    };
     let rival = if let Some(same) = modes.iter_mut().find(same) {
         Some(same)
     } else if modes.is_full() {

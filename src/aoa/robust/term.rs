@@ -1,14 +1,22 @@
-//! The likelihood of one bearing that may be direct, mirrored or an outlier, with the common bias.
+//! The likelihood of one bearing that may be direct, mirrored or an outlier, with its bias.
 
 use core::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
+use super::density::Width;
 use super::errors::Errors;
-use crate::aoa::core::{BLOCK, Block, Entry};
+use crate::aoa::core::{BLOCK, Block};
 use crate::aoa::{Mixture, Observation};
-use crate::math::{atan_coarse, exp_of_weight, ln, sin_cos, sqrt, wrap};
+use crate::math::{atan_coarse, atan2, exp_of_weight, ln, sin_cos, sqrt, wrap};
 
-/// Metres east and north, and the bias of all bearings in its prior sigmas.
-pub(super) type State = [f32; 3];
+/// Metres east and north; the logarithm of the scale of errors in its prior sigmas; and the numbers of the biases in theirs.
+pub(super) type State<const D: usize> = [f32; D];
+
+/// Numbers of a state with one bias.
+pub(super) const PLAIN: usize = 4;
+/// Where the scale is in a state.
+pub(super) const SCALE: usize = 2;
+/// Where the biases begin.
+pub(super) const BIASES: usize = 3;
 
 /// Odds of a bearing not being an outlier, which are its likelihood but for a factor and a summand that no place changes:
 /// that is `outlier / (2 pi) (1 + odds)`.
@@ -16,7 +24,7 @@ pub(super) type State = [f32; 3];
 /// The direct and the mirrored peak are half a circle apart, so only the nearer counts: the bearing is a line, on either
 /// side of which another rate applies, and the odds are one exponential.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Term {
+pub(super) struct Term<const D: usize> {
     position: [f32; 2],
     sin: f32,
     cos: f32,
@@ -25,6 +33,20 @@ pub(super) struct Term {
     /// Logarithm of the odds of no error, in front of the receiver and behind it.
     direct: f32,
     mirrored: f32,
+    /// What it counts for beside bearings that have a part of its error, as a fraction: the power of its odds.
+    worth: f32,
+    /// No other bearing of its place follows.
+    is_last_of_place: bool,
+    /// Derivatives of its error by the numbers of a state, in radians: those that place and scale have are zero.
+    features: State<D>,
+}
+
+/// A bearing as a line, seen from a state.
+#[derive(Clone, Copy)]
+pub(super) struct Line {
+    /// Expected less measured direction of the line, bias included, in radians.
+    pub(super) error: f32,
+    pub(super) mirrored: bool,
 }
 
 /// Keeps the ratio finite for a particle that sits on the receiver.
@@ -32,29 +54,34 @@ const TINY_M: f32 = 1e-7;
 
 /// What one bearing says of a state.
 pub(super) struct Reading {
-    /// Expected less measured direction of the line, bias included, in radians.
-    pub(super) error: f32,
-    pub(super) mirrored: bool,
+    pub(super) line: Line,
     pub(super) odds: f32,
-    /// What it counts for, beside others, in 1 / rad^2: 1 / sigma^2 if it is sure not to be an outlier.
-    pub(super) information: f32,
+    /// What it tells of the direction if it is no outlier, in 1 / rad^2.
+    pub(super) precision: f32,
+    /// What it counts for, as a fraction.
+    pub(super) worth: f32,
 }
 
 impl Reading {
-    /// Counts the bearing by what it probably is; returns the part of the weight that is no outlier.
-    pub(super) fn count(&self, counts: &mut Mixture, weight: f32) -> f32 {
-        let fitted = weight * self.odds / (1.0 + self.odds);
+    /// Probability of not being an outlier.
+    pub(super) fn fit(&self) -> f32 {
+        self.odds / (1.0 + self.odds)
+    }
+
+    /// Counts the bearing by what it probably is.
+    pub(super) fn count(&self, counts: &mut Mixture, weight: f32) {
+        let weight = self.worth * weight;
+        let fitted = weight * self.fit();
         counts.outlier += weight - fitted;
-        if self.mirrored {
+        if self.line.mirrored {
             counts.mirrored += fitted;
         } else {
             counts.direct += fitted;
         }
-        fitted
     }
 }
 
-impl Term {
+impl<const D: usize> Term<D> {
     /// Of an error with this variance, in square radians.
     pub(super) fn new(observation: &Observation, errors: &Errors, variance: f32) -> Self {
         let (sin, cos) = sin_cos(observation.bearing().radians());
@@ -67,13 +94,69 @@ impl Term {
             curvature: -0.5 / variance,
             direct: ln(peak * rates.direct),
             mirrored: ln(peak * rates.mirrored),
+            worth: 1.0,
+            is_last_of_place: false,
+            features: [0.0; D],
         }
     }
 
-    /// Of a bearing in the buffer, on a source thought to be at a place.
-    pub(super) fn of(entry: &Entry, errors: &Errors, source: Option<[f32; 2]>) -> Self {
-        let variance = errors.variance(&entry.observation, entry.worth, source);
-        Self::new(&entry.observation, errors, variance).with_probability(entry.probability)
+    pub(super) const fn ends_place(&mut self) {
+        self.is_last_of_place = true;
+    }
+
+    pub(super) const fn is_last_of_place(&self) -> bool {
+        self.is_last_of_place
+    }
+
+    /// The same with sigmas that are so many times as large, and with that of the bias, which then is none.
+    pub(super) fn widened(&self, times: f32, bias_sigma: f32) -> Self {
+        let ratio = times * times + bias_sigma * bias_sigma * self.precision() / self.worth;
+        let lower = 0.5 * self.worth * ln(ratio);
+        Self {
+            curvature: self.curvature / ratio,
+            direct: self.direct - lower,
+            mirrored: self.mirrored - lower,
+            features: [0.0; D],
+            ..*self
+        }
+    }
+
+    /// Of a bearing that counts for a fraction of what it tells.
+    pub(super) fn with_worth(mut self, worth: f32) -> Self {
+        self.worth = worth;
+        self.curvature *= worth;
+        self.direct *= worth;
+        self.mirrored *= worth;
+        self
+    }
+
+    /// With its part in the biases.
+    pub(super) fn with_biases(mut self, observation: &Observation, errors: &Errors) -> Self {
+        if let Some(numbers) = self.features.get_mut(BIASES..) {
+            errors.features(observation, numbers);
+        }
+        self
+    }
+
+    pub(super) const fn features(&self) -> &State<D> {
+        &self.features
+    }
+
+    /// What it tells of the direction if it is no outlier, in 1 / rad^2.
+    pub(super) fn precision(&self) -> f32 {
+        -2.0 * self.curvature
+    }
+
+    /// Of a state with the expected scale and a source there, up to a constant.
+    #[inline(never)]
+    pub(super) fn log_likelihood(&self, state: &State<D>) -> f32 {
+        ln(1.0 + self.odds(self.line(state), 0.0, 1.0))
+    }
+
+    /// What the biases of a state add to the error, in radians.
+    fn bias(&self, state: &State<D>) -> f32 {
+        let pairs = self.features.iter().zip(state).skip(BIASES);
+        pairs.map(|(feature, z)| feature * z).sum()
     }
 
     /// The same of a bearing that has alternatives: of those that lie apart, 1 + a + b is nearly (1 + a) (1 + b).
@@ -89,73 +172,82 @@ impl Term {
     /// Error of the line and which of its sides the state is on, given its bias in radians. Exact up to half a turn,
     /// beyond which a large bias may push an error: the line's other side is as far then.
     #[inline(always)]
-    fn fold(&self, [x, y]: [f32; 2], bias: f32) -> (f32, bool) {
+    fn fold(&self, [x, y]: [f32; 2], bias: f32) -> Line {
         let (dx, dy) = (x - self.position[0], y - self.position[1]);
         let along = dx * self.cos + dy * self.sin;
         let across = dy * self.cos - dx * self.sin;
         let (a, b) = (along.abs() + TINY_M, across.abs());
         let angle = FRAC_PI_4 + atan_coarse((b - a) / (b + a));
         let sign = (along.to_bits() ^ across.to_bits()) & 0x8000_0000;
-        let error = f32::from_bits(angle.to_bits() ^ sign) + bias;
-        (error, along < 0.0)
-    }
-
-    #[inline(always)]
-    fn odds(&self, error: f32, mirrored: bool) -> f32 {
-        let level = if mirrored { self.mirrored } else { self.direct };
-        // At most some 1e7, for sigmas and rates of a thousandth; next to none are none.
-        exp_of_weight(level + self.curvature * (error * error))
-    }
-
-    /// Multiplies each product by one plus the odds at a state.
-    #[inline(always)]
-    pub(super) fn multiply(
-        &self,
-        [x, y, _]: &Block<3>,
-        biases: &[f32; BLOCK],
-        products: &mut [f32; BLOCK],
-    ) {
-        for (product, ((x, y), bias)) in products.iter_mut().zip(x.iter().zip(y).zip(biases)) {
-            let (error, mirrored) = self.fold([*x, *y], *bias);
-            *product *= 1.0 + self.odds(error, mirrored);
+        Line {
+            error: f32::from_bits(angle.to_bits() ^ sign) + bias,
+            mirrored: along < 0.0,
         }
     }
 
-    /// Up to a constant.
-    #[inline(never)]
-    pub(super) fn log_likelihood(&self, &[x, y, _]: &State, bias: f32) -> f32 {
-        let (error, mirrored) = self.fold([x, y], bias);
-        ln(1.0 + self.reading(error, mirrored).odds)
+    #[inline(always)]
+    fn odds(&self, line: Line, log_height: f32, precision: f32) -> f32 {
+        let level = if line.mirrored {
+            self.mirrored
+        } else {
+            self.direct
+        };
+        // At most some 1e9, for sigmas and rates of a thousandth; next to none are none.
+        let exponent = self.curvature * precision * (line.error * line.error);
+        exp_of_weight(level + self.worth * log_height + exponent)
+    }
+
+    /// Adds the odds at some states.
+    #[inline(always)]
+    pub(super) fn add_odds(
+        &self,
+        states: &Block<D>,
+        biases: &[f32; BLOCK],
+        heights: &[f32; BLOCK],
+        precisions: &[f32; BLOCK],
+        odds: &mut [f32; BLOCK],
+    ) {
+        let [x, y] = [&states[0], &states[1]];
+        for i in 0..BLOCK {
+            let line = self.fold([x[i], y[i]], biases[i]);
+            odds[i] += self.odds(line, heights[i], precisions[i]);
+        }
     }
 
     #[inline(never)]
-    pub(super) fn read(&self, &[x, y, _]: &State, bias: f32) -> Reading {
-        let (error, mirrored) = self.fold([x, y], bias);
-        self.reading(error, mirrored)
+    pub(super) fn line(&self, state: &State<D>) -> Line {
+        self.fold([state[0], state[1]], self.bias(state))
     }
 
-    /// For a source so far away that its direction is the same from everywhere.
-    pub(super) fn read_far(&self, bearing: f32, direction: f32) -> Reading {
-        let turn = wrap(direction - bearing);
-        self.reading(fold_angle(turn), turn.abs() > FRAC_PI_2)
+    /// For a source so far away that its direction, the first number of the state, is the same from everywhere.
+    pub(super) fn line_far(&self, state: &State<D>) -> Line {
+        let (sin, cos) = sin_cos(wrap(state[0]));
+        let (along, across) = (
+            cos * self.cos + sin * self.sin,
+            sin * self.cos - cos * self.sin,
+        );
+        let turn = atan2(across, along);
+        Line {
+            error: fold_angle(turn) + self.bias(state),
+            mirrored: along < 0.0,
+        }
     }
 
     #[inline(never)]
-    fn reading(&self, error: f32, mirrored: bool) -> Reading {
-        let odds = self.odds(error, mirrored);
+    pub(super) fn read(&self, line: &Line, width: &Width) -> Reading {
         Reading {
-            error,
-            mirrored,
-            odds,
-            information: -2.0 * self.curvature * odds / (1.0 + odds),
+            line: *line,
+            odds: self.odds(*line, width.log_height, width.precision),
+            precision: self.precision() * width.precision,
+            worth: self.worth,
         }
     }
 
     /// Derivative of the error by the position, in radians a metre.
-    pub(super) fn gradient(&self, &[x, y, _]: &State) -> [f32; 2] {
+    pub(super) fn gradient(&self, state: &State<D>) -> [f32; 2] {
         /// Closer to the receiver, in square metres, the direction turns with every step.
         const NEAREST: f32 = 1e-6;
-        let (dx, dy) = (x - self.position[0], y - self.position[1]);
+        let (dx, dy) = (state[0] - self.position[0], state[1] - self.position[1]);
         let square = dx * dx + dy * dy + NEAREST;
         [-dy / square, dx / square]
     }

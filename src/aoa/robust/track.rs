@@ -6,12 +6,12 @@ use super::errors::{Errors, Learned};
 use super::evidence::Candidate;
 use super::mode::weigh;
 use super::search::climb_again;
-use super::term::State;
+use super::term::PLAIN;
 use crate::aoa::track::{Stationary, Track, odds_by_moments};
 use crate::aoa::{Answer, Locate, Observation};
 use crate::random::Rng;
 
-impl<const N: usize, const B: usize> Track for Robust<N, B> {
+impl<const N: usize, const B: usize> Track for Robust<N, B, PLAIN> {
     fn beliefs(config: &Config) -> Config {
         *config
     }
@@ -47,7 +47,11 @@ impl<const N: usize, const B: usize> Track for Robust<N, B> {
     }
 
     fn odds(&self, observation: &Observation, config: &Config) -> f32 {
-        odds_by_moments(observation, &self.errors(config), &self.moments)
+        odds_by_moments(
+            observation,
+            &self.errors(config),
+            &Stationary::moments(self),
+        )
     }
 
     fn set_outliers_removed(&mut self, per_bearing: f32) {
@@ -57,9 +61,11 @@ impl<const N: usize, const B: usize> Track for Robust<N, B> {
     }
 }
 
-impl<const N: usize, const B: usize> Stationary for Robust<N, B> {
-    fn moments(&self) -> (State, [State; 3]) {
-        self.moments
+impl<const N: usize, const B: usize> Stationary for Robust<N, B, PLAIN> {
+    fn moments(&self) -> ([f32; 3], [[f32; 3]; 3]) {
+        let without_scale = |[x, y, _, bias]: [f32; 4]| [x, y, bias];
+        let (mean, [x, y, _, bias]) = self.moments;
+        (without_scale(mean), [x, y, bias].map(without_scale))
     }
 
     fn learned(&self) -> Learned {
@@ -77,6 +83,6 @@ impl<const N: usize, const B: usize> Stationary for Robust<N, B> {
 
     fn recall(&mut self, observation: &Observation, config: &Config) {
         let errors = self.errors(config);
-        self.evidence.push(&(*observation).into(), None, &errors);
+        self.evidence.push::<PLAIN>(&(*observation).into(), &errors);
     }
 }

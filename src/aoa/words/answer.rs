@@ -72,8 +72,26 @@ pub enum NotObservable {
         /// Angle that their errors ask for, in radians. It falls with the number of bearings.
         needed_rad: f32,
     },
-    /// The bearings do not meet in front of their receivers, or meet at several places that are equally likely.
+    /// The bearings do not meet in front of their receivers: drive on, or wait.
     NoIntersection,
+    /// Several places fit, as the hypotheses say: drive so that they lie in different directions.
+    SeveralPlaces {
+        /// How many have at least a fiftieth of the probability.
+        have: u32,
+    },
+    /// The range is not known well enough: drive nearer, or across the line of sight; or state a smaller range, if the source
+    /// cannot be far away.
+    WideRange {
+        /// Standard deviation of the place, as a fraction of the range.
+        have: f32,
+        /// The largest that makes a fix.
+        needed: f32,
+    },
+    /// Most bearings do not agree with the best place: stations or readings contradict each other.
+    Contradiction {
+        /// Fraction of the bearings that are outliers there.
+        outliers: f32,
+    },
 }
 
 /// A located source.
@@ -254,6 +272,9 @@ impl Value for NotObservable {
                 needed_rad,
             } => (1u8, [*have_rad, *needed_rad]).write(to),
             Self::NoIntersection => 2u8.write(to),
+            Self::SeveralPlaces { have } => (3u8, *have).write(to),
+            Self::WideRange { have, needed } => (4u8, [*have, *needed]).write(to),
+            Self::Contradiction { outliers } => (5u8, *outliers).write(to),
         }
     }
 
@@ -270,6 +291,16 @@ impl Value for NotObservable {
                 }
             }
             2 => Self::NoIntersection,
+            3 => Self::SeveralPlaces {
+                have: Value::read(from)?,
+            },
+            4 => {
+                let [have, needed] = Value::read(from)?;
+                Self::WideRange { have, needed }
+            }
+            5 => Self::Contradiction {
+                outliers: Value::read(from)?,
+            },
             _ => return Err(Error::Malformed),
         })
     }

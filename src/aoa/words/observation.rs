@@ -1,6 +1,6 @@
 //! Directions, and bearings taken at a place and time.
 
-use core::f32::consts::{FRAC_PI_2, PI};
+use core::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::error::messages;
 use crate::math::wrap;
@@ -76,6 +76,8 @@ pub struct Observation {
     position: [f32; 2],
     bearing: Bearing,
     sigma_rad: f32,
+    /// In 65,536ths of a turn, counter-clockwise from east.
+    heading: u16,
     station: u8,
 }
 
@@ -173,6 +175,7 @@ impl Observation {
             position,
             bearing,
             sigma_rad,
+            heading: 0,
             station: 0,
         })
     }
@@ -182,6 +185,22 @@ impl Observation {
     pub const fn from_station(mut self, station: u8) -> Self {
         self.station = station;
         self
+    }
+
+    /// The same bearing, taken by an array that pointed there: what the array gets wrong in one direction as it sees it, it
+    /// gets wrong again. Kept to 0.006 degrees.
+    #[must_use]
+    pub fn with_heading(mut self, heading: Bearing) -> Self {
+        const STEPS: f32 = 65_536.0 / TAU;
+        // From -32,768 to 32,768, which are one direction; NaN becomes zero.
+        self.heading = (heading.radians() * STEPS) as i32 as u16;
+        self
+    }
+
+    /// Where the array pointed: east, if that was not said.
+    pub fn heading(&self) -> Bearing {
+        const STEP: f32 = TAU / 65_536.0;
+        Bearing(STEP * f32::from(self.heading as i16))
     }
 
     /// When it was taken, in milliseconds.
@@ -293,18 +312,25 @@ impl From<Observation> for Alternative {
     }
 }
 
-value_as!(Observation as ((u32, [f32; 2]), ((Bearing, f32), u8)):
+value_as!(Observation as ((u32, [f32; 2]), ((Bearing, f32), [u8; 3])):
     |taken| (
         (taken.time_ms, taken.position),
-        ((taken.bearing, taken.sigma_rad), taken.station),
+        ((taken.bearing, taken.sigma_rad), bytes(taken)),
     ),
-    |((time_ms, position), ((bearing, sigma_rad), station))| {
-        let observation = Self::new(time_ms, position, bearing, sigma_rad).ok()?;
+    |((time_ms, position), ((bearing, sigma_rad), [station, low, high]))| {
+        let mut observation = Self::new(time_ms, position, bearing, sigma_rad).ok()?;
+        observation.heading = u16::from_le_bytes([low, high]);
         Some(observation.from_station(station))
     },
 );
 
 by_value!(Observation);
+
+/// Station and heading.
+const fn bytes(observation: &Observation) -> [u8; 3] {
+    let [low, high] = observation.heading.to_le_bytes();
+    [observation.station, low, high]
+}
 
 #[cfg(test)]
 mod tests {

@@ -134,8 +134,18 @@ fn why(reason: NotObservable) -> String {
             needed_rad.to_degrees(),
         ),
         NotObservable::NoIntersection => {
-            "the bearings part, or hypotheses are similarly likely".into()
+            "the bearings do not meet in front of their receivers".into()
         }
+        NotObservable::SeveralPlaces { have } => format!("{have} places fit"),
+        NotObservable::WideRange { have, needed } => format!(
+            "the range is known to {:.0} %, {:.0} % are needed",
+            100.0 * have,
+            100.0 * needed,
+        ),
+        NotObservable::Contradiction { outliers } => format!(
+            "{:.0} % of the bearings do not agree with the best place",
+            100.0 * outliers,
+        ),
         _ => "the bearings do not say where the source is".into(),
     }
 }

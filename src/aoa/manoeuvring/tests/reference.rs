@@ -43,7 +43,7 @@ pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
         if particles.is_empty() {
             let columns = stationary.state().columns();
             particles.extend((0..PARTICLES).map(|i| {
-                let [x, y, _] = crate::particles::read(&columns, i % 512);
+                let [x, y, ..]: [f32; 4] = crate::particles::read(&columns, i % 512);
                 [x, y, sigma * normal(&mut rng), sigma * normal(&mut rng)]
             }));
         }

@@ -32,7 +32,7 @@ fn a_source_that_never_moves_is_located_as_well() {
             let mut rng = generator(u64::from(seed));
             let bearings: Vec<Observation> = simulate(track, &mut rng).collect();
             let mut wrapped = subject();
-            let mut alone = Locator::<Robust<256, 64>>::new(robust::Config::DEFAULT).unwrap();
+            let mut alone = Locator::<Robust<256, 64>>::new(STRAIGHT).unwrap();
             let mut alarm = false;
             for (i, observation) in (0..).zip(&bearings) {
                 // At 13 metres a second or more, one after the other.

@@ -95,7 +95,7 @@ fn odds_are_scaled_by_the_probability_of_an_alternative() {
     let whole = towards([3.0, -2.0], SOURCE, 0.0, 0.05);
     let odds = |probability: f32, at: [f32; 2]| {
         let term = term(&whole, &errors).with_probability(probability);
-        term.log_likelihood(&[at[0], at[1], 0.0], 0.0).exp() - 1.0
+        term.log_likelihood(&[at[0], at[1], 0.0, 0.0]).exp() - 1.0
     };
     // Ahead and behind.
     for at in [SOURCE, [-SOURCE[0], -SOURCE[1]]] {
@@ -131,9 +131,8 @@ fn one_reading_of_two_bearings_counts_as_one() {
 fn merged_alternatives_have_the_mean_of_their_probabilities() {
     let errors = Errors {
         correlation: Correlation {
-            at_rest: 0.9,
             distance_m: 20.0,
-            time_s: f32::INFINITY,
+            ..Correlation::DEFAULT
         },
         ..Errors::DEFAULT
     };
@@ -141,8 +140,8 @@ fn merged_alternatives_have_the_mean_of_their_probabilities() {
     let one = towards([0.0, 0.0], SOURCE, 0.0, SIGMA);
     let other = towards([0.0, 0.0], [-400.0, 900.0], 0.0, SIGMA);
     for probability in [0.2, 0.4, 0.9] {
-        evidence.push(&part(one, probability), None, &errors);
-        evidence.push(&part(other, 1.0 - probability), None, &errors);
+        evidence.push::<PLAIN>(&part(one, probability), &errors);
+        evidence.push::<PLAIN>(&part(other, 1.0 - probability), &errors);
     }
     let rates: Vec<f32> = evidence
         .entries()
@@ -154,7 +153,9 @@ fn merged_alternatives_have_the_mean_of_their_probabilities() {
     assert_eq!(evidence.bearings.count(), 3);
     // One from a little further is worth less, not less likely.
     let further = towards([15.0, 0.0], SOURCE, 0.0, SIGMA);
-    evidence.push(&part(further, 0.7), None, &errors);
+    evidence.push::<PLAIN>(&part(further, 0.7), &errors);
     let last = evidence.entries().last().unwrap();
-    assert!(last.probability == 0.7 && last.observation.sigma_rad() > 1.1 * SIGMA);
+    assert_eq!(last.probability, 0.7);
+    let term: Term<PLAIN> = evidence.term_of(last, &errors, Some(2));
+    assert!(term.precision() * SIGMA * SIGMA < 0.85);
 }

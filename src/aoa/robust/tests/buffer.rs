@@ -3,13 +3,19 @@
 use super::*;
 use crate::math::wrap;
 
+/// Information of all bearings at their source, in those of one reading.
+fn worth<const B: usize>(evidence: &Evidence<B>, errors: &Errors) -> f32 {
+    let terms = evidence.terms::<PLAIN>(errors);
+    let precisions = terms.iter().map(Term::precision);
+    SIGMA * SIGMA * precisions.sum::<f32>()
+}
+
 #[test]
 fn readings_of_one_place_are_one_bearing() {
     let errors = Errors {
         correlation: Correlation {
-            at_rest: 0.9,
             distance_m: 20.0,
-            time_s: f32::INFINITY,
+            ..Correlation::DEFAULT
         },
         ..Errors::DEFAULT
     };
@@ -26,54 +32,89 @@ fn readings_of_one_place_are_one_bearing() {
         (evidence.entries().len(), evidence.bearings.count()),
         (1, 1000)
     );
-    // The best estimate of the mean of an autoregression: its variance is (1 + r) / (n (1 - r) + 2 r).
-    let sigma = evidence.bearings.observations().next().unwrap().sigma_rad();
-    let exact = SIGMA * (1.9_f32 / (1000.0 * 0.1 + 1.8)).sqrt();
-    assert!((sigma / exact - 1.0).abs() < 1e-3, "{sigma} {exact}");
-    // One that contradicts is not joined; one from a little further counts for less than a new one.
+    // Nine tenths of the variance are common to all, the rest averages out.
+    let exact = 1.0 / (0.9 + 0.1 / 1000.0);
+    assert!((worth(&evidence, &errors) / exact - 1.0).abs() < 1e-3);
+    // One that contradicts is not joined, and excludes the others.
     let reflected = towards([0.0, 0.0], [-500.0, 900.0], 0.0, SIGMA);
     assert!(push(&mut evidence, reflected, None, &errors).old.is_none());
-    push(
-        &mut evidence,
-        towards([20.0, 0.0], SOURCE, 0.0, SIGMA),
-        None,
-        &errors,
-    );
+    let terms = evidence.terms::<PLAIN>(&errors);
+    let ends: Vec<bool> = terms.iter().map(Term::is_last_of_place).collect();
+    assert_eq!(ends, [false, true]);
+}
+
+#[test]
+fn bearings_that_share_errors_count_for_what_they_tell() {
+    let errors = Errors {
+        correlation: Correlation {
+            distance_m: 20.0,
+            ..Correlation::DEFAULT
+        },
+        ..Errors::DEFAULT
+    };
+    let mut evidence = Evidence::<2>::EMPTY;
+    for east in [0.0, 20.0] {
+        let far = [SOURCE[0] + east, SOURCE[1]];
+        push(
+            &mut evidence,
+            towards([east, 0.0], far, 0.0, SIGMA),
+            None,
+            &errors,
+        );
+    }
+    // The best estimate of what two equal ones with this correlation measure.
     let r = 0.9 * (-1.0_f32).exp();
-    let tempered = evidence.bearings.observations().last().unwrap().sigma_rad();
-    let expected = SIGMA * ((1.0 + r) / (1.0 - r)).sqrt();
-    assert!((tempered / expected - 1.0).abs() < 1e-3);
+    assert!((worth(&evidence, &errors) * (1.0 + r) / 2.0 - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn an_error_of_a_stop_does_not_average_out() {
+    let errors = Errors {
+        stop_sigma_rad: 3.0 * SIGMA,
+        correlation: Correlation::NONE,
+        ..Errors::DEFAULT
+    };
+    for count in [1, 10, 500] {
+        let mut evidence = Evidence::<8>::EMPTY;
+        for _ in 0..count {
+            let reading = towards([0.0, 0.0], SOURCE, 0.0, SIGMA);
+            push(&mut evidence, reading, None, &errors);
+        }
+        let exact = 1.0 / (9.0 + 1.0 / count as f32);
+        assert!((worth(&evidence, &errors) / exact - 1.0).abs() < 1e-3);
+    }
 }
 
 #[test]
 fn correlation_may_end_with_time() {
     let errors = Errors {
         correlation: Correlation {
-            at_rest: 0.9,
             distance_m: 20.0,
             time_s: 2.0,
+            ..Correlation::DEFAULT
         },
         ..Errors::DEFAULT
     };
-    let sigma = |ms: u32| {
+    let of = |ms: u32| {
         let mut evidence = Evidence::<8>::EMPTY;
         for i in 0..100 {
             let observation = at(i * ms, &towards([0.0, 0.0], SOURCE, 0.0, SIGMA));
-            evidence.push(&observation.into(), None, &errors);
+            evidence.push::<PLAIN>(&observation.into(), &errors);
         }
-        evidence.bearings.observations().next().unwrap().sigma_rad()
+        worth(&evidence, &errors)
     };
-    let r = 0.9 * (-0.5_f32).exp();
-    let exact = SIGMA * ((1.0 + r) / (100.0 * (1.0 - r) + 2.0 * r)).sqrt();
-    assert!((sigma(1000) / exact - 1.0).abs() < 1e-3);
-    assert!((sigma(100_000) / (0.1 * SIGMA) - 1.0).abs() < 1e-3);
+    // Of a part of 0.9 that is forgotten in 2 s, the mean over 99 s varies by 2 (x - 1 + e^-x) / x^2.
+    let x = 99.0_f32 / 2.0;
+    let exact = 1.0 / (0.9 * 2.0 * (x - 1.0) / (x * x) + 0.1 / 100.0);
+    assert!((of(1000) / exact - 1.0).abs() < 1e-3);
+    assert!(of(100_000) > 100.0);
 }
 
 #[test]
 fn a_full_buffer_never_averages_what_disagrees() {
     let errors = independent();
     let mut evidence = Evidence::<4>::EMPTY;
-    let source = [SOURCE[0], SOURCE[1], 0.0];
+    let source = SOURCE;
     let outlier = |east| towards([east, 0.0], [east, -900.0], 0.0, SIGMA);
     // Pairs that contradict each other, closer to each other than to the next pair: the likelier stays.
     for i in 0..6 {
@@ -149,17 +190,16 @@ fn a_late_bearing_is_joined_with_the_readings_of_its_time() {
         correlation,
         ..Errors::DEFAULT
     };
-    let sigma = |times: [u32; 3]| {
+    let worth = |times: [u32; 3]| {
         let mut evidence = Evidence::<8>::EMPTY;
         for time_ms in times {
             let observation = at(time_ms, &towards([0.0, 0.0], SOURCE, 0.0, SIGMA));
-            evidence.push(&observation.into(), None, &errors);
+            evidence.push::<PLAIN>(&observation.into(), &errors);
         }
         assert_eq!(evidence.bearings.latest().unwrap().time_ms(), 60_000);
-        evidence.bearings.observations().next().unwrap().sigma_rad()
+        worth(&evidence, &errors)
     };
     // A second before the first of them, or within their span, rather than a minute after.
-    let (late, ordered) = (sigma([1_000, 60_000, 0]), sigma([0, 1_000, 60_000]));
-    assert!((late / ordered - 1.0).abs() < 1e-6);
-    assert!(sigma([0, 60_000, 30_000]) > sigma([0, 60_000, 60_000 - 40_000]) - 1e-9);
+    assert_eq!(worth([1_000, 60_000, 0]), worth([0, 1_000, 60_000]));
+    assert_eq!(worth([0, 60_000, 30_000]), worth([0, 30_000, 60_000]));
 }

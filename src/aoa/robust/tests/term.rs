@@ -9,7 +9,10 @@ use crate::aoa::core::{BLOCK, Target};
 fn a_term_is_the_mixture_over_what_a_bearing_is() {
     let density = |z: f64| (-0.5 * z * z).exp() / TAU.sqrt();
     for sigma in [0.01, 0.05, 0.3] {
-        let errors = Errors::DEFAULT;
+        let errors = Errors {
+            bias_sigma_rad: 0.01,
+            ..Errors::DEFAULT
+        };
         let bearing = Bearing::from_radians(2.0);
         let observation = Observation::new(0, [3.0, -2.0], bearing, sigma).unwrap();
         let term = term(&observation, &errors);
@@ -18,7 +21,7 @@ fn a_term_is_the_mixture_over_what_a_bearing_is() {
             let radius = 10f64.powi(step % 5);
             let [x, y] = [3.0 + radius * angle.cos(), -2.0 + radius * angle.sin()];
             let bias = f64::from(step % 7) * 0.01 - 0.03;
-            let got = term.log_likelihood(&[x as f32, y as f32, 0.0], bias as f32);
+            let got = term.log_likelihood(&[x as f32, y as f32, 0.0, 100.0 * bias as f32]);
 
             let s = f64::from(sigma);
             let turn = |a: f64| a - TAU * (a / TAU).round();
@@ -47,9 +50,10 @@ fn a_line_says_the_same_at_infinity() {
             10.0 + far * direction.cos(),
             20.0 + far * direction.sin(),
             0.0,
+            0.3,
         ];
-        let near = term.read(&place, 0.0);
-        let far = term.read_far(observation.bearing().radians(), direction);
+        let near = term.line(&place);
+        let far = term.line_far(&[direction, 0.0, 0.0, 0.3]);
         assert!((near.error - far.error).abs() < 1e-4 && near.mirrored == far.mirrored);
     }
 }
@@ -58,12 +62,13 @@ fn a_line_says_the_same_at_infinity() {
 fn the_density_of_many_states_is_that_of_each() {
     let (config, evidence) = two_hypotheses();
     let terms = evidence.terms(&config.errors);
-    let density: Density<'_> = evidence.density(&terms, &config);
+    let density: Density<'_, PLAIN> = evidence.density(&terms, &config);
     let mut rng = generator(14);
-    let states: [State; BLOCK] = core::array::from_fn(|_| {
+    let states: [State<PLAIN>; BLOCK] = core::array::from_fn(|_| {
         [
             800.0 * normal(&mut rng),
             800.0 * normal(&mut rng),
+            3.0 * normal(&mut rng),
             normal(&mut rng),
         ]
     });

@@ -14,11 +14,7 @@ const BY_NORTH: Config<robust::Config> = Config {
     max_speed_m_s: f32::INFINITY,
     ..Config::new(robust::Config {
         errors: Errors {
-            correlation: Correlation {
-                at_rest: 0.0,
-                distance_m: 1.0,
-                time_s: 1.0,
-            },
+            correlation: Correlation::NONE,
             ..Errors::DEFAULT
         },
         ..robust::Config::DEFAULT
