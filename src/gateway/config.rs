@@ -6,7 +6,7 @@ use crate::ConfigError;
 use crate::aoa::Observation;
 use crate::config::{require, require_all, require_within};
 
-/// Direction from which the angles of bearing lines count.
+/// Direction from which the angles of bearing lines count that leave it open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BearingReference {
@@ -37,9 +37,11 @@ pub struct Config<C> {
     pub locator: C,
     /// What the formats of lines are told.
     pub formats: formats::Config,
-    /// Direction from which the angles of bearing lines count.
+    /// Direction from which the angles of bearing lines count that leave it open: reports of APRS count from true north, and
+    /// azimuths of a u-blox [anchor](formats::ublox::Config::anchors) from where it faces, whatever this is.
     pub reference: BearingReference,
-    /// Where the direction finders stand and how they head, whatever the lines say; `None` for a vehicle.
+    /// Where the direction finders stand and how they head, whatever the lines say; `None` for a vehicle. Bearings that count
+    /// from true north are not turned by it.
     pub station: Option<Station>,
     /// Seed of the particles: the same bytes with the same seed give the same reports.
     pub seed: u64,

@@ -79,7 +79,9 @@ pub struct Reading {
     /// The other ones.
     pub others: [Option<Ray>; 2],
     /// Where, if the line says so.
-    pub pose: Option<Pose>,
+    pub place: Option<Geodetic>,
+    /// What the bearings count from.
+    pub reference: Reference,
     /// By which antenna array, if there are several on one port.
     pub station: Option<u8>,
     /// So many readings of this line so far stated a heading that was none.
@@ -97,16 +99,20 @@ pub struct Ray {
     pub probability: f32,
 }
 
-/// Where a direction finder says that it is.
+/// What the bearings of a line count from. Headings are in degrees clockwise from true north, within 0 and 360.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pose {
-    pub place: Geodetic,
-    /// Degrees clockwise from north, within 0 and 360.
-    pub heading: Option<f32>,
+pub enum Reference {
+    /// The line leaves it open: [`gateway::Config::reference`](crate::gateway::Config::reference) tells it. If that is the
+    /// bow, this is the line's own heading, if it has one.
+    Told(Option<f32>),
+    /// The bow or the front of the array, with its heading, if it is known with the line.
+    Bow(Option<f32>),
+    /// True north: no heading is added.
+    North,
 }
 
 impl Reading {
-    /// One bearing without time or place.
+    /// One bearing without time or place, which leaves open what it counts from.
     ///
     /// # Errors
     /// When the angle is not within 0 and 360 degrees or the quality not within 0 and 100.
@@ -126,7 +132,8 @@ impl Reading {
                     probability: 1.0,
                 },
                 others: [None; 2],
-                pose: None,
+                place: None,
+                reference: Reference::Told(None),
                 station: None,
                 retracted: 0,
             })

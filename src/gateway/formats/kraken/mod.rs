@@ -32,7 +32,7 @@
 mod line;
 mod spectrum;
 
-use super::format::{Format, Layout, Ray, Reading, Sense, Sentence};
+use super::format::{Format, Layout, Ray, Reading, Reference, Sense, Sentence};
 use crate::ConfigError;
 use crate::aoa::spectrum::Spectrum;
 use crate::config::{require, require_within};
@@ -200,7 +200,8 @@ impl<S: Kept> Kraken<S> {
         let mut reading = Reading::new(stated, quality.max(0.0), config.sigmas)?;
         reading.time = Some(time);
         reading.latency_ms = interval_ms / 2;
-        reading.pose = pose;
+        reading.place = pose.map(|(place, _)| place);
+        reading.reference = Reference::Told(pose.and_then(|(_, heading)| heading));
         reading.retracted = self.own.retracted();
         either_way(&mut reading, clockwise);
         Ok(reading)
