@@ -304,8 +304,8 @@ pub trait Set<C> {
     fn parse(&mut self, which: u8, line: &[u8], config: &C) -> Result<Sentence, Rejected>;
 }
 
-macro_rules! sets {
-    ($(($($format:ident $place:tt $number:literal),+))+) => {$(
+macro_rules! set {
+    ($(($format:ident $place:tt $number:literal))+) => {
         impl<C, $($format: Told<C>),+> Set<C> for ($($format,)+) {
             const EMPTY: Self = ($($format::EMPTY,)+);
             const RESTS: bool = false $(|| $format::LAYOUT.fields < u8::MAX)+;
@@ -356,16 +356,20 @@ macro_rules! sets {
                 }
             }
         }
-    )+};
+    };
+}
+
+/// Makes the first of these formats a set, the first two, and so on.
+macro_rules! sets {
+    ([$($before:tt)*]) => {};
+    ([$($before:tt)*] $next:tt $($format:tt)*) => {
+        set!($($before)* $next);
+        sets!([$($before)* $next] $($format)*);
+    };
 }
 
 sets! {
-    (A 0 1)
-    (A 0 1, B 1 2)
-    (A 0 1, B 1 2, D 2 3)
-    (A 0 1, B 1 2, D 2 3, E 3 4)
-    (A 0 1, B 1 2, D 2 3, E 3 4, F 4 5)
-    (A 0 1, B 1 2, D 2 3, E 3 4, F 4 5, G 5 6)
-    (A 0 1, B 1 2, D 2 3, E 3 4, F 4 5, G 5 6, H 6 7)
-    (A 0 1, B 1 2, D 2 3, E 3 4, F 4 5, G 5 6, H 6 7, I 7 8)
+    []
+    (A 0 1) (B 1 2) (D 2 3) (E 3 4) (F 4 5) (G 5 6)
+    (H 6 7) (I 7 8) (J 8 9) (K 9 10) (L 10 11) (M 11 12)
 }

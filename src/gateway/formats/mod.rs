@@ -26,10 +26,17 @@ use crate::ConfigError;
 use crate::config::require_all;
 use format::{Format, Set, Told};
 
-/// A set of formats: a tuple of up to eight, such as [`All`] or `(Nmea, Agrelo)`.
+/// A set of formats: a tuple of up to twelve, such as [`All`] or `(Nmea, Agrelo)`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no set of formats",
+    note = "a set is a tuple of one to twelve formats: see `sets!` for more"
+)]
 pub trait Formats: Set<Config> {}
 
 impl<S: Set<Config>> Formats for S {}
+
+/// Compiles for sets alone.
+const fn is_a_set<F: Formats>() {}
 
 /// Lists the direction finders: what a program may choose from, their configurations, and the tuple of all formats.
 macro_rules! finders {
@@ -100,6 +107,8 @@ macro_rules! finders {
 
         /// Every format.
         pub type All = (Nmea, Ubx, $($format),+);
+
+        const _: () = is_a_set::<All>();
     };
 }
 
