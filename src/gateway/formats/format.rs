@@ -115,7 +115,7 @@ impl Reading {
     /// One bearing without time or place, which leaves open what it counts from.
     ///
     /// # Errors
-    /// When the angle is not within 0 and 360 degrees or the quality not within 0 and 100.
+    /// When the angle is not from 0 to 360 degrees or the quality not from 0 to 100.
     pub fn new(
         degrees: f32,
         quality: f32,

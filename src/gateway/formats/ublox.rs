@@ -60,7 +60,7 @@ impl Config {
     pub const fn check(&self) -> Result<(), ConfigError> {
         require!(
             self.anchors.len() <= Self::MOST_ANCHORS,
-            "anchors are more than 64"
+            "anchors must be at most 64"
         );
         let mut rest = self.anchors;
         while let [(_, station), others @ ..] = rest {

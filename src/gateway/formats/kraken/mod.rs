@@ -142,11 +142,11 @@ impl Config {
     pub const fn check(&self) -> Result<(), ConfigError> {
         require!(
             !matches!(self.frequency_hz, Some(0)),
-            "frequency_hz is not above zero"
+            "frequency_hz must be above zero"
         );
         require!(
             !matches!(self.interval_ms, Some(60_001..)),
-            "interval_ms is more than a minute"
+            "interval_ms must be at most a minute"
         );
         require_within!(self: temper 0.001..=10.0);
         Ok(())
