@@ -50,22 +50,38 @@ pub fn vehicle(finder: Option<Finder>, data: &[u8], line: impl Fn(&[u8]) -> Vec<
     });
 }
 
-/// Gives gateways lines of a direction finder, each of which begins as an example does: the first byte of `data` says
-/// whose, the first of every line how much of it.
+/// Gives gateways lines of a direction finder, whose name is the first line of `data`; any other text there is that of one,
+/// too. Of every other line the first byte says with how much of the finder's example it begins.
 pub fn finder(data: &[u8]) {
-    let Some((which, data)) = data.split_first() else {
-        return;
+    let mut parts = data.splitn(2, |byte| *byte == b'\n');
+    let [name, lines] = [(); 2].map(|()| parts.next().unwrap_or_default());
+    let sum: usize = name.iter().map(|byte| usize::from(*byte)).sum();
+    let mut all = Finder::ALL.iter();
+    let finder = match all.find(|finder| finder.name().as_bytes() == name) {
+        Some(finder) => *finder,
+        None => Finder::ALL[sum % Finder::ALL.len()],
     };
-    let Some(finder) = Finder::ALL.get(usize::from(*which) % Finder::ALL.len()) else {
-        return;
-    };
-    let line = |text: &[u8]| {
+    vehicle(Some(finder), lines, |text| {
         let (kept, text) = text.split_first().unwrap_or((&0, text));
-        let example = finder.example().as_bytes();
-        let begun = example.get(..usize::from(*kept)).unwrap_or(example);
-        [begun, text, b"\r\n"].concat()
+        of_finder(finder.example().as_bytes(), usize::from(*kept), text)
+    });
+}
+
+/// A line of so many bytes of an example and a text; and the example with the text in it, so that the length is right, with
+/// a right checksum if it ends with one.
+fn of_finder(example: &[u8], kept: usize, text: &[u8]) -> Vec<u8> {
+    let begun = example.get(..kept).unwrap_or(example);
+    let cut = [begun, text].concat();
+    let whole = [&cut, example.get(cut.len()..).unwrap_or_default()].concat();
+    let whole = match (example, whole.as_slice()) {
+        ([.., b'*', _, _], [first, payload @ .., _, _, _]) => {
+            let mut line = sentence(payload);
+            line[0] = *first;
+            line
+        }
+        _ => [&whole, b"\r\n".as_slice()].concat(),
     };
-    vehicle(Some(*finder), data, line);
+    [&cut, b"\r\n".as_slice(), &whole].concat()
 }
 
 /// Gives a gateway that reads the spectra of a KrakenSDR lines made from those of `data`.
