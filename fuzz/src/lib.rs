@@ -7,14 +7,15 @@
 use crc::{CRC_32_ISO_HDLC, Crc};
 use foxhunt::{
     aoa::{
-        Clean, Locate, MultiTarget, Observation, Robust, clean, multi, robust, spectrum::Spectrum,
+        Clean, Locate, MultiTarget, Observation, Robust, clean, geodesy::Geodetic, multi, robust,
+        spectrum::Spectrum,
     },
     fingerprint::{
         Encoding, Matcher, Posterior, RadioMap, Reading,
         tracker::{self, Site, Tracker, Workspace},
     },
     gateway::{
-        Config, Event, FullReport, Gateway, Vehicle, beacon,
+        Config, Event, FullReport, Gateway, Station, Vehicle, beacon,
         formats::{All, Finder, Formats, Kraken, Nmea},
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
@@ -41,17 +42,20 @@ fn sentence(payload: &[u8]) -> Vec<u8> {
     .concat()
 }
 
-/// Gives a vehicle's gateway lines made from those of `data`, of which only those of one direction finder are read.
-pub fn vehicle(finder: Option<Finder>, data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
-    let mut config = Config::new(clean::Config::DEFAULT);
-    config.formats.finder = finder;
+/// Gives a vehicle's gateway lines made from those of `data`.
+pub fn vehicle(data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
+    told(Config::new(clean::Config::DEFAULT), data, line);
+}
+
+fn told(config: Config<clean::Config>, data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
     lines::<Clean<24, 8>, All>(config, data, line, |locator| {
         locator.observations().copied().collect()
     });
 }
 
 /// Gives gateways lines of a direction finder, whose name is the first line of `data`; any other text there is that of one,
-/// too. Of every other line the first byte says with how much of the finder's example it begins.
+/// too. Of every other line the first byte says with how much of the finder's example it begins. Once with the receiver's
+/// place and heading, which the times of few lines meet; once with a told one.
 pub fn finder(data: &[u8]) {
     let mut parts = data.splitn(2, |byte| *byte == b'\n');
     let [name, lines] = [(); 2].map(|()| parts.next().unwrap_or_default());
@@ -61,10 +65,22 @@ pub fn finder(data: &[u8]) {
         Some(finder) => *finder,
         None => Finder::ALL[sum % Finder::ALL.len()],
     };
-    vehicle(Some(finder), lines, |text| {
-        let (kept, text) = text.split_first().unwrap_or((&0, text));
-        of_finder(finder.example().as_bytes(), usize::from(*kept), text)
-    });
+    let place = Geodetic::new(481_173_000, 115_166_667).expect("it is on earth");
+    let station = Station {
+        place,
+        heading_deg: 90.0,
+    };
+    for station in [None, Some(station)] {
+        let mut config = Config {
+            station,
+            ..Config::new(clean::Config::DEFAULT)
+        };
+        config.formats.finder = Some(finder);
+        told(config, lines, |text| {
+            let (kept, text) = text.split_first().unwrap_or((&0, text));
+            of_finder(finder.example().as_bytes(), usize::from(*kept), text)
+        });
+    }
 }
 
 /// A line of so many bytes of an example and a text; and the example with the text in it, so that the length is right, with
