@@ -154,6 +154,27 @@ fn a_bearing_from_north_is_not_turned() {
 }
 
 #[test]
+fn an_azimuth_counts_from_where_its_board_faces() {
+    const BOARD: Station = Station {
+        place: match Geodetic::new(481_000_000, 115_000_000) {
+            Ok(place) => place,
+            Err(_) => panic!("it is on earth"),
+        },
+        heading_deg: 90.0,
+    };
+    let line = "+UUDF:6C1DEBA4241B,-65,10,0,0,37,\"CCF9579B21AE\",\"\",1\r";
+    for reference in [BearingReference::Relative, BearingReference::TrueNorth] {
+        let mut config = Config {
+            reference,
+            ..CONFIG
+        };
+        config.formats.ublox.anchors = &[(0xccf9_579b_21ae, BOARD)];
+        let bearing = last_bearing(config, &(rmc("120000") + line)).unwrap();
+        assert!((bearing - 100.0).abs() < 1e-3, "{reference:?}: {bearing}");
+    }
+}
+
+#[test]
 fn a_station_is_where_it_is_said_to_be() {
     let place = Geodetic::new(481_000_000, 115_000_000).unwrap();
     let station = Station {
