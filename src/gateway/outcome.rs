@@ -46,8 +46,8 @@ pub enum Rejected {
     /// A coordinate, angle or quality outside its range, or a place too far from [`super::Vehicle::plane`].
     OutOfRange,
     /// A bearing before any position was believed, which is about a second after the receiver states its first: that waits,
-    /// as [`Self::Unconfirmed`]. Bearings before then are not kept. A direction finder without a receiver needs
-    /// [`Config::station`](super::Config::station), and lines that state a time.
+    /// as [`Self::Unconfirmed`]. Bearings before then are not kept. Without a receiver, a direction finder needs
+    /// lines that state a time, and a place or [`Config::station`](super::Config::station).
     NoPosition,
     /// A bearing whose nearest position is older than [`Config::max_age_ms`](super::Config::max_age_ms), or as much
     /// newer. Or one whose line states no time, after
