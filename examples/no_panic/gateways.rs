@@ -6,7 +6,7 @@ use foxhunt::{
     aoa::{Bearing, Clean, Locate, Robust, clean, robust, spectrum::Spectrum},
     gateway::{
         BearingReference, Config, FullReport, ReportForm, ShortReport, SigmaTable, Vehicle,
-        formats::{self, Agrelo, All, Finder, Formats, Kraken, Nmea, Sense, Ublox},
+        formats::{self, Agrelo, All, Formats, Kraken, Nmea, Ublox},
     },
     model::Likelihood,
     snapshot::Persist,
@@ -28,34 +28,8 @@ pub fn gateway() {
 }
 
 fn config<C>(locator: C) -> Config<C> {
-    let sigmas = any(Some(&SigmaTable::BEAM_WIDTHS));
     Config {
-        formats: formats::Config {
-            finder: any(Some(Finder::Agrelo)),
-            simulated: any(false),
-            agrelo: formats::agrelo::Config { sigmas },
-            kraken: formats::kraken::Config {
-                sense: any(None),
-                confidence: any(None),
-                interval_ms: any(None),
-                heading: any(formats::kraken::Heading::Recognised),
-                frequency_hz: any(None),
-                sigmas,
-                temper: any(formats::kraken::Config::DEFAULT.temper),
-            },
-            ublox: formats::ublox::Config {
-                sense: any(Sense::Clockwise),
-                tag: any(None),
-                anchors: any(&[]),
-                quality_by_azimuth: any(false),
-                sigmas,
-            },
-            kn5r: formats::kn5r::Config { sigmas },
-            aprs: formats::aprs::Config {
-                station: any(None),
-                sigmas,
-            },
-        },
+        formats: any(formats::Config::DEFAULT),
         reference: any(BearingReference::Relative),
         station: any(None),
         seed: any(0),

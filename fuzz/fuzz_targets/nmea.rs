@@ -1,3 +1,3 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| foxhunt_fuzz::vehicle(None, data, foxhunt_fuzz::nmea));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| foxhunt_fuzz::vehicle(data, foxhunt_fuzz::nmea));

@@ -7,14 +7,15 @@
 use crc::{CRC_32_ISO_HDLC, Crc};
 use foxhunt::{
     aoa::{
-        Clean, Locate, MultiTarget, Observation, Robust, clean, multi, robust, spectrum::Spectrum,
+        Clean, Locate, MultiTarget, Observation, Robust, clean, geodesy::Geodetic, multi, robust,
+        spectrum::Spectrum,
     },
     fingerprint::{
         Encoding, Matcher, Posterior, RadioMap, Reading,
         tracker::{self, Site, Tracker, Workspace},
     },
     gateway::{
-        Config, Event, FullReport, Gateway, Vehicle, beacon,
+        Config, Event, FullReport, Gateway, Station, Vehicle, beacon,
         formats::{All, Finder, Formats, Kraken, Nmea},
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
@@ -41,31 +42,62 @@ fn sentence(payload: &[u8]) -> Vec<u8> {
     .concat()
 }
 
-/// Gives a vehicle's gateway lines made from those of `data`, of which only those of one direction finder are read.
-pub fn vehicle(finder: Option<Finder>, data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
-    let mut config = Config::new(clean::Config::DEFAULT);
-    config.formats.finder = finder;
+/// Gives a vehicle's gateway lines made from those of `data`.
+pub fn vehicle(data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
+    told(Config::new(clean::Config::DEFAULT), data, line);
+}
+
+fn told(config: Config<clean::Config>, data: &[u8], line: impl Fn(&[u8]) -> Vec<u8>) {
     lines::<Clean<24, 8>, All>(config, data, line, |locator| {
         locator.observations().copied().collect()
     });
 }
 
-/// Gives gateways lines of a direction finder, each of which begins as an example does: the first byte of `data` says
-/// whose, the first of every line how much of it.
+/// Gives gateways lines of a direction finder, whose name is the first line of `data`; any other text there is that of one,
+/// too. Of every other line the first byte says with how much of the finder's example it begins. Once with the receiver's
+/// place and heading, which the times of few lines meet; once with a told one.
 pub fn finder(data: &[u8]) {
-    let Some((which, data)) = data.split_first() else {
-        return;
+    let mut parts = data.splitn(2, |byte| *byte == b'\n');
+    let [name, lines] = [(); 2].map(|()| parts.next().unwrap_or_default());
+    let sum: usize = name.iter().map(|byte| usize::from(*byte)).sum();
+    let mut all = Finder::ALL.iter();
+    let finder = match all.find(|finder| finder.name().as_bytes() == name) {
+        Some(finder) => *finder,
+        None => Finder::ALL[sum % Finder::ALL.len()],
     };
-    let Some(finder) = Finder::ALL.get(usize::from(*which) % Finder::ALL.len()) else {
-        return;
+    let place = Geodetic::new(481_173_000, 115_166_667).expect("it is on earth");
+    let station = Station {
+        place,
+        heading_deg: 90.0,
     };
-    let line = |text: &[u8]| {
-        let (kept, text) = text.split_first().unwrap_or((&0, text));
-        let example = finder.example().as_bytes();
-        let begun = example.get(..usize::from(*kept)).unwrap_or(example);
-        [begun, text, b"\r\n"].concat()
+    for station in [None, Some(station)] {
+        let mut config = Config {
+            station,
+            ..Config::new(clean::Config::DEFAULT)
+        };
+        config.formats.finder = Some(finder);
+        told(config, lines, |text| {
+            let (kept, text) = text.split_first().unwrap_or((&0, text));
+            of_finder(finder.example().as_bytes(), usize::from(*kept), text)
+        });
+    }
+}
+
+/// A line of so many bytes of an example and a text; and the example with the text in it, so that the length is right, with
+/// a right checksum if it ends with one.
+fn of_finder(example: &[u8], kept: usize, text: &[u8]) -> Vec<u8> {
+    let begun = example.get(..kept).unwrap_or(example);
+    let cut = [begun, text].concat();
+    let whole = [&cut, example.get(cut.len()..).unwrap_or_default()].concat();
+    let whole = match (example, whole.as_slice()) {
+        ([.., b'*', _, _], [first, payload @ .., _, _, _]) => {
+            let mut line = sentence(payload);
+            line[0] = *first;
+            line
+        }
+        _ => [&whole, b"\r\n".as_slice()].concat(),
     };
-    vehicle(Some(*finder), data, line);
+    [&cut, b"\r\n".as_slice(), &whole].concat()
 }
 
 /// Gives a gateway that reads the spectra of a KrakenSDR lines made from those of `data`.

@@ -6,7 +6,7 @@ use crate::ConfigError;
 use crate::aoa::Observation;
 use crate::config::{require, require_all, require_within};
 
-/// Direction from which the angles of bearing lines count.
+/// Direction from which the angles of bearing lines count that leave it open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BearingReference {
@@ -37,9 +37,11 @@ pub struct Config<C> {
     pub locator: C,
     /// What the formats of lines are told.
     pub formats: formats::Config,
-    /// Direction from which the angles of bearing lines count.
+    /// Direction from which the angles of bearing lines count that leave it open: reports of APRS count from true north, and
+    /// azimuths of a u-blox [anchor](formats::ublox::Config::anchors) from where it faces, whatever this is.
     pub reference: BearingReference,
-    /// Where the direction finders stand and how they head, whatever the lines say; `None` for a vehicle.
+    /// Where the direction finders stand and how they head, whatever the lines say; `None` for a vehicle. Bearings that count
+    /// from true north are not turned by it.
     pub station: Option<Station>,
     /// Seed of the particles: the same bytes with the same seed give the same reports.
     pub seed: u64,
@@ -111,36 +113,36 @@ impl<C> Config<C> {
         require_within!(self: min_quality 0.0..=100.0);
         require!(
             self.best_sigma_rad >= Observation::MIN_SIGMA_RAD,
-            "best_sigma_rad is less than an observation may have"
+            "best_sigma_rad must be at least 0.001, as of an observation"
         );
         require!(
             self.worst_sigma_rad >= self.best_sigma_rad
                 && self.worst_sigma_rad <= Observation::MAX_SIGMA_RAD,
-            "worst_sigma_rad is less than best_sigma_rad or more than an observation may have"
+            "worst_sigma_rad must be from best_sigma_rad to 3.2, as of an observation"
         );
         require!(
             self.max_age_ms <= Self::LONGEST_MS,
-            "max_age_ms is more than an hour"
+            "max_age_ms must be at most an hour"
         );
         require!(
             self.min_speed_m_s >= 0.0 && self.min_speed_m_s <= f32::MAX,
-            "min_speed_m_s is negative or not finite"
+            "min_speed_m_s must be zero or positive, and finite"
         );
         require!(
             self.max_turn_rate_deg_s > 0.0 && self.max_turn_rate_deg_s <= 360.0,
-            "max_turn_rate_deg_s is not within 0 and 360"
+            "max_turn_rate_deg_s must be above 0 and at most 360"
         );
-        require!(self.max_speed_m_s > 0.0, "max_speed_m_s is not above zero");
+        require!(self.max_speed_m_s > 0.0, "max_speed_m_s must be above zero");
         require!(
             match self.variation_deg {
                 Some(degrees) => degrees >= -180.0 && degrees <= 180.0,
                 None => true,
             },
-            "variation_deg is not within -180 and 180"
+            "variation_deg must be from -180 to 180"
         );
         require!(
             self.report_interval_ms <= Self::LONGEST_MS,
-            "report_interval_ms is more than an hour"
+            "report_interval_ms must be at most an hour"
         );
         Ok(())
     }

@@ -18,11 +18,7 @@
 //! | `$PFOXQ*50` | | a query: the answer and the status are sent whenever they were sent last |
 //! | `$PFOXR*53` | | a restart, to look for another source: [`Vehicle::restart`] |
 //! | `B5 62 01 07 ...` | [`Ubx`](formats::Ubx) | a binary frame `NAV-PVT` of a u-blox receiver: time, position, speed, course; heading and variation if valid |
-//! | `%BBB/Q` | [`Agrelo`](formats::Agrelo) | bearing in degrees, quality 0 to 9 |
-//! | `1756823719250, 297.0, 7.35, ...` | [`Kraken`](formats::Kraken) | KrakenSDR's app format: time, bearing, confidence, frequency, its own position and heading if it has them, where and how wide the maximum of its spectrum is; the whole spectrum by [`Kraken<Spectrum>`](formats::Kraken) |
-//! | `+UUDF:6C1DEBA4241B,-65,26,...` | [`Ublox`](formats::Ublox) | tag and azimuth within a quarter turn of where the board faces; nine fields or ten |
-//! | `C3469960084001663117493011` | [`Kn5r`](formats::Kn5r) | KN5R-RDF: bearing, quality, time |
-//! | `N0CALL>APRS:=4903.50N/07201.75W\088/036/270/729` | [`Aprs`](formats::Aprs) | a direction finder that reports by APRS: its place, bearing from north, quality, time if stated |
+//! | that of a direction finder | its own | see [`Finder`](formats::Finder): bearing and quality; time, place and heading if the line has them |
 //!
 //! [`formats::All`] reads them all. Firmware that names fewer, such as `Vehicle<L, (Nmea, Agrelo)>`, links no others.
 //! What a format can be told is in its `Config`: of several frequencies or tags one may be the source's. What the builds
@@ -45,6 +41,7 @@
 //! [`Config::undated_bearings`]). An outage of the receiver is not bridged. The locator gets one clock, in milliseconds
 //! that run on over midnight, and the number of the port for the station.
 //!
+//! What a bearing counts from is told by [`Config::reference`], unless its format says so: a report of APRS counts from north.
 //! A relative bearing needs a heading: that of its own line, else a fresh true heading, else the course of a vehicle that
 //! is fast enough and does not turn. What the heading of a KrakenSDR by its GPS is worth is judged by its motion: see
 //! [`Heading`](formats::kraken::Heading). [`Config::station`] holds for whatever does not move. The quality decides

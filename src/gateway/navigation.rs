@@ -2,7 +2,7 @@
 
 use super::clock::{Clock, TimeOfDay};
 use super::config::{BearingReference, Config};
-use super::formats::format::{Heading, Motion, Reading, Sentence, Statement};
+use super::formats::format::{Heading, Motion, Reading, Reference, Sentence, Statement};
 use super::history::{Aged, Compass, History};
 use super::outcome::Rejected;
 use super::sentence::turned;
@@ -233,18 +233,19 @@ impl Navigation {
             Some(time) => (time.before(reading.latency_ms), 0),
             None => self.clock.lend(config.undated_bearings)?,
         };
-        let (place, own_heading) = match (&config.station, &reading.pose) {
-            (Some(station), _) => (station.place, Some(station.heading_deg)),
-            (None, Some(pose)) => {
-                self.own_place = Some(pose.place);
-                (pose.place, pose.heading)
+        let place = match (&config.station, reading.place) {
+            (Some(station), _) => station.place,
+            (None, Some(place)) => {
+                self.own_place = Some(place);
+                place
             }
-            (None, None) => (self.place_at(time, config.max_age_ms)?, None),
+            (None, None) => self.place_at(time, config.max_age_ms)?,
         };
-        let heading = match config.reference {
-            BearingReference::TrueNorth => None,
-            BearingReference::Relative => {
-                Some(own_heading.map_or_else(|| self.heading_at(time, config), Ok)?)
+        let heading = match (reading.reference, config.reference) {
+            (Reference::North, _) | (Reference::Told(_), BearingReference::TrueNorth) => None,
+            (Reference::Bow(own) | Reference::Told(own), _) => {
+                let told = config.station.map(|station| station.heading_deg).or(own);
+                Some(told.map_or_else(|| self.heading_at(time, config), Ok)?)
             }
         };
         Ok(Frame {

@@ -45,7 +45,9 @@ pub enum Rejected {
     TimeBackwards,
     /// A coordinate, angle or quality outside its range, or a place too far from [`super::Vehicle::plane`].
     OutOfRange,
-    /// A bearing before there was any position.
+    /// A bearing before any position was believed, which is about a second after the receiver states its first: that waits,
+    /// as [`Self::Unconfirmed`]. Bearings before then are not kept. Without a receiver, a direction finder needs
+    /// lines that state a time, and a place or [`Config::station`](super::Config::station).
     NoPosition,
     /// A bearing whose nearest position is older than [`Config::max_age_ms`](super::Config::max_age_ms), or as much
     /// newer. Or one whose line states no time, after
@@ -59,9 +61,10 @@ pub enum Rejected {
     Turning,
     /// A bearing of a quality below [`Config::min_quality`](super::Config::min_quality).
     LowQuality,
-    /// A bearing on another frequency than that of [`kraken::Config`](super::formats::kraken::Config).
+    /// A bearing on another frequency than its format is told, such as
+    /// [`kraken::Config`](super::formats::kraken::Config).
     OtherFrequency,
-    /// A bearing on another tag than that of [`ublox::Config`](super::formats::ublox::Config).
+    /// A bearing on another tag than its format is told, such as [`ublox::Config`](super::formats::ublox::Config).
     OtherTag,
     /// A bearing of another direction finder than [`formats::Config::finder`](super::formats::Config::finder).
     OtherFinder,
@@ -106,7 +109,7 @@ reasons!(Rejected {
     NullPosition => "position is 0 degrees north and east",
     TimeBackwards => "time runs backwards",
     OutOfRange => "value is out of range",
-    NoPosition => "no position yet",
+    NoPosition => "no position yet: the first waits for a later one that agrees",
     StalePosition => "position is too old",
     NoHeading => "no heading: none is stated, and no course as the vehicle stands",
     Turning => "vehicle is turning and its heading is unknown",

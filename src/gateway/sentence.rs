@@ -6,16 +6,17 @@ use heapless::String;
 use super::outcome::Rejected;
 use crate::aoa::geodesy::Geodetic;
 
-/// What stands between `$` or `!` and `*hh`, if its exclusive or is `hh`.
-pub(super) fn checked(line: &[u8]) -> Option<&[u8]> {
-    let [b'$' | b'!', payload @ .., b'*', high, low] = line else {
+/// What stands between one of the bytes that `begin` a line and `*hh`, if its exclusive or is `hh`.
+pub(super) fn checked<'a>(line: &'a [u8], begin: &[u8]) -> Option<&'a [u8]> {
+    let [first, payload @ .., b'*', high, low] = line else {
         return None;
     };
     let digit = |byte: u8| char::from(byte).to_digit(16);
     let stated = digit(*high)
         .zip(digit(*low))
         .map(|(high, low)| high << 4 | low);
-    (stated == Some(u32::from(checksum(payload)))).then_some(payload)
+    let is_right = begin.contains(first) && stated == Some(u32::from(checksum(payload)));
+    is_right.then_some(payload)
 }
 
 /// The exclusive or of all bytes.

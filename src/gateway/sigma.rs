@@ -68,23 +68,23 @@ impl SigmaTable {
     /// Says what is out of range.
     pub const fn new(knots: &[(f32, f32)]) -> Result<Self, ConfigError> {
         let Some(&last) = knots.last() else {
-            return Err(ConfigError::new("knots are not one to eight"));
+            return Err(ConfigError::new("knots must be one to eight"));
         };
         let mut all = [last; Self::KNOTS];
         let (mut rest, mut places) = (knots, all.as_mut_slice());
         let mut below = -1.0;
         while let [knot, others @ ..] = rest {
             let [place, more @ ..] = places else {
-                return Err(ConfigError::new("knots are not one to eight"));
+                return Err(ConfigError::new("knots must be one to eight"));
             };
             let (quality, sigma) = *knot;
             require!(
                 quality >= 0.0 && quality <= 100.0 && quality > below,
-                "quality is not within 0 and 100, or not above the one before"
+                "quality must be from 0 to 100 and above the one before"
             );
             require!(
                 sigma >= Observation::MIN_SIGMA_RAD && sigma <= Observation::MAX_SIGMA_RAD,
-                "sigma_rad is not that of an observation"
+                "sigma_rad must be from 0.001 to 3.2, as of an observation"
             );
             *place = *knot;
             below = quality;

@@ -1,7 +1,7 @@
 //! Where a gateway tracks, and how it treats its messages.
 
 use crate::ConfigError;
-use crate::config::{require, require_all};
+use crate::config::{require_all, require_within};
 use crate::fingerprint::tracker::Site;
 
 /// How messages come over the line.
@@ -45,10 +45,7 @@ impl<'a> Config<'a> {
     /// The first field that is out of its range.
     pub const fn check(&self) -> Result<(), ConfigError> {
         require_all!(self.site);
-        require!(
-            self.silence_ms >= 1_000 && self.silence_ms <= 3_600_000,
-            "silence_ms is not within 1000 and 3600000"
-        );
+        require_within!(self: silence_ms 1_000..=3_600_000);
         Ok(())
     }
 }

@@ -122,7 +122,7 @@ impl Input {
 }
 
 fn from_line(line: &[u8]) -> Result<Message, Rejected> {
-    match sentence::checked(line).ok_or(Rejected::Checksum)? {
+    match sentence::checked(line, b"$!").ok_or(Rejected::Checksum)? {
         b"PFOXQ" => Ok(Message::Query),
         b"PFOXR" => Ok(Message::Restart),
         [b'P', b'F', b'O', b'X', b'B', b',', fields @ ..] => {

@@ -17,7 +17,7 @@
 //! minute's beginning; a second one of the same minute on the same port is a duplicate. Source: APRS Protocol Reference 1.0.1,
 //! chapters 6 to 8.
 
-use super::format::{Format, Layout, Pose, Reading, Sentence};
+use super::format::{Format, Layout, Reading, Reference, Sentence};
 use crate::ConfigError;
 use crate::gateway::clock::TimeOfDay;
 use crate::gateway::outcome::Rejected;
@@ -114,11 +114,8 @@ impl Format for Aprs {
         let quality = if *number == b'0' { 0 } else { quality - b'0' };
         Ok(Sentence::Reading(Reading {
             time,
-            // From north, which is where a vehicle that heads there has its bow.
-            pose: Some(Pose {
-                place,
-                heading: Some(0.0),
-            }),
+            place: Some(place),
+            reference: Reference::North,
             ..Reading::new(degrees, f32::from(quality) * (100.0 / 9.0), config.sigmas)?
         }))
     }
@@ -179,9 +176,11 @@ mod tests {
             let found = reading(report);
             assert_eq!((found.best.degrees, found.time), (270.0, time), "{report}");
             assert!((found.quality - 100.0).abs() < 1e-4);
-            let pose = found.pose.unwrap();
             let place = Geodetic::new(490_583_333, -720_291_667).unwrap();
-            assert_eq!((pose.place, pose.heading), (place, Some(0.0)));
+            assert_eq!(
+                (found.place, found.reference),
+                (Some(place), Reference::North)
+            );
         }
         // A beam of 32 degrees; and a report whose digits say nothing.
         let quality = |nrq| reading(&format!("=4903.50N/07201.75W\\088/036/270/{nrq}")).quality;

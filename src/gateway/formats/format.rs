@@ -79,7 +79,9 @@ pub struct Reading {
     /// The other ones.
     pub others: [Option<Ray>; 2],
     /// Where, if the line says so.
-    pub pose: Option<Pose>,
+    pub place: Option<Geodetic>,
+    /// What the bearings count from.
+    pub reference: Reference,
     /// By which antenna array, if there are several on one port.
     pub station: Option<u8>,
     /// So many readings of this line so far stated a heading that was none.
@@ -97,19 +99,23 @@ pub struct Ray {
     pub probability: f32,
 }
 
-/// Where a direction finder says that it is.
+/// What the bearings of a line count from. Headings are in degrees clockwise from true north, within 0 and 360.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pose {
-    pub place: Geodetic,
-    /// Degrees clockwise from north, within 0 and 360.
-    pub heading: Option<f32>,
+pub enum Reference {
+    /// The line leaves it open: [`gateway::Config::reference`](crate::gateway::Config::reference) tells it. If that is the
+    /// bow, this is the line's own heading, if it has one.
+    Told(Option<f32>),
+    /// The bow or the front of the array, with its heading, if it is known with the line.
+    Bow(Option<f32>),
+    /// True north: no heading is added.
+    North,
 }
 
 impl Reading {
-    /// One bearing without time or place.
+    /// One bearing without time or place, which leaves open what it counts from.
     ///
     /// # Errors
-    /// When the angle is not within 0 and 360 degrees or the quality not within 0 and 100.
+    /// When the angle is not from 0 to 360 degrees or the quality not from 0 to 100.
     pub fn new(
         degrees: f32,
         quality: f32,
@@ -126,7 +132,8 @@ impl Reading {
                     probability: 1.0,
                 },
                 others: [None; 2],
-                pose: None,
+                place: None,
+                reference: Reference::Told(None),
                 station: None,
                 retracted: 0,
             })
@@ -297,8 +304,8 @@ pub trait Set<C> {
     fn parse(&mut self, which: u8, line: &[u8], config: &C) -> Result<Sentence, Rejected>;
 }
 
-macro_rules! sets {
-    ($(($($format:ident $place:tt $number:literal),+))+) => {$(
+macro_rules! set {
+    ($(($format:ident $place:tt $number:literal))+) => {
         impl<C, $($format: Told<C>),+> Set<C> for ($($format,)+) {
             const EMPTY: Self = ($($format::EMPTY,)+);
             const RESTS: bool = false $(|| $format::LAYOUT.fields < u8::MAX)+;
@@ -349,16 +356,20 @@ macro_rules! sets {
                 }
             }
         }
-    )+};
+    };
+}
+
+/// Makes the first of these formats a set, the first two, and so on.
+macro_rules! sets {
+    ([$($before:tt)*]) => {};
+    ([$($before:tt)*] $next:tt $($format:tt)*) => {
+        set!($($before)* $next);
+        sets!([$($before)* $next] $($format)*);
+    };
 }
 
 sets! {
-    (A 0 1)
-    (A 0 1, B 1 2)
-    (A 0 1, B 1 2, D 2 3)
-    (A 0 1, B 1 2, D 2 3, E 3 4)
-    (A 0 1, B 1 2, D 2 3, E 3 4, F 4 5)
-    (A 0 1, B 1 2, D 2 3, E 3 4, F 4 5, G 5 6)
-    (A 0 1, B 1 2, D 2 3, E 3 4, F 4 5, G 5 6, H 6 7)
-    (A 0 1, B 1 2, D 2 3, E 3 4, F 4 5, G 5 6, H 6 7, I 7 8)
+    []
+    (A 0 1) (B 1 2) (D 2 3) (E 3 4) (F 4 5) (G 5 6)
+    (H 6 7) (I 7 8) (J 8 9) (K 9 10) (L 10 11) (M 11 12)
 }

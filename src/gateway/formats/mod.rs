@@ -24,12 +24,20 @@ pub use ubx::Ubx;
 
 use crate::ConfigError;
 use crate::config::require_all;
+use crate::gateway::sigma::SigmaTable;
 use format::{Format, Set, Told};
 
-/// A set of formats: a tuple of up to eight, such as [`All`] or `(Nmea, Agrelo)`.
+/// A set of formats: a tuple of up to twelve, such as [`All`] or `(Nmea, Agrelo)`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no set of formats",
+    note = "a set is a tuple of one to twelve formats: see `sets!` for more"
+)]
 pub trait Formats: Set<Config> {}
 
 impl<S: Set<Config>> Formats for S {}
+
+/// Compiles for sets alone.
+const fn is_a_set<F: Formats>() {}
 
 /// Lists the direction finders: what a program may choose from, their configurations, and the tuple of all formats.
 macro_rules! finders {
@@ -81,6 +89,14 @@ macro_rules! finders {
                 $($module: <$format as Format>::DEFAULT,)+
             };
 
+            /// The standard deviations that a direction finder's part tells, by the quality; `None` takes those of
+            /// [`gateway::Config`](crate::gateway::Config).
+            pub const fn sigmas_mut(&mut self, of: Finder) -> &mut Option<&'static SigmaTable> {
+                match of {
+                    $(Finder::$format => &mut self.$module.sigmas,)+
+                }
+            }
+
             /// Checks all fields.
             ///
             /// # Errors
@@ -100,19 +116,21 @@ macro_rules! finders {
 
         /// Every format.
         pub type All = (Nmea, Ubx, $($format),+);
+
+        const _: () = is_a_set::<All>();
     };
 }
 
 finders! {
-    /// An Agrelo: `%BBB/Q`.
+    /// An Agrelo: `%BBB/Q`, bearing and quality.
     agrelo: Agrelo,
-    /// A KrakenSDR, in its app format.
+    /// A KrakenSDR, in its app format: `1756823719250, 297.0, 7.35, ...`.
     kraken: Kraken<Kept>,
-    /// A u-blox board: `+UUDF:`.
+    /// A u-blox board: `+UUDF:6C1DEBA4241B,-65,26,...`.
     ublox: Ublox,
-    /// A KN5R-RDF: `C` and 25 digits.
+    /// A KN5R-RDF: `C3469960084001663117493011`.
     kn5r: Kn5r,
-    /// A station of APRS: `/BRG/NRQ` in the report of its position.
+    /// A direction finder that reports by APRS: `/BRG/NRQ` in the report of its position.
     aprs: Aprs,
 }
 

@@ -72,7 +72,7 @@ impl Format for Nmea {
 /// Checks the sentence `$payload*hh` and reads it.
 #[inline(never)]
 fn parse(line: &[u8], simulated: bool) -> Result<Sentence, Rejected> {
-    let Some(payload) = sentence::checked(line) else {
+    let Some(payload) = sentence::checked(line, b"$!") else {
         return refused(line.get(1..7), Rejected::Checksum);
     };
     match payload {

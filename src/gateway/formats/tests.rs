@@ -46,5 +46,21 @@ fn formats_that_are_not_named_are_not_read() {
         assert_eq!(Some::which(first, 0) != 0, finder == Finder::Agrelo);
     }
     assert_eq!(All::which(b'?', 0), 0);
+    type Most = (
+        Ubx,
+        Ubx,
+        Ubx,
+        Ubx,
+        Ubx,
+        Ubx,
+        Ubx,
+        Ubx,
+        Ubx,
+        Ubx,
+        Ubx,
+        Agrelo,
+    );
+    assert_eq!(Most::which(b'%', 0), 12);
+    assert!(Most::layout(12).is_some() && Most::layout(13).is_none());
     assert!(All::layout(0).is_none());
 }

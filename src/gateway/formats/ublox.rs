@@ -1,6 +1,6 @@
 //! Events of u-blox direction finders.
 
-use super::format::{Format, Layout, Pose, Reading, Sense, Sentence, Station};
+use super::format::{Format, Layout, Reading, Reference, Sense, Sentence, Station};
 use crate::ConfigError;
 use crate::config::{require, require_all};
 use crate::gateway::outcome::Rejected;
@@ -60,7 +60,7 @@ impl Config {
     pub const fn check(&self) -> Result<(), ConfigError> {
         require!(
             self.anchors.len() <= Self::MOST_ANCHORS,
-            "anchors are more than 64"
+            "anchors must be at most 64"
         );
         let mut rest = self.anchors;
         while let [(_, station), others @ ..] = rest {
@@ -128,10 +128,8 @@ impl Format for Ublox {
         if !config.anchors.is_empty() {
             let (station, anchor) = anchor_of(anchor, config.anchors)?;
             reading.station = Some(station);
-            reading.pose = Some(Pose {
-                place: anchor.place,
-                heading: Some(anchor.heading_deg),
-            });
+            reading.place = Some(anchor.place);
+            reading.reference = Reference::Bow(Some(anchor.heading_deg));
         }
         Ok(Sentence::Reading(reading))
     }
@@ -234,13 +232,17 @@ mod tests {
         for (line, station, boresight_deg) in [(NINE, 64, 90.0), (TEN, 65, 180.0)] {
             let line = read::<Ublox>(line, &config).unwrap();
             assert_eq!(line.station, Some(station));
-            assert_eq!(line.pose.unwrap().heading, Some(boresight_deg));
+            assert_eq!(line.reference, Reference::Bow(Some(boresight_deg)));
         }
         let other = NINE.replace("CCF9579B21AE", "CCF9579B21AF");
         assert_eq!(read::<Ublox>(&other, &config), Err(Rejected::OtherAnchor));
         let none = NINE.replace("CCF9579B21AE", "");
         assert_eq!(read::<Ublox>(&none, &config), Err(Rejected::OtherAnchor));
-        assert_eq!(read::<Ublox>(NINE, &Config::DEFAULT).unwrap().pose, None);
+        let alone = read::<Ublox>(NINE, &Config::DEFAULT).unwrap();
+        assert_eq!(
+            (alone.place, alone.reference),
+            (None, Reference::Told(None))
+        );
     }
 
     #[test]

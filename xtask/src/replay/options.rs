@@ -10,7 +10,7 @@ use foxhunt::{
     },
     gateway::{
         self, BearingReference, SigmaTable,
-        formats::{Finder, Sense as Turn, kn5r, kraken, ublox},
+        formats::{self, Finder, Sense as Turn, kraken, ublox},
     },
 };
 
@@ -64,9 +64,11 @@ enum Heading {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Sigmas {
+    /// What the firmware takes: of each device what its format has by default.
+    Firmware,
     /// From --worst-sigma to --best-sigma.
     Linear,
-    /// What is known of each device.
+    /// What is known of each device, also of an Agrelo and a u-blox board.
     Devices,
 }
 
@@ -104,12 +106,12 @@ pub struct Input {
     )]
     minimum_quality: f32,
     /// How sigmas follow from the quality.
-    #[arg(long, value_enum, default_value_t = Sigmas::Linear)]
+    #[arg(long, value_enum, default_value_t = Sigmas::Firmware)]
     sigmas: Sigmas,
-    /// Standard deviation of a bearing of quality 100; unless given, 2. Not of --sigmas devices.
+    /// Standard deviation of a bearing of quality 100; unless given, 2. Only where sigmas are linear.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     best_sigma: Option<f32>,
-    /// Standard deviation of a bearing of quality 0; unless given, 10. Not of --sigmas devices.
+    /// Standard deviation of a bearing of quality 0; unless given, 10. Only where sigmas are linear.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     worst_sigma: Option<f32>,
     /// How far apart in time a bearing and its position or heading may be.
@@ -162,52 +164,57 @@ fn tag(text: &str) -> Result<u64> {
 impl Input {
     /// Fails if anything is told that another setting makes idle.
     fn ensure_of_use(&self) -> Result<()> {
-        let (by_device, finder) = (self.sigmas == Sigmas::Devices, self.finder);
-        let only = |device| finder.is_some_and(|finder| finder != device);
-        let no_angle_of_choice =
-            matches!(finder, Some(Finder::Agrelo | Finder::Kn5r | Finder::Aprs));
+        let heard = self
+            .finder
+            .as_ref()
+            .map_or(Finder::ALL, std::slice::from_ref);
+        let mut formats = self.formats();
+        let none_linear = heard
+            .iter()
+            .all(|finder| formats.sigmas_mut(*finder).is_some());
+        let only = |devices: &[Finder]| !heard.iter().any(|finder| devices.contains(finder));
         for (name, given, idle, other) in [
             (
                 "--best-sigma",
                 self.best_sigma.is_some(),
-                by_device,
-                "--sigmas devices",
+                none_linear,
+                "sigmas by tables: see --sigmas",
             ),
             (
                 "--worst-sigma",
                 self.worst_sigma.is_some(),
-                by_device,
-                "--sigmas devices",
+                none_linear,
+                "sigmas by tables: see --sigmas",
             ),
             (
                 "--tag",
                 self.tag.is_some(),
-                only(Finder::Ublox),
+                only(&[Finder::Ublox]),
                 "a --finder other than ublox",
             ),
             (
                 "--frequency",
                 self.frequency.is_some(),
-                only(Finder::Kraken),
+                only(&[Finder::Kraken]),
                 "a --finder other than kraken",
             ),
             (
                 "--confidence",
                 self.confidence != Confidence::Recognised,
-                only(Finder::Kraken),
+                only(&[Finder::Kraken]),
                 "a --finder other than kraken",
             ),
             (
                 "--heading",
                 self.heading != Heading::Recognised,
-                only(Finder::Kraken),
+                only(&[Finder::Kraken]),
                 "a --finder other than kraken",
             ),
             (
                 "--sense counter-clockwise",
                 self.sense == Sense::CounterClockwise,
-                no_angle_of_choice,
-                "this --finder",
+                only(&[Finder::Kraken, Finder::Ublox]),
+                "a --finder other than kraken and ublox",
             ),
         ] {
             ensure!(!(given && idle), "{name} is of no use with {other}");
@@ -221,7 +228,26 @@ impl Input {
     /// If a value is of no use beside another.
     pub fn config<C>(&self, locator: C) -> Result<gateway::Config<C>> {
         self.ensure_of_use()?;
-        let by_device = self.sigmas == Sigmas::Devices;
+        Ok(gateway::Config {
+            formats: self.formats(),
+            reference: match self.reference {
+                Reference::Relative => BearingReference::Relative,
+                Reference::TrueNorth => BearingReference::TrueNorth,
+            },
+            seed: self.seed,
+            min_quality: self.minimum_quality,
+            best_sigma_rad: self.best_sigma.unwrap_or(2.0).to_radians(),
+            worst_sigma_rad: self.worst_sigma.unwrap_or(10.0).to_radians(),
+            max_age_ms: self.maximum_age,
+            min_speed_m_s: self.minimum_speed,
+            max_speed_m_s: self.maximum_speed,
+            variation_deg: self.variation,
+            ..gateway::Config::new(locator)
+        })
+    }
+
+    /// What the formats are told.
+    fn formats(&self) -> formats::Config {
         let sense = match self.sense {
             Sense::Recognised => None,
             Sense::Clockwise => Some(Turn::Clockwise),
@@ -238,41 +264,31 @@ impl Input {
             Heading::Station => kraken::Heading::Station,
             Heading::Compass => kraken::Heading::Compass,
         };
-        let mut config = gateway::Config {
-            reference: match self.reference {
-                Reference::Relative => BearingReference::Relative,
-                Reference::TrueNorth => BearingReference::TrueNorth,
-            },
-            seed: self.seed,
-            min_quality: self.minimum_quality,
-            best_sigma_rad: self.best_sigma.unwrap_or(2.0).to_radians(),
-            worst_sigma_rad: self.worst_sigma.unwrap_or(10.0).to_radians(),
-            max_age_ms: self.maximum_age,
-            min_speed_m_s: self.minimum_speed,
-            max_speed_m_s: self.maximum_speed,
-            variation_deg: self.variation,
-            ..gateway::Config::new(locator)
+        let mut formats = formats::Config {
+            finder: self.finder,
+            simulated: self.simulated,
+            ..formats::Config::DEFAULT
         };
-        let formats = &mut config.formats;
-        formats.finder = self.finder;
-        formats.simulated = self.simulated;
-        formats.kn5r.sigmas = by_device.then_some(&kn5r::SIGMAS);
-        formats.aprs.sigmas = by_device.then_some(&SigmaTable::BEAM_WIDTHS);
-        formats.agrelo.sigmas = by_device.then_some(&SigmaTable::BEAM_WIDTHS);
-        formats.kraken = kraken::Config {
-            sense,
-            confidence,
-            heading,
-            frequency_hz: self.frequency,
-            ..kraken::Config::DEFAULT
-        };
+        formats.kraken.sense = sense;
+        formats.kraken.confidence = confidence;
+        formats.kraken.heading = heading;
+        formats.kraken.frequency_hz = self.frequency;
         formats.ublox.sense = sense.unwrap_or(Turn::Clockwise);
         formats.ublox.tag = self.tag;
-        if by_device {
-            formats.ublox.sigmas = Some(&ublox::SIGMAS);
-            formats.ublox.quality_by_azimuth = true;
+        match self.sigmas {
+            Sigmas::Firmware => {}
+            Sigmas::Linear => {
+                for finder in Finder::ALL {
+                    *formats.sigmas_mut(*finder) = None;
+                }
+            }
+            Sigmas::Devices => {
+                formats.agrelo.sigmas = Some(&SigmaTable::BEAM_WIDTHS);
+                formats.ublox.sigmas = Some(&ublox::SIGMAS);
+                formats.ublox.quality_by_azimuth = true;
+            }
         }
-        Ok(config)
+        formats
     }
 }
 

@@ -95,6 +95,7 @@ fn what_contradicts_is_refused_before_anything_is_read() {
     for more in [
         ["--sigmas", "devices", "--best-sigma", "3"],
         ["--sigmas", "devices", "--worst-sigma", "12"],
+        ["--finder", "kraken", "--best-sigma", "3"],
         ["--finder", "kraken", "--tag", "CCF9578E0D8A"],
         ["--finder", "ublox", "--frequency", "433920000"],
         ["--finder", "agrelo", "--confidence", "decibels"],

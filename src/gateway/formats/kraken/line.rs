@@ -3,7 +3,6 @@
 use super::spectrum::power;
 use crate::aoa::geodesy::Geodetic;
 use crate::gateway::clock::TimeOfDay;
-use crate::gateway::formats::format::Pose;
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sentence::{columns, decimal, fixed, turned};
 
@@ -108,13 +107,13 @@ impl<'a> Fields<'a> {
         Ok(100.0 - 100.0 * mean)
     }
 
-    /// Where the line says that it was taken, unless nowhere.
+    /// Where the line says that it was taken, unless nowhere, and at which heading.
     pub fn pose(
         &self,
         time: TimeOfDay,
         rule: Heading,
         own: &mut Own,
-    ) -> Result<Option<Pose>, Rejected> {
+    ) -> Result<Option<(Geodetic, Option<f32>)>, Rejected> {
         let [latitude, longitude, gps, compass, main] = self.pose;
         let (Some(latitude), Some(longitude)) = (degrees_e7(latitude)?, degrees_e7(longitude)?)
         else {
@@ -132,10 +131,8 @@ impl<'a> Fields<'a> {
             None => return Err(Rejected::Unparsable),
         };
         let holds = by_compass || rule == Heading::Station;
-        Ok(Some(Pose {
-            place,
-            heading: heading.filter(|degrees| holds || own.holds(time, place, *degrees, rule)),
-        }))
+        let heading = heading.filter(|degrees| holds || own.holds(time, place, *degrees, rule));
+        Ok(Some((place, heading)))
     }
 }
 

@@ -32,7 +32,7 @@
 mod line;
 mod spectrum;
 
-use super::format::{Format, Layout, Ray, Reading, Sense, Sentence};
+use super::format::{Format, Layout, Ray, Reading, Reference, Sense, Sentence};
 use crate::ConfigError;
 use crate::aoa::spectrum::Spectrum;
 use crate::config::{require, require_within};
@@ -142,11 +142,11 @@ impl Config {
     pub const fn check(&self) -> Result<(), ConfigError> {
         require!(
             !matches!(self.frequency_hz, Some(0)),
-            "frequency_hz is not above zero"
+            "frequency_hz must be above zero"
         );
         require!(
             !matches!(self.interval_ms, Some(60_001..)),
-            "interval_ms is more than a minute"
+            "interval_ms must be at most a minute"
         );
         require_within!(self: temper 0.001..=10.0);
         Ok(())
@@ -200,7 +200,8 @@ impl<S: Kept> Kraken<S> {
         let mut reading = Reading::new(stated, quality.max(0.0), config.sigmas)?;
         reading.time = Some(time);
         reading.latency_ms = interval_ms / 2;
-        reading.pose = pose;
+        reading.place = pose.map(|(place, _)| place);
+        reading.reference = Reference::Told(pose.and_then(|(_, heading)| heading));
         reading.retracted = self.own.retracted();
         either_way(&mut reading, clockwise);
         Ok(reading)

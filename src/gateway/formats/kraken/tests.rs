@@ -1,7 +1,6 @@
 extern crate std;
 use super::*;
 use crate::aoa::geodesy::Geodetic;
-use crate::gateway::formats::format::Pose;
 use crate::gateway::formats::tests::read;
 use std::{format, string::String, vec::Vec};
 
@@ -79,16 +78,16 @@ fn reads_the_fields_before_the_spectrum() {
     // Of 437 ms, the middle.
     assert_eq!(line.latency_ms, 218);
     let place = Geodetic::new(522_296_756, -210_122_287).unwrap();
-    let heading = Some(12.5);
-    assert_eq!(line.pose, Some(Pose { place, heading }));
+    assert_eq!(line.place, Some(place));
+    assert_eq!(line.reference, Reference::Told(Some(12.5)));
     // 7.35 decibels of maximum over mean.
     assert!((line.quality - (100.0 - 100.0 / 5.433)).abs() < 0.01);
 }
 
 #[test]
 fn refuses_malformed_fields() {
-    let pose = changed(12, " Compass").unwrap().pose.unwrap();
-    assert_eq!(pose.heading, Some(12.5));
+    let line_of_compass = changed(12, " Compass").unwrap();
+    assert_eq!(line_of_compass.reference, Reference::Told(Some(12.5)));
     for (field, text, reason) in [
         (0, "1756823719", Rejected::Unparsable),
         (0, "175682371925x", Rejected::Unparsable),
@@ -115,7 +114,11 @@ fn refuses_malformed_fields() {
         assert_eq!(changed(field, text), Err(reason), "field {field} {text}");
     }
     let nowhere = "1756823719250,5,50,-30,1,UCA,1,x,0.0,0,nan,nan,GPS";
-    assert_eq!(line(nowhere).unwrap().pose, None);
+    let nowhere = line(nowhere).unwrap();
+    assert_eq!(
+        (nowhere.place, nowhere.reference),
+        (None, Reference::Told(None))
+    );
     for short in [
         "1756823719250,5,50",
         "1756823719250,5,50,-30,1,UCA,1,47.0,8.0,0,0,GPS",
@@ -134,14 +137,17 @@ fn numbers_are_as_python_writes_them() {
         ("1e-09", 0),
         ("0.1", 1_000_000),
     ] {
-        let place = changed(9, text).unwrap().pose.unwrap().place;
+        let place = changed(9, text).unwrap().place.unwrap();
         assert_eq!(place.longitude_e7(), degrees_e7, "{text}");
     }
-    assert_eq!(changed(8, "None").unwrap().pose, None);
-    assert_eq!(changed(8, " nan").unwrap().pose, None);
+    assert_eq!(changed(8, "None").unwrap().place, None);
+    assert_eq!(changed(8, " nan").unwrap().place, None);
     let headings = [("None", None), ("-12.5", Some(347.5)), ("372", Some(12.0))];
     for (text, heading) in headings {
-        assert_eq!(changed(10, text).unwrap().pose.unwrap().heading, heading);
+        assert_eq!(
+            changed(10, text).unwrap().reference,
+            Reference::Told(heading)
+        );
     }
     for (text, bearing) in [("-30", 330.0), ("390.0", 30.0), ("360", 0.0)] {
         assert_eq!(changed(1, text).unwrap().best.degrees, bearing, "{text}");
@@ -281,7 +287,10 @@ fn headings(config: Config, heading: &str, places: &[(i64, i64)]) -> Vec<Option<
     let line = |(milliseconds, place): &(i64, i64)| {
         let pose = format!("48.{place:04}, 11.5, {heading}");
         let reading = lines.push(&kept(START + milliseconds, "60", &pose), "");
-        reading.unwrap().pose.unwrap().heading
+        match reading.unwrap().reference {
+            Reference::Told(heading) => heading,
+            other => panic!("{other:?}"),
+        }
     };
     places.iter().map(line).collect()
 }

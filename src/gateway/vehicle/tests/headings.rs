@@ -1,6 +1,7 @@
 //! How a bearing finds its heading.
 
 use super::*;
+use crate::gateway::Station;
 
 #[test]
 fn heading_by_compass_by_course_or_none() {
@@ -131,9 +132,50 @@ fn bearings_by_a_heading_that_nobody_has_entered_are_retracted() {
     assert_eq!(gateway.vehicle().locator().observations().len(), 2);
 }
 
+/// A direction finder that faces east, and says of its bearings that they count from north.
+#[test]
+fn a_bearing_from_north_is_not_turned() {
+    let station = Station {
+        place: Geodetic::new(481_000_000, 115_000_000).unwrap(),
+        heading_deg: 90.0,
+    };
+    let report = "N0CALL>APRS:=4807.04N/01131.00E\\088/036/010/729\r";
+    for station in [None, Some(station)] {
+        for reference in [BearingReference::Relative, BearingReference::TrueNorth] {
+            let config = Config {
+                station,
+                reference,
+                ..CONFIG
+            };
+            let bearing = last_bearing(config, &(rmc("120000") + report)).unwrap();
+            assert!((bearing - 10.0).abs() < 1e-3, "{config:?}: {bearing}");
+        }
+    }
+}
+
+#[test]
+fn an_azimuth_counts_from_where_its_board_faces() {
+    const BOARD: Station = Station {
+        place: match Geodetic::new(481_000_000, 115_000_000) {
+            Ok(place) => place,
+            Err(_) => panic!("it is on earth"),
+        },
+        heading_deg: 90.0,
+    };
+    let line = "+UUDF:6C1DEBA4241B,-65,10,0,0,37,\"CCF9579B21AE\",\"\",1\r";
+    for reference in [BearingReference::Relative, BearingReference::TrueNorth] {
+        let mut config = Config {
+            reference,
+            ..CONFIG
+        };
+        config.formats.ublox.anchors = &[(0xccf9_579b_21ae, BOARD)];
+        let bearing = last_bearing(config, &(rmc("120000") + line)).unwrap();
+        assert!((bearing - 100.0).abs() < 1e-3, "{reference:?}: {bearing}");
+    }
+}
+
 #[test]
 fn a_station_is_where_it_is_said_to_be() {
-    use crate::gateway::Station;
     let place = Geodetic::new(481_000_000, 115_000_000).unwrap();
     let station = Station {
         place,
