@@ -56,20 +56,28 @@ fn moves_leave_the_mixture_invariant() {
     let proposal = MixtureProposal::new(&modes, region);
     let none = Modes::new();
     let prior = MixtureProposal::new(&none, region);
-    // Of the prior, but with an exponential density of either sign for the scale.
     let likelihood = |s: &State<PLAIN>| density.log_likelihood(s) + s[2].abs() + 0.5 * s[3] * s[3];
-    let peak = (modes.iter().map(|mode| likelihood(&mode.mean))).fold(0.0, f32::max) + 2.3;
+    // Of the prior, but with an exponential density of either sign for the scale.
+    let mut draw = || {
+        let mut state = prior.draw(&mut rng);
+        let size = -ln(uniform_open(&mut rng));
+        state[2] = if uniform(&mut rng) < 0.5 { size } else { -size };
+        state
+    };
+    let peak = (0..100_000)
+        .map(|_| likelihood(&draw()))
+        .fold(0.0, f32::max)
+        + 1.0;
 
     // Exact draws by rejection from the prior.
     const N: usize = 20_000;
     let mut exact: [Vec<f32>; PLAIN] = Default::default();
+    let mut accept = generator(22);
     while exact[0].len() < N {
-        let mut state = prior.draw(&mut rng);
-        let size = -ln(uniform_open(&mut rng));
-        state[2] = if uniform(&mut rng) < 0.5 { size } else { -size };
+        let state = draw();
         let log = likelihood(&state) - peak;
         assert!(log <= 0.0);
-        if ln(uniform_open(&mut rng)) < log {
+        if ln(uniform_open(&mut accept)) < log {
             for (column, value) in exact.iter_mut().zip(state) {
                 column.push(value);
             }
