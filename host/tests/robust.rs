@@ -136,7 +136,7 @@ fn a_stationary_vehicle_is_as_sure_as_it_may_be() {
             correlation: Correlation {
                 at_rest,
                 distance_m: 20.0,
-                time_s: f32::INFINITY,
+                ..Correlation::NONE
             },
             ..Errors::DEFAULT
         });

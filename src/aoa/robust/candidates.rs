@@ -21,7 +21,7 @@ use crate::random::Rng;
 /// are as good as outliers to it. All bits of an empty one are zero.
 #[derive(Debug, Clone)]
 pub(in crate::aoa) struct Candidates<const B: usize> {
-    evidence: Evidence<B>,
+    evidence: Evidence<B, PLAIN>,
     modes: Modes<PLAIN>,
 }
 
@@ -50,7 +50,7 @@ impl<const B: usize> Candidates<B> {
     ) -> Result<(), PushError> {
         let errors = &config.errors;
         self.evidence.bearings.admit(observation)?;
-        self.evidence.push::<PLAIN>(&(*observation).into(), errors);
+        self.evidence.push(&(*observation).into(), errors);
         // What is expected of a source that is new does not depend on where the first one was heard.
         self.evidence.centre_on(observation.position(), 0.0);
         if self.evidence.entries().len() > 1 {

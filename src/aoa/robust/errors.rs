@@ -1,10 +1,11 @@
 //! How the errors of bearings are distributed, and how that is learned from the bearings themselves.
 
+use super::biases::Biases;
 use crate::ConfigError;
 use crate::aoa::core::{Entry, square_of_distance};
 use crate::aoa::{Mixture, Observation, SigmaScale};
 use crate::config::{require, require_all, require_within};
-use crate::math::{exp, sin_cos, sqrt, wrap};
+use crate::math::{exp, sqrt};
 use crate::snapshot::value;
 
 /// What weighs more bearings than this is not learned.
@@ -79,20 +80,6 @@ impl Learned {
             sigma: 0.0,
         },
     };
-}
-
-/// Which bearings have a bias in common. A locator of dimension `D` knows `D - 3` numbers of biases.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Biases {
-    /// All: one number.
-    Common,
-    /// Those of one station: a number each, by the station's own number. Stations beyond the last number share it.
-    PerStation,
-    /// Those of one direction, as it is seen from the array, whose [heading](Observation::with_heading) is known: a constant
-    /// and the cosine and sine of each harmonic. An array on a roof is off by such a curve; the standard deviation is that
-    /// of the whole curve, in every direction.
-    ByDirection,
 }
 
 /// How much the errors of two bearings of one station have in common.
@@ -239,31 +226,8 @@ impl Errors {
 
     /// Whether variances depend on how far away the source is.
     pub(super) fn depend_on_range(&self) -> bool {
-        self.position_sigma_m > 0.0 || self.are_correlated()
-    }
-
-    /// The derivatives of the error of a bearing by the numbers of the biases, which are zero before.
-    pub(super) fn features(&self, observation: &Observation, numbers: &mut [f32]) {
-        let Some(last) = numbers.len().checked_sub(1) else {
-            return;
-        };
-        let sigma = self.bias_sigma_rad;
-        let station = usize::from(observation.station());
-        match self.biases {
-            Biases::Common => set(numbers, 0, sigma),
-            Biases::PerStation => set(numbers, if station < last { station } else { last }, sigma),
-            Biases::ByDirection => {
-                let harmonics = last / 2;
-                let each = sigma / sqrt(1.0 + harmonics as f32);
-                let turn = wrap(observation.bearing().radians() - observation.heading().radians());
-                set(numbers, 0, each);
-                for harmonic in 0..harmonics {
-                    let (sin, cos) = sin_cos(wrap((harmonic + 1) as f32 * turn));
-                    set(numbers, 2 * harmonic + 1, each * cos);
-                    set(numbers, 2 * harmonic + 2, each * sin);
-                }
-            }
-        }
+        let by_direction = matches!(self.biases, Biases::ByDirection);
+        self.position_sigma_m > 0.0 || self.are_correlated() || by_direction
     }
 
     /// Variance of the error of an entry on its own, in stated sigmas: of the part that the readings share, which is as
@@ -334,11 +298,5 @@ impl Errors {
             mirrored: rate(self.rates.mirrored, counts.mirrored),
             outlier: rate(self.rates.outlier, counts.outlier),
         }
-    }
-}
-
-fn set(numbers: &mut [f32], place: usize, value: f32) {
-    if let Some(number) = numbers.get_mut(place) {
-        *number = value;
     }
 }

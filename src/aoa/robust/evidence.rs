@@ -2,6 +2,7 @@
 
 use heapless::Vec;
 
+use super::biases::Known;
 use super::config::Config;
 use super::density::{Density, Region, Space, Width};
 use super::errors::Errors;
@@ -18,8 +19,9 @@ const ENOUGH: f32 = 0.5;
 
 /// All bits of an empty one are zero.
 #[derive(Debug, Clone)]
-pub(super) struct Evidence<const B: usize> {
+pub(super) struct Evidence<const B: usize, const D: usize> {
     pub(super) bearings: Buffer<B>,
+    pub(super) known: Known<D>,
     /// Centre of the prior.
     centre: [f32; 2],
     /// Its range; zero for those of the configuration.
@@ -30,8 +32,8 @@ pub(super) struct Evidence<const B: usize> {
     scale: f32,
 }
 
-persist!(impl[const B: usize] Evidence<B> as "robust::Evidence"(B) {
-    bearings, centre, range_m, source, scale
+persist!(impl[const B: usize, const D: usize] Evidence<B, D> as "robust::Evidence"(B, D) {
+    bearings, known, centre, range_m, source, scale
 });
 
 /// What a new bearing changed.
@@ -47,15 +49,17 @@ pub(super) struct Change<const D: usize> {
 /// What bearings say, in the order of the entries.
 pub(super) type Terms<const D: usize, const B: usize> = Vec<Term<D>, B>;
 
-impl<const B: usize> Evidence<B> {
+impl<const B: usize, const D: usize> Evidence<B, D> {
     pub(super) const EMPTY: Self = Self {
         bearings: Buffer::EMPTY,
+        known: Known::NOTHING,
         centre: [0.0; 2],
         range_m: 0.0,
         source: None,
         scale: 0.0,
     };
 
+    /// Forgets everything but what is known of biases.
     pub(super) fn clear(&mut self) {
         self.bearings.clear();
         (self.centre, self.range_m) = ([0.0; 2], 0.0);
@@ -72,7 +76,7 @@ impl<const B: usize> Evidence<B> {
     }
 
     /// The source is thought to be here, and errors of this scale.
-    pub(super) fn set_source<const D: usize>(&mut self, state: &State<D>, scale_sigma: f32) {
+    pub(super) fn set_source(&mut self, state: &State<D>, scale_sigma: f32) {
         self.source = Some(position(state));
         self.scale = exp(-Width::new(scale_sigma, state).log_height);
     }
@@ -97,7 +101,7 @@ impl<const B: usize> Evidence<B> {
         Region::new(self.centre, if own > 0.0 { [own; 2] } else { configured })
     }
 
-    pub(super) fn density<'a, const D: usize>(
+    pub(super) fn density<'a>(
         &self,
         terms: &'a [Term<D>],
         config: &Config,
@@ -116,25 +120,15 @@ impl<const B: usize> Evidence<B> {
         }
     }
 
-    /// Forgets its own bearings, and takes those of a candidate.
-    pub(super) fn adopt(&mut self, candidate: &Candidate<'_>, errors: &Errors) {
-        let (latest, mean) = (candidate.latest, candidate.mode.mean);
-        self.clear();
-        self.centre = latest.map_or([0.0; 2], Observation::position);
-        self.set_source(&mean, errors.scale_sigma);
-        let lines = self.lines(errors);
-        self.bearings.adopt(candidate.entries(), latest, &lines);
-    }
-
     /// Forgets the bearings that a mode explains.
-    pub(super) fn release<const D: usize>(&mut self, mode: &Mode<D>, errors: &Errors) {
+    pub(super) fn release(&mut self, mode: &Mode<D>, errors: &Errors) {
         let source = self.source;
         self.bearings
             .retain(|entry| !explains(mode, entry, source, errors));
     }
 
     /// Takes a bearing. The source is thought to be where it was last [set](Self::set_source).
-    pub(super) fn push<const D: usize>(
+    pub(super) fn push(
         &mut self,
         bearing: &Alternative,
         errors: &Errors,
@@ -173,7 +167,7 @@ impl<const B: usize> Evidence<B> {
 
     /// Whether bearings make a fix by their best mode, under the same mixture as all else.
     #[inline(never)]
-    pub(super) fn crossing<const D: usize>(
+    pub(super) fn crossing(
         &self,
         terms: &[Term<D>],
         modes: &Modes<D>,
@@ -206,7 +200,7 @@ impl<const B: usize> Evidence<B> {
 
     /// The log-likelihood of a source at infinity, in the direction, with the scale and the biases that fit best.
     #[inline(never)]
-    fn best_at_infinity<const D: usize>(&self, density: &Density<'_, D>) -> f32 {
+    fn best_at_infinity(&self, density: &Density<'_, D>) -> f32 {
         /// Directions that are tried, those of some bearings, and steps of the climb from the best: more find the best
         /// direction more often, which keeps parallel bearings from making a fix.
         const STARTS: usize = 16;
@@ -226,6 +220,18 @@ impl<const B: usize> Evidence<B> {
             Some(mode) => density.log_likelihood(&mode.mean),
             None => best,
         }
+    }
+}
+
+impl<const B: usize> Evidence<B, PLAIN> {
+    /// Forgets its own bearings, and takes those of a candidate.
+    pub(super) fn adopt(&mut self, candidate: &Candidate<'_>, errors: &Errors) {
+        let (latest, mean) = (candidate.latest, candidate.mode.mean);
+        self.clear();
+        self.centre = latest.map_or([0.0; 2], Observation::position);
+        self.set_source(&mean, errors.scale_sigma);
+        let lines = self.lines(errors);
+        self.bearings.adopt(candidate.entries(), latest, &lines);
     }
 }
 
@@ -273,8 +279,9 @@ fn explains<const D: usize>(
 ) -> bool {
     let variance = errors.sigma_scale * errors.sigma_scale * errors.own_variance(entry);
     let variance = variance + errors.variance_of_place(&entry.observation, source);
+    let features = (errors.biases).features(&entry.observation, errors.bias_sigma_rad, source);
     let term = Term::new(&entry.observation, errors, variance)
-        .with_biases(&entry.observation, errors)
+        .with_biases(features, 0.0)
         .with_probability(entry.probability);
     let width = Width::new(errors.scale_sigma, &mode.mean);
     term.read(&term.line(&mode.mean), &width).odds > 1.0

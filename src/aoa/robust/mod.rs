@@ -26,6 +26,7 @@
 //! * A full buffer averages the two bearings that say most nearly the same, and forgets the less likely of two that
 //!   contradict each other at nearly the same place.
 
+mod biases;
 mod candidates;
 mod config;
 mod density;
@@ -49,7 +50,7 @@ use super::{
 };
 use crate::ConfigError;
 use crate::filter::ParticleFilter;
-use crate::math::{ln, sqrt};
+use crate::math::ln;
 use crate::particles::read;
 use crate::persist;
 use crate::random::Rng;
@@ -57,13 +58,15 @@ use crate::resample::Scheme;
 pub(super) use candidates::Candidates;
 pub use config::Config;
 use density::Width;
-pub use errors::{Biases, Correlation, Errors, Learned};
+pub use biases::Biases;
+pub use errors::{Correlation, Errors, Learned};
+use biases::Known;
 pub(super) use evidence::Candidate;
 use evidence::{Change, Evidence};
 use mode::{Modes, hypotheses, plane, position};
 use proposal::MixtureProposal;
 use search::search;
-use term::{BIASES, PLAIN, SCALE, State, Term};
+use term::{PLAIN, SCALE, State, Term};
 
 /// Locates one stationary source, with `N` particles and a buffer of `B` bearings, some of which may be wrong.
 ///
@@ -88,7 +91,7 @@ use term::{BIASES, PLAIN, SCALE, State, Term};
 /// ```
 #[derive(Debug, Clone)]
 pub struct Robust<const N: usize, const B: usize = 64, const D: usize = 4> {
-    evidence: Evidence<B>,
+    evidence: Evidence<B, D>,
     filter: ParticleFilter<D, N>,
     modes: Modes<D>,
     answer: Answer,
@@ -180,12 +183,9 @@ impl<const N: usize, const B: usize, const D: usize> Locate for Robust<N, B, D> 
     }
 
     fn reset(&mut self) {
-        self.evidence.clear();
-        self.modes.clear();
-        self.answer = Answer::NOTHING;
-        self.moments = Self::EMPTY.moments;
+        self.evidence.known = Known::NOTHING;
+        self.forget_bearings();
         self.learned = Learned::NOTHING;
-        self.since_search = 0;
         self.outliers_removed = 0.0;
     }
 
@@ -194,13 +194,7 @@ impl<const N: usize, const B: usize, const D: usize> Locate for Robust<N, B, D> 
     }
 
     fn bias(&self, config: &Config) -> Option<Bias> {
-        self.answer.fix()?;
-        let (mean, covariance) = &self.moments;
-        let scale = config.errors.bias_sigma_rad;
-        Some(Bias {
-            mean_rad: scale * mean[BIASES],
-            sigma_rad: scale * sqrt(covariance[BIASES][BIASES]),
-        })
+        self.bias_of(self.evidence.bearings.latest()?, config)
     }
 
     fn rates(&self, config: &Config) -> Option<Mixture> {
@@ -262,6 +256,30 @@ impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
     /// The bearings in the buffer, in no particular order; some stand for several.
     pub fn observations(&self) -> impl ExactSizeIterator<Item = &Observation> {
         self.evidence.bearings.observations()
+    }
+
+    /// The bias of a bearing, of its station and direction; `None` before the first fix.
+    pub fn bias_of(&self, observation: &Observation, config: &Config) -> Option<Bias> {
+        self.answer.fix()?;
+        Some((self.evidence.known).bias(observation, &config.errors, &self.moments))
+    }
+
+    /// Forgets the source and its bearings, and goes on with what they have taught of biases and rates. For the next drive
+    /// with the same arrays.
+    pub fn forget_source(&mut self) {
+        if self.answer.fix().is_some() {
+            let (mean, covariance) = &self.moments;
+            self.evidence.known.learn(mean, covariance);
+        }
+        self.forget_bearings();
+    }
+
+    fn forget_bearings(&mut self) {
+        self.evidence.clear();
+        self.modes.clear();
+        self.answer = Answer::NOTHING;
+        self.moments = Self::EMPTY.moments;
+        self.since_search = 0;
     }
 
     /// The configuration with the rates as learned so far.

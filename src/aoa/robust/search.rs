@@ -46,7 +46,7 @@ struct Candidate<const D: usize> {
 /// The modes of all bearings, from those `known` before and from random crossings.
 #[inline(never)]
 pub(super) fn search<R: Rng + ?Sized, const D: usize, const B: usize>(
-    evidence: &Evidence<B>,
+    evidence: &Evidence<B, D>,
     terms: &[Term<D>],
     config: &Config,
     known: &Modes<D>,

@@ -43,7 +43,7 @@ struct Compared<'a> {
     length_m: f32,
 }
 
-impl<const B: usize> Evidence<B> {
+impl<const B: usize, const D: usize> Evidence<B, D> {
     /// What the bearings say, those of one place after each other. Made when it is needed, because it takes as much memory
     /// as they do.
     ///
@@ -52,7 +52,7 @@ impl<const B: usize> Evidence<B> {
     /// its own. Those of one place that do not say the same exclude each other: not more than one of them points at the
     /// source, whatever the scale of the errors is.
     #[inline(never)]
-    pub(super) fn terms<const D: usize>(&self, errors: &Errors) -> Terms<D, B> {
+    pub(super) fn terms(&self, errors: &Errors) -> Terms<D, B> {
         let shares = self.shares(errors);
         let mut terms = Terms::new();
         for (i, share) in shares.iter().enumerate() {
@@ -112,7 +112,7 @@ impl<const B: usize> Evidence<B> {
     }
 
     /// What an entry says, be it that in the buffer at some index or none of them.
-    pub(super) fn term_of<const D: usize>(
+    pub(super) fn term_of(
         &self,
         entry: &Entry,
         errors: &Errors,
@@ -137,7 +137,7 @@ impl<const B: usize> Evidence<B> {
     }
 
     /// What a bearing says that is not in the buffer, on its own.
-    pub(super) fn new_term<const D: usize>(
+    pub(super) fn new_term(
         &self,
         observation: &Observation,
         errors: &Errors,
@@ -148,7 +148,7 @@ impl<const B: usize> Evidence<B> {
 
     /// What an entry says, of which the covariances with all entries have this sum, in square stated sigmas, beside others
     /// of its place: so many readings in all.
-    fn term<const D: usize>(
+    fn term(
         &self,
         entry: &Entry,
         errors: &Errors,
@@ -167,8 +167,9 @@ impl<const B: usize> Evidence<B> {
         let place = errors.variance_of_place(&entry.observation, self.source) / entry.worth;
         let place = scale * scale * place;
         let variance = errors.sigma_scale * errors.sigma_scale * own + place;
+        let (features, known) = (self.known).features(&entry.observation, errors, self.source);
         Term::new(&entry.observation, errors, variance)
-            .with_biases(&entry.observation, errors)
+            .with_biases(features, known)
             .with_probability(entry.weight() / readings)
             .with_worth(own / covariance)
     }

@@ -130,10 +130,15 @@ impl<const D: usize> Term<D> {
         self
     }
 
-    /// With its part in the biases.
-    pub(super) fn with_biases(mut self, observation: &Observation, errors: &Errors) -> Self {
-        if let Some(numbers) = self.features.get_mut(BIASES..) {
-            errors.features(observation, numbers);
+    /// With its part in the biases, of which it is off by `known` radians for certain.
+    pub(super) fn with_biases(mut self, features: State<D>, known: f32) -> Self {
+        self.features = features;
+        if known != 0.0 {
+            let (sin, cos) = sin_cos(wrap(known));
+            (self.sin, self.cos) = (
+                self.sin * cos - self.cos * sin,
+                self.cos * cos + self.sin * sin,
+            );
         }
         self
     }

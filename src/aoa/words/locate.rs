@@ -84,7 +84,7 @@ pub trait Locate {
         None
     }
 
-    /// The common error of all bearings; `None` before the first fix.
+    /// The bias of the latest bearing, which it has in common with others; `None` before the first fix.
     fn bias(&self, _config: &Self::Config) -> Option<Bias> {
         None
     }

@@ -2,6 +2,7 @@
 //! whether a drive past a source ends where the gateway says.
 
 use anyhow::Result;
+use foxhunt::aoa::robust::Errors;
 use foxhunt_host::{
     array::{Method, coverage},
     figures::Figure,
@@ -24,15 +25,15 @@ const LEAST: f64 = 0.9;
 const DRIVES: u32 = 504;
 /// The rates of drives between which those are whose 95 % ellipse holds the source.
 const HELD: [f64; 2] = [0.92, 0.98];
-/// Conditions of drives: a key, the standard deviation of the antennas' phases in degrees, how many bearings the stated
-/// sigmas weigh as much as, and whether the figures have limits. By default, sigmas are as stated: they allow for
-/// reflections in every reading, so ellipses are too wide for an ideal array. Errors of phase are a bias by direction, which
-/// no locator knows: one that learns how large errors are takes its steadiness for accuracy.
+/// Conditions of drives: a key, the standard deviation of the antennas' phases in degrees, how sure it is that sigmas are as
+/// stated ([`Errors::scale_sigma`]), and whether the figures have limits. Sigmas as stated allow for reflections in every
+/// reading, so ellipses are too wide for an ideal array. Errors of phase are a bias by direction: a locator that is not told
+/// of it takes its steadiness for accuracy.
 const CONDITIONS: [(&str, f64, f32, bool); 4] = [
-    ("ideal", 0.0, f32::INFINITY, false),
-    ("ideal.learned", 0.0, 2.0, true),
-    ("phase10", 10.0, f32::INFINITY, false),
-    ("phase10.learned", 10.0, 2.0, false),
+    ("ideal", 0.0, Errors::DEFAULT.scale_sigma, true),
+    ("ideal.stated", 0.0, 0.0, false),
+    ("phase10", 10.0, Errors::DEFAULT.scale_sigma, false),
+    ("phase10.stated", 10.0, 0.0, false),
 ];
 
 /// Prints the tables, and returns their figures.
@@ -41,9 +42,9 @@ const CONDITIONS: [(&str, f64, f32, bool); 4] = [
 /// When no progress can be shown.
 pub fn run(study: &Study) -> Result<Vec<Figure>> {
     let mut figures = readings(study);
-    for (key, phase, scale_bearings, limited) in CONDITIONS {
-        let drives = Drives::new(study, phase, scale_bearings)?;
-        drives.print(phase, scale_bearings);
+    for (key, phase, scale_sigma, limited) in CONDITIONS {
+        let drives = Drives::new(study, phase, scale_sigma)?;
+        drives.print(phase, scale_sigma);
         figures.extend(drives.figures(key, limited));
     }
     Ok(figures)
@@ -96,7 +97,7 @@ fn readings(study: &Study) -> Vec<Figure> {
 struct Drives(Vec<(Build, Method, Passes)>);
 
 impl Drives {
-    fn new(study: &Study, phase: f64, scale_bearings: f32) -> Result<Self> {
+    fn new(study: &Study, phase: f64, scale_sigma: f32) -> Result<Self> {
         let kinds: Vec<(Build, Method)> = Build::ALL
             .into_iter()
             .flat_map(|build| Method::ALL.map(|method| (build, method)))
@@ -105,7 +106,7 @@ impl Drives {
         let all = u64::from(all).next_multiple_of(kinds.len() as u64);
         let one = |run: u64| {
             let (build, method) = kinds[run as usize % kinds.len()];
-            let passes = Passes::one(build, method, phase, scale_bearings, study.seed, run);
+            let passes = Passes::one(build, method, phase, scale_sigma, study.seed, run);
             (build, method, passes)
         };
         let drives = (0..all)
@@ -136,7 +137,7 @@ impl Drives {
         }
     }
 
-    fn print(&self, phase: f64, scale_bearings: f32) {
+    fn print(&self, phase: f64, scale_sigma: f32) {
         let header = [
             "build",
             "method",
@@ -156,7 +157,7 @@ impl Drives {
         table.add_row(self.summary(|_, _| true).row("all", "all"));
         println!(
             "Drives past a source, one reading in five with a reflection, antennas off by {phase} degrees of phase, \
-             stated sigmas that weigh as much as {scale_bearings} bearings:\n\n\
+             the logarithm of the scale of sigmas known to {scale_sigma} before:\n\n\
              {table}\n"
         );
     }

@@ -4,8 +4,8 @@ use super::*;
 use crate::math::wrap;
 
 /// Information of all bearings at their source, in those of one reading.
-fn worth<const B: usize>(evidence: &Evidence<B>, errors: &Errors) -> f32 {
-    let terms = evidence.terms::<PLAIN>(errors);
+fn worth<const B: usize>(evidence: &Evidence<B, PLAIN>, errors: &Errors) -> f32 {
+    let terms = evidence.terms(errors);
     let precisions = terms.iter().map(Term::precision);
     SIGMA * SIGMA * precisions.sum::<f32>()
 }
@@ -19,7 +19,7 @@ fn readings_of_one_place_are_one_bearing() {
         },
         ..Errors::DEFAULT
     };
-    let mut evidence = Evidence::<8>::EMPTY;
+    let mut evidence = Evidence::<8, PLAIN>::EMPTY;
     for _ in 0..1000 {
         push(
             &mut evidence,
@@ -38,7 +38,7 @@ fn readings_of_one_place_are_one_bearing() {
     // One that contradicts is not joined, and excludes the others.
     let reflected = towards([0.0, 0.0], [-500.0, 900.0], 0.0, SIGMA);
     assert!(push(&mut evidence, reflected, None, &errors).old.is_none());
-    let terms = evidence.terms::<PLAIN>(&errors);
+    let terms = evidence.terms(&errors);
     let ends: Vec<bool> = terms.iter().map(Term::is_last_of_place).collect();
     assert_eq!(ends, [false, true]);
 }
@@ -52,7 +52,7 @@ fn bearings_that_share_errors_count_for_what_they_tell() {
         },
         ..Errors::DEFAULT
     };
-    let mut evidence = Evidence::<2>::EMPTY;
+    let mut evidence = Evidence::<2, PLAIN>::EMPTY;
     for east in [0.0, 20.0] {
         let far = [SOURCE[0] + east, SOURCE[1]];
         push(
@@ -75,7 +75,7 @@ fn an_error_of_a_stop_does_not_average_out() {
         ..Errors::DEFAULT
     };
     for count in [1, 10, 500] {
-        let mut evidence = Evidence::<8>::EMPTY;
+        let mut evidence = Evidence::<8, PLAIN>::EMPTY;
         for _ in 0..count {
             let reading = towards([0.0, 0.0], SOURCE, 0.0, SIGMA);
             push(&mut evidence, reading, None, &errors);
@@ -96,10 +96,10 @@ fn correlation_may_end_with_time() {
         ..Errors::DEFAULT
     };
     let of = |ms: u32| {
-        let mut evidence = Evidence::<8>::EMPTY;
+        let mut evidence = Evidence::<8, PLAIN>::EMPTY;
         for i in 0..100 {
             let observation = at(i * ms, &towards([0.0, 0.0], SOURCE, 0.0, SIGMA));
-            evidence.push::<PLAIN>(&observation.into(), &errors);
+            evidence.push(&observation.into(), &errors);
         }
         worth(&evidence, &errors)
     };
@@ -113,7 +113,7 @@ fn correlation_may_end_with_time() {
 #[test]
 fn a_full_buffer_never_averages_what_disagrees() {
     let errors = independent();
-    let mut evidence = Evidence::<4>::EMPTY;
+    let mut evidence = Evidence::<4, PLAIN>::EMPTY;
     let source = SOURCE;
     let outlier = |east| towards([east, 0.0], [east, -900.0], 0.0, SIGMA);
     // Pairs that contradict each other, closer to each other than to the next pair: the likelier stays.
@@ -134,7 +134,7 @@ fn a_full_buffer_never_averages_what_disagrees() {
         assert!(error.abs() < 1e-3 || stray.abs() < 1e-3, "{o:?}");
     }
     // A mirrored one says the same, once the source is known: together they are a direct one.
-    let mut evidence = Evidence::<2>::EMPTY;
+    let mut evidence = Evidence::<2, PLAIN>::EMPTY;
     let turned = towards([1.0, 0.0], SOURCE, core::f32::consts::PI, SIGMA);
     for o in [
         turned,
@@ -152,7 +152,7 @@ fn a_full_buffer_never_averages_what_disagrees() {
 #[test]
 fn bearings_of_different_stations_are_never_merged() {
     let errors = Errors::DEFAULT;
-    let mut evidence = Evidence::<4>::EMPTY;
+    let mut evidence = Evidence::<4, PLAIN>::EMPTY;
     for i in 0..40_u8 {
         let east = 100.0 * f32::from(i / 8);
         let observation = towards([east, 0.0], SOURCE, 0.0, SIGMA).from_station(i % 3);
@@ -191,10 +191,10 @@ fn a_late_bearing_is_joined_with_the_readings_of_its_time() {
         ..Errors::DEFAULT
     };
     let worth = |times: [u32; 3]| {
-        let mut evidence = Evidence::<8>::EMPTY;
+        let mut evidence = Evidence::<8, PLAIN>::EMPTY;
         for time_ms in times {
             let observation = at(time_ms, &towards([0.0, 0.0], SOURCE, 0.0, SIGMA));
-            evidence.push::<PLAIN>(&observation.into(), &errors);
+            evidence.push(&observation.into(), &errors);
         }
         assert_eq!(evidence.bearings.latest().unwrap().time_ms(), 60_000);
         worth(&evidence, &errors)

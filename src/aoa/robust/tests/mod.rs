@@ -71,7 +71,7 @@ fn locate<const B: usize>(
 
 /// Takes a bearing, a second after the one before.
 fn push<const B: usize>(
-    evidence: &mut Evidence<B>,
+    evidence: &mut Evidence<B, PLAIN>,
     observation: Observation,
     source: Option<[f32; 2]>,
     errors: &Errors,
@@ -92,17 +92,17 @@ fn with(errors: Errors) -> Config {
 }
 
 /// Evidence of some bearings as they are, for the errors given.
-fn evidence(errors: &Errors, observations: &[Observation]) -> Evidence<64> {
+fn evidence(errors: &Errors, observations: &[Observation]) -> Evidence<64, PLAIN> {
     let mut evidence = Evidence::EMPTY;
     for observation in observations {
-        evidence.push::<PLAIN>(&(*observation).into(), errors);
+        evidence.push(&(*observation).into(), errors);
     }
     evidence
 }
 
 fn term(observation: &Observation, errors: &Errors) -> Term<PLAIN> {
     Term::new(observation, errors, errors.variance(observation, None))
-        .with_biases(observation, errors)
+        .with_biases(errors.biases.features(observation, errors.bias_sigma_rad, None), 0.0)
 }
 
 fn independent() -> Errors {
@@ -114,7 +114,7 @@ fn independent() -> Errors {
 }
 
 /// Two places, each with a pair of bearings on it, and a bias: everything that makes a posterior difficult.
-fn two_hypotheses() -> (Config, Evidence<64>) {
+fn two_hypotheses() -> (Config, Evidence<64, PLAIN>) {
     let errors = Errors {
         bias_sigma_rad: 0.05,
         ..independent()

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use foxhunt::aoa::robust::{Config, Correlation, Errors};
+use foxhunt::aoa::robust::Config;
 use foxhunt_host::{Sight, figures::Figure, measured::Measured, reference::mahalanobis, simulate};
 use indicatif::ParallelProgressIterator;
 use nalgebra::Vector2;
@@ -26,20 +26,8 @@ const TRANSMITTERS: [&str; 3] = ["tx2", "tx3", "tx4"];
 /// Of bearings taken at one place; what they are off by together is a bias, of as much.
 const SIGMA_DEGREES: f64 = 3.0;
 
-/// One for all: a room of ten metres, places that are decimetres apart.
-const CONFIG: Config = foxhunt::config!(Config {
-    errors: Errors {
-        bias_sigma_rad: SIGMA_DEGREES.to_radians() as f32,
-        correlation: Correlation {
-            at_rest: 0.95,
-            distance_m: 0.2,
-            time_s: f32::INFINITY,
-        },
-        ..Errors::DEFAULT
-    },
-    range_m: 10.0,
-    ..Config::DEFAULT
-});
+/// What a user has who states nothing.
+const CONFIG: Config = Config::DEFAULT;
 
 /// Runs all transmitters of both sets.
 pub fn run(study: &Study, orders: u32) -> Result<Vec<Figure>> {

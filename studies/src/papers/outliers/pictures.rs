@@ -54,7 +54,7 @@ fn map(track: &Track, sights: &[Sight], locator: &Locator<Robust<256>>) -> Map {
     let (kept, rejected) = sights
         .iter()
         .partition(|sight| fix.is_none_or(|fix| off(sight, fix.position) < 3.0));
-    let [x, y, _] = locator.state().columns();
+    let [x, y, ..] = locator.state().columns();
     let rates = locator.rates();
     Map {
         title: format!("Track {}: {} bearings", track.name, sights.len()),

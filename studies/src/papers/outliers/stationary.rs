@@ -79,8 +79,9 @@ fn outcomes(
             correlation: Correlation {
                 at_rest: at_rest as f32,
                 distance_m: DISTANCE_M as f32,
-                time_s: f32::INFINITY,
+                ..Correlation::NONE
             },
+            bias_sigma_rad: 0.0,
             ..Errors::DEFAULT
         },
         ..Config::DEFAULT
