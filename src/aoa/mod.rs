@@ -40,5 +40,5 @@ pub use robust::Robust;
 pub use words::{
     Advice, Alternative, Answer, Bearing, Bias, Cloud, DIRECTIONS, FARTHEST_M, Fix, Hypothesis,
     Locate, Locator, Mixture, Motion, NotObservable, Observation, ObservationError, PushError,
-    SigmaScale, Source,
+    Retract, Retracted, SigmaScale, Source,
 };

@@ -21,6 +21,7 @@ use super::triangulation::random_crossing;
 use super::words::Belief;
 use super::{
     Advice, Answer, BearingLikelihood, Cloud, Fix, Locate, NotObservable, Observation, PushError,
+    Retract, Retracted,
 };
 use crate::ConfigError;
 use crate::config::require_within;
@@ -162,6 +163,19 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
             self.first_answer(config, rng)
         };
         Ok(self.answer)
+    }
+
+    fn retract<R: Rng + ?Sized>(
+        &mut self,
+        what: &Retract,
+        config: &Config<M>,
+        rng: &mut R,
+    ) -> Retracted {
+        let retracted = self.bearings.retract(what);
+        if retracted.bearings > 0 {
+            self.answer = self.first_answer(config, rng);
+        }
+        retracted
     }
 
     fn answer(&self) -> Answer {

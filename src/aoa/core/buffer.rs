@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use crate::aoa::triangulation::linearise;
-use crate::aoa::{Bearing, Observation, PushError};
+use crate::aoa::{Bearing, Observation, PushError, Retract, Retracted};
 use crate::math::{atan2, sqrt, wrap};
 use crate::persist;
 use crate::snapshot::value;
@@ -125,6 +125,24 @@ impl<const B: usize> Buffer<B> {
         self.count -= if gone < self.count { gone } else { self.count };
     }
 
+    /// Forgets the bearings that are taken back, as far as they can be told from others.
+    #[inline(never)]
+    pub(in crate::aoa) fn retract(&mut self, what: &Retract) -> Retracted {
+        let mut retracted = Retracted::NOTHING;
+        for entry in &self.entries {
+            let readings = (entry.readings + 0.5) as u32;
+            match entry.part_of(what) {
+                Part::None => {}
+                Part::Some => retracted.merged += readings,
+                Part::All => retracted.bearings += readings,
+            }
+        }
+        if retracted.bearings > 0 {
+            self.retain(|entry| !matches!(entry.part_of(what), Part::All));
+        }
+        retracted
+    }
+
     /// Takes a bearing that is not merged with another, unless there is no other room.
     pub(in crate::aoa) fn add(&mut self, new: Entry, comparison: &impl Comparison) {
         if self.entries.push(new).is_ok() {
@@ -219,6 +237,13 @@ value!(Entry {
     first_ms,
 });
 
+/// How much of what an entry stands for is to be taken back.
+enum Part {
+    None,
+    Some,
+    All,
+}
+
 /// How the bearings of a locator compare.
 pub(in crate::aoa) trait Comparison {
     /// Where the source is thought to be, if anywhere.
@@ -266,6 +291,42 @@ impl Entry {
 
     pub(in crate::aoa) fn position(&self) -> [f32; 2] {
         self.observation.position()
+    }
+
+    /// How much of it is to be taken back.
+    fn part_of(&self, what: &Retract) -> Part {
+        let last = &self.observation;
+        let ends = |after: bool, before: bool| match (after, before) {
+            (true, true) => Part::All,
+            _ => Part::Some,
+        };
+        match *what {
+            Retract::Bearing { time_ms, station } => {
+                let since_first = time_ms.wrapping_sub(self.first_ms) as i32;
+                let is_within = last.since_ms(time_ms) >= 0 && since_first >= 0;
+                if last.station() != station || !is_within {
+                    Part::None
+                } else {
+                    ends(last.time_ms() == time_ms, self.first_ms == time_ms)
+                }
+            }
+            Retract::Span { from_ms, until_ms } => {
+                let first = |time_ms: u32| time_ms.wrapping_sub(self.first_ms) as i32;
+                if last.since_ms(from_ms) < 0 || first(until_ms) < 0 {
+                    Part::None
+                } else {
+                    ends(first(from_ms) <= 0, last.since_ms(until_ms) <= 0)
+                }
+            }
+            Retract::Place { position, radius_m } => {
+                if square_of_distance(position, self.position()) > radius_m * radius_m {
+                    Part::None
+                } else {
+                    // The mean of several places may be near one where none of them is.
+                    ends(self.worth == 1.0, true)
+                }
+            }
+        }
     }
 
     /// How many readings it stands for, in which bearings that exclude each other are one.

@@ -38,8 +38,8 @@ use super::robust::{Errors, Learned};
 use super::track::{Stationary, Track};
 use super::words::Belief;
 use super::{
-    Advice, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Observation, PushError, SigmaScale,
-    Source,
+    Advice, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Observation, PushError, Retract,
+    Retracted, SigmaScale, Source,
 };
 use crate::ConfigError;
 use crate::math::sqrt;
@@ -204,6 +204,21 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
             self.seen = Some(fix);
         }
         Ok(self.answer)
+    }
+
+    /// Of a stationary source; of one that has departed nothing can be taken back.
+    fn retract<R: Rng + ?Sized>(
+        &mut self,
+        what: &Retract,
+        config: &Self::Config,
+        rng: &mut R,
+    ) -> Retracted {
+        if self.phase != Phase::Stationary {
+            return Retracted::NOTHING;
+        }
+        let retracted = self.stationary.retract(what, &config.stationary, rng);
+        self.answer = self.conclude(config);
+        retracted
     }
 
     fn answer(&self) -> Answer {

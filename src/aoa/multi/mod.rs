@@ -18,7 +18,7 @@ use super::robust::{self, Candidates};
 use super::track::Track;
 use super::{
     Advice, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable, Observation,
-    PushError, SigmaScale, Source,
+    PushError, Retract, Retracted, SigmaScale, Source,
 };
 use crate::math::{exp, ln};
 use crate::random::Rng;
@@ -325,6 +325,22 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
         }
         self.delete_faded(config.least_rate);
         Ok(self.answer())
+    }
+
+    /// From all tracks, and from the bearings of none.
+    fn retract<R: Rng + ?Sized>(
+        &mut self,
+        what: &Retract,
+        config: &Self::Config,
+        rng: &mut R,
+    ) -> Retracted {
+        let mut all = self.candidates.retract(what);
+        for (slot, track) in self.slots.iter().zip(&mut self.tracks) {
+            if slot.identity.is_some() {
+                all = all.plus(track.retract(what, &config.track, rng));
+            }
+        }
+        all
     }
 
     /// If no source has a fix, why the one that was heard most of late has none.

@@ -70,7 +70,9 @@ impl Biases {
 /// That of the source from where a bearing was taken; the bearing itself as long as it is not known where that is.
 fn direction(observation: &Observation, source: Option<[f32; 2]>) -> f32 {
     let [x, y] = observation.position();
-    source.map_or(observation.bearing().radians(), |[east, north]| atan2(north - y, east - x))
+    source.map_or(observation.bearing().radians(), |[east, north]| {
+        atan2(north - y, east - x)
+    })
 }
 
 fn set(numbers: &mut [f32], place: usize, value: f32) {

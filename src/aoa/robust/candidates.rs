@@ -10,7 +10,9 @@ use super::search::search;
 use super::term::PLAIN;
 use crate::aoa::core::is_narrow;
 use crate::aoa::words::Belief;
-use crate::aoa::{Advice, Answer, Hypothesis, Mixture, NotObservable, Observation, PushError};
+use crate::aoa::{
+    Advice, Answer, Hypothesis, Mixture, NotObservable, Observation, PushError, Retract, Retracted,
+};
 use crate::math::ln;
 use crate::persist;
 use crate::random::Rng;
@@ -61,6 +63,11 @@ impl<const B: usize> Candidates<B> {
             }
         }
         Ok(())
+    }
+
+    /// Takes bearings back. The modes are looked for again with the next bearing.
+    pub(in crate::aoa) fn retract(&mut self, what: &Retract) -> Retracted {
+        self.evidence.bearings.retract(what)
     }
 
     /// The mode of this rank by mass, if it alone would make a fix and is as likely as `log_odds` says to be a

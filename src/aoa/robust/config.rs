@@ -35,11 +35,12 @@ impl Config {
     };
 
     /// For a vehicle in a city: its array is mounted 3 degrees off, satellites place it to 3 m, and what reflections add to
-    /// bearings changes every 5 m.
+    /// bearings changes every 5 m. Its sigmas allow for reflections, so that better bearings are only slowly believed.
     pub const CITY: Self = Self {
         errors: Errors {
             bias_sigma_rad: 0.05,
             position_sigma_m: 3.0,
+            scale_sigma: 0.05,
             correlation: Correlation {
                 distance: 0.0,
                 distance_m: 5.0,

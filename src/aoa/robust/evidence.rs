@@ -101,11 +101,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         Region::new(self.centre, if own > 0.0 { [own; 2] } else { configured })
     }
 
-    pub(super) fn density<'a>(
-        &self,
-        terms: &'a [Term<D>],
-        config: &Config,
-    ) -> Density<'a, D> {
+    pub(super) fn density<'a>(&self, terms: &'a [Term<D>], config: &Config) -> Density<'a, D> {
         Density {
             terms,
             space: Space::Plane(self.region(config)),
@@ -128,11 +124,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     }
 
     /// Takes a bearing. The source is thought to be where it was last [set](Self::set_source).
-    pub(super) fn push(
-        &mut self,
-        bearing: &Alternative,
-        errors: &Errors,
-    ) -> Change<D> {
+    pub(super) fn push(&mut self, bearing: &Alternative, errors: &Errors) -> Change<D> {
         let (observation, probability) = (*bearing.observation(), bearing.probability());
         if self.bearings.entries().is_empty() && self.range_m == 0.0 {
             self.centre = observation.position();

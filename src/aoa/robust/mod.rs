@@ -46,7 +46,7 @@ use super::core::{Proposal, check_narrow, is_depleted, sweep};
 use super::words::Belief;
 use super::{
     Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
-    Observation, PushError, SigmaScale,
+    Observation, PushError, Retract, Retracted, SigmaScale,
 };
 use crate::ConfigError;
 use crate::filter::ParticleFilter;
@@ -55,12 +55,12 @@ use crate::particles::read;
 use crate::persist;
 use crate::random::Rng;
 use crate::resample::Scheme;
+pub use biases::Biases;
+use biases::Known;
 pub(super) use candidates::Candidates;
 pub use config::Config;
 use density::Width;
-pub use biases::Biases;
 pub use errors::{Correlation, Errors, Learned};
-use biases::Known;
 pub(super) use evidence::Candidate;
 use evidence::{Change, Evidence};
 use mode::{Modes, hypotheses, plane, position};
@@ -176,6 +176,20 @@ impl<const N: usize, const B: usize, const D: usize> Locate for Robust<N, B, D> 
         };
         self.answer = answer.into();
         Ok(self.answer)
+    }
+
+    fn retract<R: Rng + ?Sized>(
+        &mut self,
+        what: &Retract,
+        config: &Config,
+        rng: &mut R,
+    ) -> Retracted {
+        let retracted = self.evidence.bearings.retract(what);
+        if retracted.bearings > 0 {
+            let believed = self.believed(config);
+            self.answer = self.observe(&believed, rng).into();
+        }
+        retracted
     }
 
     fn answer(&self) -> Answer {

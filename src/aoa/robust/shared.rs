@@ -112,12 +112,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     }
 
     /// What an entry says, be it that in the buffer at some index or none of them.
-    pub(super) fn term_of(
-        &self,
-        entry: &Entry,
-        errors: &Errors,
-        index: Option<usize>,
-    ) -> Term<D> {
+    pub(super) fn term_of(&self, entry: &Entry, errors: &Errors, index: Option<usize>) -> Term<D> {
         let lines = self.lines(errors);
         let extent = self.extent_m();
         let one = self.compared(entry, errors, extent);
@@ -137,24 +132,14 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     }
 
     /// What a bearing says that is not in the buffer, on its own.
-    pub(super) fn new_term(
-        &self,
-        observation: &Observation,
-        errors: &Errors,
-    ) -> Term<D> {
+    pub(super) fn new_term(&self, observation: &Observation, errors: &Errors) -> Term<D> {
         let entry = Entry::new(*observation, 1.0);
         self.term(&entry, errors, errors.own_variance(&entry), 1.0)
     }
 
     /// What an entry says, of which the covariances with all entries have this sum, in square stated sigmas, beside others
     /// of its place: so many readings in all.
-    fn term(
-        &self,
-        entry: &Entry,
-        errors: &Errors,
-        covariance: f32,
-        readings: f32,
-    ) -> Term<D> {
+    fn term(&self, entry: &Entry, errors: &Errors, covariance: f32, readings: f32) -> Term<D> {
         // Of alternatives some may have been forgotten.
         let readings = if readings > entry.readings {
             readings

@@ -5,6 +5,7 @@ use core::fmt::Debug;
 use super::advice::Advice;
 use super::answer::{Answer, Bias, Cloud, Fix, Hypothesis, Mixture, SigmaScale, Source};
 use super::observation::{Alternative, Observation, PushError};
+use super::retract::{Retract, Retracted};
 use crate::ConfigError;
 use crate::random::Rng;
 
@@ -56,6 +57,19 @@ pub trait Locate {
     ) -> Result<Answer, PushError> {
         let best = Alternative::most_probable(alternatives).ok_or(PushError::Empty)?;
         self.push(best, config, rng)
+    }
+
+    /// Takes bearings back, as far as they can be told from others, and locates the source without them. A full buffer
+    /// averages bearings, and so do readings of one place: what stands in a mean with others stays, and is said to.
+    ///
+    /// A locator that cannot take back anything says that it did not.
+    fn retract<R: Rng + ?Sized>(
+        &mut self,
+        _what: &Retract,
+        _config: &Self::Config,
+        _rng: &mut R,
+    ) -> Retracted {
+        Retracted::NOTHING
     }
 
     /// What is known of the source; of the best known one, where there are several.
@@ -186,6 +200,11 @@ impl<L: Locate> Locator<L> {
     ) -> Result<Answer, PushError> {
         self.state
             .push_alternatives(alternatives, &self.config, rng)
+    }
+
+    /// See [`Locate::retract`].
+    pub fn retract<R: Rng + ?Sized>(&mut self, what: &Retract, rng: &mut R) -> Retracted {
+        self.state.retract(what, &self.config, rng)
     }
 
     /// See [`Locate::answer`].

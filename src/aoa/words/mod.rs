@@ -4,6 +4,7 @@ mod advice;
 mod answer;
 mod locate;
 mod observation;
+mod retract;
 
 pub(in crate::aoa) use advice::Belief;
 pub use advice::{Advice, DIRECTIONS, FARTHEST_M};
@@ -12,3 +13,4 @@ pub use answer::{
 };
 pub use locate::{Locate, Locator};
 pub use observation::{Alternative, Bearing, Observation, ObservationError, PushError};
+pub use retract::{Retract, Retracted};

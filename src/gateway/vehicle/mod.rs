@@ -217,10 +217,11 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
         // No two undated bearings are of one time.
         let time_ms = time_ms.wrapping_add(u32::from(frame.lent));
         let station = reading.station.unwrap_or(port as u8);
+        let heading = frame.bearing(0.0);
         let observe = |ray: &Ray| {
             let sigma_rad = (ray.sigma_rad).unwrap_or_else(|| config.sigma_rad(reading.quality));
             Observation::new(time_ms, position, frame.bearing(ray.degrees), sigma_rad)
-                .map(|observation| observation.from_station(station))
+                .map(|observation| observation.from_station(station).with_heading(heading))
                 .map_err(|_| Rejected::OutOfRange)
         };
         let best = observe(&reading.best)?;

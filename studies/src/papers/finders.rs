@@ -2,7 +2,7 @@
 //! whether a drive past a source ends where the gateway says.
 
 use anyhow::Result;
-use foxhunt::aoa::robust::Errors;
+use foxhunt::aoa::robust::Config;
 use foxhunt_host::{
     array::{Method, coverage},
     figures::Figure,
@@ -26,13 +26,13 @@ const DRIVES: u32 = 504;
 /// The rates of drives between which those are whose 95 % ellipse holds the source.
 const HELD: [f64; 2] = [0.92, 0.98];
 /// Conditions of drives: a key, the standard deviation of the antennas' phases in degrees, how sure it is that sigmas are as
-/// stated ([`Errors::scale_sigma`]), and whether the figures have limits. Sigmas as stated allow for reflections in every
+/// stated ([`scale_sigma`](foxhunt::aoa::robust::Errors::scale_sigma)), and whether the figures have limits. Sigmas as stated allow for reflections in every
 /// reading, so ellipses are too wide for an ideal array. Errors of phase are a bias by direction: a locator that is not told
 /// of it takes its steadiness for accuracy.
 const CONDITIONS: [(&str, f64, f32, bool); 4] = [
-    ("ideal", 0.0, Errors::DEFAULT.scale_sigma, true),
+    ("ideal", 0.0, Config::CITY.errors.scale_sigma, true),
     ("ideal.stated", 0.0, 0.0, false),
-    ("phase10", 10.0, Errors::DEFAULT.scale_sigma, false),
+    ("phase10", 10.0, Config::CITY.errors.scale_sigma, false),
     ("phase10.stated", 10.0, 0.0, false),
 ];
 

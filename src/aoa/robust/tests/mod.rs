@@ -5,8 +5,9 @@ extern crate std;
 use super::density::Density;
 use super::term::Term;
 use super::*;
-use crate::aoa::Bearing;
 use crate::aoa::testing::{Clocked, Track, at, simulate};
+use crate::aoa::{Bearing, Locator};
+use crate::estimate::Symmetric2;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
 use std::{vec, vec::Vec};
 
@@ -101,8 +102,12 @@ fn evidence(errors: &Errors, observations: &[Observation]) -> Evidence<64, PLAIN
 }
 
 fn term(observation: &Observation, errors: &Errors) -> Term<PLAIN> {
-    Term::new(observation, errors, errors.variance(observation, None))
-        .with_biases(errors.biases.features(observation, errors.bias_sigma_rad, None), 0.0)
+    Term::new(observation, errors, errors.variance(observation, None)).with_biases(
+        errors
+            .biases
+            .features(observation, errors.bias_sigma_rad, None),
+        0.0,
+    )
 }
 
 fn independent() -> Errors {
@@ -485,6 +490,7 @@ fn a_correlation_and_a_range_are_checked() {
 mod alternatives;
 mod buffer;
 mod position;
+mod retract;
 mod scale;
 mod search;
 mod term;
