@@ -53,8 +53,6 @@ impl<const B: usize> Candidates<B> {
         let errors = &config.errors;
         self.evidence.bearings.admit(observation)?;
         self.evidence.push(&(*observation).into(), errors);
-        // What is expected of a source that is new does not depend on where the first one was heard.
-        self.evidence.centre_on(observation.position(), 0.0);
         if self.evidence.entries().len() > 1 {
             let terms = self.evidence.terms(errors);
             self.modes = search(&self.evidence, &terms, config, &self.modes, rng);

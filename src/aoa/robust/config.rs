@@ -10,7 +10,8 @@ use crate::config::{require, require_all, require_within};
 pub struct Config {
     /// What is believed of the errors before any bearing.
     pub errors: Errors,
-    /// Range from which on all orders of magnitude are as likely, from the place of the first bearing; metres, 0.01 to 1e6.
+    /// Range from which on all orders of magnitude are as likely, from the middle of the places of the bearings; metres, 0.01
+    /// to 1e6. Nearer, and among these places, all places are.
     pub nearest_m: f32,
     /// Range up to which they are, at least as large, up to 1e6. If both are the same, all places within are as likely.
     pub range_m: f32,

@@ -22,9 +22,9 @@ const ENOUGH: f32 = 0.5;
 pub(super) struct Evidence<const B: usize, const D: usize> {
     pub(super) bearings: Buffer<B>,
     pub(super) known: Known<D>,
-    /// Centre of the prior.
+    /// Centre of the prior, if it has a range of its own.
     centre: [f32; 2],
-    /// Its range; zero for those of the configuration.
+    /// That range; zero where there is none.
     range_m: f32,
     /// Where the source was when the particles last moved; before the first fix, the best hypothesis.
     pub(super) source: Option<[f32; 2]>,
@@ -70,7 +70,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         self.bearings.entries()
     }
 
-    /// The prior is about here: flat within the range, or that of the configuration if it is zero.
+    /// The prior is about here, and flat within the range.
     pub(super) fn centre_on(&mut self, centre: [f32; 2], range_m: f32) {
         (self.centre, self.range_m) = (centre, range_m);
     }
@@ -94,11 +94,17 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         }
     }
 
-    /// The prior of the place.
+    /// The prior of the place: about the places of the bearings, and flat among them.
     pub(super) fn region(&self, config: &Config) -> Region {
-        let own = self.range_m;
-        let configured = [config.nearest_m, config.range_m];
-        Region::new(self.centre, if own > 0.0 { [own; 2] } else { configured })
+        if self.range_m > 0.0 {
+            return Region::new(self.centre, [self.range_m; 2]);
+        }
+        let (centre, half) = self.bounds();
+        let Config {
+            nearest_m, range_m, ..
+        } = *config;
+        let near = if half > nearest_m { half } else { nearest_m };
+        Region::new(centre, [if near < range_m { near } else { range_m }, range_m])
     }
 
     pub(super) fn density<'a>(&self, terms: &'a [Term<D>], config: &Config) -> Density<'a, D> {
@@ -126,9 +132,6 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     /// Takes a bearing. The source is thought to be where it was last [set](Self::set_source).
     pub(super) fn push(&mut self, bearing: &Alternative, errors: &Errors) -> Change<D> {
         let (observation, probability) = (*bearing.observation(), bearing.probability());
-        if self.bearings.entries().is_empty() && self.range_m == 0.0 {
-            self.centre = observation.position();
-        }
         self.bearings.note(&observation, probability);
         let likely = probability > 0.5;
         let new = Entry::new(observation, probability);
@@ -220,7 +223,6 @@ impl<const B: usize> Evidence<B, PLAIN> {
     pub(super) fn adopt(&mut self, candidate: &Candidate<'_>, errors: &Errors) {
         let (latest, mean) = (candidate.latest, candidate.mode.mean);
         self.clear();
-        self.centre = latest.map_or([0.0; 2], Observation::position);
         self.set_source(&mean, errors.scale_sigma);
         let lines = self.lines(errors);
         self.bearings.adopt(candidate.entries(), latest, &lines);

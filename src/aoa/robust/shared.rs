@@ -192,6 +192,11 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
 
     /// How far apart the places of the bearings are.
     pub(super) fn extent_m(&self) -> f32 {
+        2.0 * self.bounds().1
+    }
+
+    /// The middle of the box round the places of the bearings, and half of its diagonal.
+    pub(super) fn bounds(&self) -> ([f32; 2], f32) {
         let mut low = [f32::INFINITY; 2];
         let mut high = [f32::NEG_INFINITY; 2];
         for entry in self.entries() {
@@ -200,11 +205,11 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
                 *high = if x > *high { x } else { *high };
             }
         }
-        if low[0] <= high[0] {
-            sqrt(square_of_distance(low, high))
-        } else {
-            0.0
+        if low[0] > high[0] {
+            return ([0.0; 2], 0.0);
         }
+        let centre = [0, 1].map(|d| 0.5 * (low[d] + high[d]));
+        (centre, sqrt(square_of_distance(low, centre)))
     }
 }
 
