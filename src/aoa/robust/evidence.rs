@@ -104,7 +104,10 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
             nearest_m, range_m, ..
         } = *config;
         let near = if half > nearest_m { half } else { nearest_m };
-        Region::new(centre, [if near < range_m { near } else { range_m }, range_m])
+        Region::new(
+            centre,
+            [if near < range_m { near } else { range_m }, range_m],
+        )
     }
 
     pub(super) fn density<'a>(&self, terms: &'a [Term<D>], config: &Config) -> Density<'a, D> {
