@@ -5,12 +5,14 @@ use std::collections::BinaryHeap;
 use nalgebra::{Matrix2, Vector2};
 
 use super::{
-    likelihood::{Cell, Likelihood},
+    cell::Cell,
+    likelihood::Likelihood,
+    model::{Model, Prior},
     pending::Pending,
 };
 use crate::{Sight, faults::Faults};
 
-/// The posterior of the place of the source given all bearings, under a flat prior over a square.
+/// The posterior of the place of the source given all bearings, within a square.
 ///
 /// The square is halved, and halved again, always the part that could hold the most: a bound on the likelihood that holds
 /// everywhere in it, times its area. Parts that are small beside the likelihood's own scale are summed, by three by
@@ -29,10 +31,13 @@ pub struct Posterior {
     pub covariance: Matrix2<f64>,
     /// The most likely place, in metres east and north.
     pub mode: [f64; 2],
-    /// Logarithm of the density of the bearings, each in 1/rad, if the source is anywhere in the square.
+    /// Logarithm of the density of the bearings, each in 1/rad, if the source is anywhere in the square, or with the prior's
+    /// density there.
     pub log_evidence: f64,
     /// The most that the parts of the square that were not summed can hold, as a fraction of the whole.
     pub discarded: f64,
+    /// Logarithm of the integral over the square of what the likelihood has with the prior.
+    log_sum: f64,
     square: Square,
     likelihood: Likelihood,
 }
@@ -66,26 +71,29 @@ impl Posterior {
     /// # Panics
     /// If `faults` has both: then the sum would be one over the bias, too.
     pub fn with_faults(sights: &[Sight], faults: &Faults) -> Option<Self> {
-        Self::within(&Square::round(sights)?, sights, faults).filter(Self::lies_inside)
+        let model = Model::with_faults(faults);
+        Self::within(&Square::round(sights)?, sights, &model).filter(Self::lies_inside)
     }
 
-    /// The same of a source that is in the `square` for certain, whether the `sights` determine its place or not. `None` if
-    /// that takes more than four million cells.
+    /// The posterior by the `model` of a source that is in the `square` for certain, whether the `sights` determine its place
+    /// or not. `None` if that takes more than four million cells.
     ///
     /// # Panics
-    /// As [`Posterior::with_faults`].
-    pub fn within(square: &Square, sights: &[Sight], faults: &Faults) -> Option<Self> {
-        Self::of(square, Likelihood::new(sights, faults), WIDEST)
-    }
-
-    fn of(square: &Square, likelihood: Likelihood, widest: f64) -> Option<Self> {
-        let (sum, discarded) = integrate(square, &likelihood, widest)?;
+    /// As [`Posterior::with_faults`], or if there are biases of another number of bearings.
+    pub fn within(square: &Square, sights: &[Sight], model: &Model) -> Option<Self> {
+        let likelihood = Likelihood::new(sights, model);
+        let (sum, discarded) = integrate(square, &likelihood)?;
+        let flat = match model.prior {
+            Prior::Flat => 2.0 * square.side.ln(),
+            Prior::Ranged { .. } => 0.0,
+        };
         let mean = sum.mean();
         Some(Self {
             mean: mean.into(),
             covariance: sum.covariance(mean),
             mode: climb(square, &likelihood, &sum).into(),
-            log_evidence: sum.log() - 2.0 * square.side.ln(),
+            log_evidence: sum.log() - flat,
+            log_sum: sum.log(),
             discarded,
             square: *square,
             likelihood,
@@ -103,8 +111,7 @@ impl Posterior {
         if offset.amax() > 0.5 * self.square.side {
             return 0.0;
         }
-        let flat = 2.0 * self.square.side.ln();
-        (self.log_likelihood(place) - self.log_evidence - flat).exp()
+        (self.likelihood.with_prior(place.into()) - self.log_sum).exp()
     }
 
     /// Four standard deviations round the mean are within the square.
@@ -153,7 +160,7 @@ struct Sum {
 }
 
 /// Sums all but what a millionth says; and says what the rest is at most.
-fn integrate(square: &Square, likelihood: &Likelihood, widest: f64) -> Option<(Sum, f64)> {
+fn integrate(square: &Square, likelihood: &Likelihood) -> Option<(Sum, f64)> {
     let whole = Cell {
         centre: square.centre.into(),
         half: Vector2::repeat(square.side / 2.0),
@@ -173,7 +180,7 @@ fn integrate(square: &Square, likelihood: &Likelihood, widest: f64) -> Option<(S
             return Some((sum, rest.exp()));
         }
         let Pending { cell, widths, .. } = largest;
-        let axis = if widths.max() > widest {
+        let axis = if widths.max() > WIDEST {
             widths.imax()
         } else {
             let nodes = Nodes::new(&cell, likelihood);
@@ -205,7 +212,7 @@ impl Nodes {
             .map(|[(x, _), (y, _)]| cell.centre + cell.half.component_mul(&Vector2::new(x, y)));
         Self {
             places,
-            logs: places.map(|place| likelihood.at(place)),
+            logs: places.map(|place| likelihood.with_prior(place)),
             areas: pairs.map(|[(_, across), (_, along)]| cell.area() * across * along),
         }
     }
@@ -257,7 +264,9 @@ impl Sum {
 /// The maximum that is reached from the most likely node, by steps along the axes that get shorter.
 fn climb(square: &Square, likelihood: &Likelihood, sum: &Sum) -> Vector2<f64> {
     let highest = |places: &[Vector2<f64>]| {
-        let logs = places.iter().map(|place| (likelihood.at(*place), *place));
+        let logs = places
+            .iter()
+            .map(|place| (likelihood.with_prior(*place), *place));
         logs.max_by(|a, b| a.0.total_cmp(&b.0))
     };
     let Some((mut log, mut place)) = highest(&sum.places) else {
