@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::Vector2;
+use nalgebra::{DMatrix, DVector, Vector2};
 
 use super::{
     cell::Cell,
@@ -30,6 +30,8 @@ pub(super) struct Bound {
 pub(super) struct Likelihood {
     lines: Vec<Line>,
     scales: Vec<Scale>,
+    /// The biases that the lines know of independently, as columns.
+    turned: DMatrix<f64>,
     /// Whether each bearing may be direct, mirrored or an outlier.
     mixed: bool,
     /// Of bearings without errors, at scale one and without biases.
@@ -49,11 +51,12 @@ impl Likelihood {
         let mut lines: Vec<Line> = (sights.iter().zip(turns))
             .map(|(sight, turns)| Line::new(sight, faults, turns))
             .collect();
-        let known = Sums::turned(&mut lines, count);
+        let (known, turned) = Sums::turned(&mut lines, count);
         Self {
             peak: lines.iter().map(|line| line.peaks[0]).sum(),
             scales: Scale::all(model.scale_sigma, lines.len(), &known),
             lines,
+            turned,
             mixed,
             prior: model.prior,
         }
@@ -66,13 +69,26 @@ impl Likelihood {
         if self.mixed {
             return Scale::sum(&self.scales, |scale| mixed(&views, scale));
         }
-        let mut sums = Sums::default();
-        for view in &views {
-            sums.add(view.line, view.error, Vector2::zeros(), 0.0);
-        }
+        let sums = errors(&views);
         Scale::sum(&self.scales, |scale| {
             self.normal(sums.error(scale).sqrt(), scale)
         })
+    }
+
+    /// Means and covariance of the biases if the source is at a place and sigmas are as stated.
+    pub fn biases(&self, place: Vector2<f64>) -> (DVector<f64>, DMatrix<f64>) {
+        let views = self.lines.iter().map(|line| View::of_place(line, place));
+        let sums = errors(&views.collect::<Vec<View>>());
+        let Some(scale) = self.scales.get(self.scales.len() / 2) else {
+            return (DVector::zeros(0), DMatrix::zeros(0, 0));
+        };
+        let variances = scale.known.iter().map(|known| 1.0 / (1.0 + known));
+        let variances = DVector::from_iterator(scale.known.len(), variances);
+        let covariance = DMatrix::from_diagonal(&variances);
+        (
+            &self.turned * sums.biases(scale),
+            &self.turned * covariance * self.turned.transpose(),
+        )
     }
 
     /// With the prior.
@@ -139,6 +155,15 @@ impl Likelihood {
     fn normal(&self, norm: f64, scale: &Scale) -> f64 {
         self.peak + scale.peak - 0.5 * norm * norm
     }
+}
+
+/// Sums over the errors of all bearings.
+fn errors(views: &[View<'_>]) -> Sums {
+    let mut sums = Sums::default();
+    for view in views {
+        sums.add(view.line, view.error, Vector2::zeros(), 0.0);
+    }
+    sums
 }
 
 /// Of bearings each of which is direct, mirrored or an outlier.

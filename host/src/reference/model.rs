@@ -5,11 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::Vector2;
 
 use super::cell::Cell;
-use crate::{
-    Sight,
-    faults::Faults,
-    sight::{direction, wrap},
-};
+use crate::{Sight, faults::Faults, sight::wrap};
 
 /// What is known of the bearings and of the place before any of them. By default: errors as stated, and nothing of the place.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -186,7 +182,5 @@ mod tests {
             let square: f64 = turns(0.1 * f64::from(k), 2, 0.2).map(|t| t * t).sum();
             assert!((square - 0.04).abs() < 1e-12);
         }
-        let heading = direction([0.0, 0.0], [1.0, 1.0]);
-        assert!((heading - 0.25 * PI).abs() < 1e-12);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BinaryHeap;
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 use super::{
     cell::Cell,
@@ -36,10 +36,9 @@ pub struct Posterior {
     pub log_evidence: f64,
     /// The most that the parts of the square that were not summed can hold, as a fraction of the whole.
     pub discarded: f64,
-    /// Logarithm of the integral over the square of what the likelihood has with the prior.
-    log_sum: f64,
     square: Square,
     likelihood: Likelihood,
+    sum: Sum,
 }
 
 /// Parts that together hold less than this fraction of the whole are not summed.
@@ -93,10 +92,10 @@ impl Posterior {
             covariance: sum.covariance(mean),
             mode: climb(square, &likelihood, &sum).into(),
             log_evidence: sum.log() - flat,
-            log_sum: sum.log(),
             discarded,
             square: *square,
             likelihood,
+            sum,
         })
     }
 
@@ -111,7 +110,21 @@ impl Posterior {
         if offset.amax() > 0.5 * self.square.side {
             return 0.0;
         }
-        (self.likelihood.with_prior(place.into()) - self.log_sum).exp()
+        (self.likelihood.with_prior(place.into()) - self.sum.log()).exp()
+    }
+
+    /// Means and covariance of the biases of the model, that of the faults last, where sigmas are as stated.
+    pub fn biases(&self) -> (DVector<f64>, DMatrix<f64>) {
+        let places = || self.sum.weighted().filter(|(_, weight)| *weight > 1e-7);
+        let mean = |(place, weight)| self.likelihood.biases(place).0 * weight;
+        let mean: DVector<f64> = places().map(mean).reduce(|a, b| a + b).unwrap_or_default();
+        let covariance = |(place, weight)| {
+            let (at, covariance) = self.likelihood.biases(place);
+            let off = at - &mean;
+            (covariance + &off * off.transpose()) * weight
+        };
+        let covariance = places().map(covariance).reduce(|a, b| a + b);
+        (mean, covariance.unwrap_or_default())
     }
 
     /// Four standard deviations round the mean are within the square.
@@ -149,7 +162,7 @@ impl Square {
 }
 
 /// The nodes that are summed.
-#[derive(Default)]
+#[derive(Debug, Clone, Default)]
 struct Sum {
     places: Vec<Vector2<f64>>,
     /// Logarithms of likelihood times area.

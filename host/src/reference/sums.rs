@@ -21,10 +21,11 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    /// Turns the biases of all bearings, so that these know of each independently; returns how much.
-    pub fn turned(lines: &mut [Line], biases: usize) -> Vec<f64> {
+    /// Turns the biases of all bearings, so that these know of each independently; returns how much, and the turned biases as
+    /// columns.
+    pub fn turned(lines: &mut [Line], biases: usize) -> (Vec<f64>, DMatrix<f64>) {
         if biases == 0 {
-            return Vec::new();
+            return (Vec::new(), DMatrix::zeros(0, 0));
         }
         let turns = lines.iter().flat_map(|line| line.turns.iter().copied());
         let turns = DMatrix::from_row_iterator(lines.len(), biases, turns);
@@ -32,11 +33,12 @@ impl Sums {
             eigenvectors,
             eigenvalues,
         } = SymmetricEigen::new(turns.tr_mul(&turns));
-        let turns = turns * eigenvectors;
+        let turns = turns * &eigenvectors;
         for (line, row) in lines.iter_mut().zip(turns.row_iter()) {
             line.turns = row.iter().copied().collect();
         }
-        eigenvalues.iter().map(|value| value.max(0.0)).collect()
+        let known = eigenvalues.iter().map(|value| value.max(0.0));
+        (known.collect(), eigenvectors)
     }
 
     /// One direction of this error in radians, whose slope at the centre of the cell is this, in radians per metre east and
@@ -85,6 +87,13 @@ impl Sums {
     /// The squared norm of the errors in their sigmas, without what the biases explain.
     pub fn error(&self, scale: &Scale) -> f64 {
         self.norm_squared(0, scale)
+    }
+
+    /// Means of the turned biases at scale one.
+    pub fn biases(&self, scale: &Scale) -> DVector<f64> {
+        let means = (self.shared.iter().zip(&scale.known))
+            .map(|(shared, known)| -shared[0] / (1.0 + known));
+        DVector::from_iterator(self.shared.len(), means)
     }
 
     /// Norms of the slopes at the centre, without what the biases explain, and of the largest differences from them.

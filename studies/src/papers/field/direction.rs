@@ -1,0 +1,99 @@
+//! A bias that depends on the direction from the bow.
+
+use anyhow::{Context, Result};
+use foxhunt_host::{
+    Sight,
+    curve::Curve,
+    figures::Figure,
+    reference::{Model, Posterior, biases_by_direction},
+    simulate::generator,
+    tracks::Track,
+};
+use nalgebra::DMatrix;
+
+use super::{
+    config::{self, ByDirection, CURVE_SIGMA, HARMONICS},
+    runs::{HEADER, Limits, Run, Runs, exact},
+};
+use crate::papers::{outcome::locate_by, table::table};
+
+const FIRST: Limits = Limits {
+    ratio: 1.2,
+    covered: [0.92, 0.98],
+};
+const NEXT: Limits = Limits {
+    ratio: 1.05,
+    covered: [0.92, 0.98],
+};
+
+/// Runs both tracks, and the next drive with each array.
+pub fn run(runs: u32, seed: u64) -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    let mut table = table(HEADER, 1);
+    for (key, name, track) in [
+        ("l", "an L (A2)", Track::a2()),
+        ("circle", "a circle about the source (A5)", Track::a5()),
+    ] {
+        let first = drive(&track, runs, seed, name, false)?;
+        table.add_row(first.row(name));
+        figures.extend(first.figures(&format!("field.direction.{key}"), &FIRST));
+        let name = format!("{name}, the next drive");
+        let next = drive(&track, runs, seed, &name, true)?;
+        table.add_row(next.row(&name));
+        figures.extend(next.figures(&format!("field.direction.{key}.next"), &NEXT));
+    }
+    println!(
+        "A bias of two harmonics of the direction from the bow, of 10 degrees in all, {runs} runs; the next drive is an L round \
+         another source, with what was learned\n\n{table}\n"
+    );
+    Ok(figures)
+}
+
+/// The first drive along a track, or the one after it.
+fn drive(track: &Track, runs: u32, seed: u64, name: &str, next: bool) -> Result<Runs> {
+    Runs::new(runs, name, |run| {
+        let curve = Curve::random(HARMONICS, CURVE_SIGMA, &mut generator(seed, run));
+        let (sights, headings) = curve.bearings(track, &mut generator(!seed, run));
+        let model = Model {
+            biases: biases_by_direction(&sights, &headings, HARMONICS, CURVE_SIGMA),
+            ..Model::default()
+        };
+        let posterior = exact(&sights, model)?;
+        let told = config::direction(track.sigma);
+        if !next {
+            let answer = locate_by::<ByDirection>(&told.config, &sights, seed ^ run)?;
+            return Ok(Run::new(answer, &posterior, track.source));
+        }
+        let track = Track::a2();
+        let mut rng = generator(seed.rotate_left(32), run);
+        let (sights, headings) = curve.bearings(&track, &mut rng);
+        let exact = after(&posterior, &sights, &headings)?;
+        let answer = locate_by::<ByDirection>(&told.config, &sights, seed ^ run)?;
+        Ok(Run::new(answer, &exact, track.source))
+    })
+}
+
+/// The exact posterior of a drive with what another one says of the biases.
+fn after(before: &Posterior, sights: &[Sight], headings: &[f64]) -> Result<Posterior> {
+    let (mean, covariance) = before.biases();
+    let factor = covariance.cholesky().context("no covariance")?.l();
+    let turns = biases_by_direction(sights, headings, HARMONICS, CURVE_SIGMA);
+    let columns = mean.len();
+    let turns = DMatrix::from_row_iterator(sights.len(), columns, turns.into_iter().flatten());
+    let expected = &turns * &mean;
+    let turns = turns * factor;
+    let sights: Vec<Sight> = (sights.iter().zip(expected.iter()))
+        .map(|(sight, expected)| Sight {
+            bearing: sight.bearing - expected,
+            ..*sight
+        })
+        .collect();
+    let model = Model {
+        biases: turns
+            .row_iter()
+            .map(|row| row.iter().copied().collect())
+            .collect(),
+        ..Model::default()
+    };
+    exact(&sights, model)
+}
