@@ -72,7 +72,8 @@ fn part_names() -> PossibleValuesParser {
 
 impl Field {
     fn parts(&self) -> Vec<Part> {
-        let asked = |name: &str| self.parts.is_empty() || self.parts.iter().any(|part| part == name);
+        let asked =
+            |name: &str| self.parts.is_empty() || self.parts.iter().any(|part| part == name);
         let parts = Part::ALL.into_iter().filter(|(name, _)| asked(name));
         parts.map(|(_, part)| part).collect()
     }

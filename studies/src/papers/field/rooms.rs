@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 use super::{
     config::{SCALE_SIGMA, nothing},
-    runs::{Run, exact},
+    runs::exact,
 };
 use crate::papers::{
     others::{huber, nearest_to_lines},
@@ -126,7 +126,8 @@ fn metres(error: f64) -> String {
 struct Transmitter {
     /// The set, and the transmitter.
     name: [&'static str; 2],
-    runs: Vec<Run>,
+    ours: Vec<Outcome>,
+    exact: Vec<Outcome>,
     gauss_newton: Outcome,
     least_squares: f64,
     huber: Outcome,
@@ -145,11 +146,13 @@ impl Transmitter {
                 sigma: SIGMA_DEGREES.to_radians(),
             })
             .collect();
-        let runs = (0..orders)
+        let runs: Vec<(Outcome, Option<Outcome>)> = (0..orders)
             .into_par_iter()
             .progress_with(progress(orders.into(), name.join(" "))?)
             .map(|order| order_of(&sights, source, seed, order.into()))
             .collect::<Result<_>>()?;
+        let ours = runs.iter().map(|(ours, _)| *ours).collect();
+        let exact = runs.iter().filter_map(|(_, exact)| *exact).collect();
         let off = |place: Vector2<f64>| place - Vector2::from(source);
         let maximum = |limit| {
             let (place, covariance) = huber(&sights, limit);
@@ -160,7 +163,8 @@ impl Transmitter {
         };
         Ok(Self {
             name,
-            runs,
+            ours,
+            exact,
             gauss_newton: maximum(f64::INFINITY),
             least_squares: off(nearest_to_lines(&sights)).norm(),
             huber: maximum(1.345),
@@ -168,16 +172,16 @@ impl Transmitter {
     }
 
     fn fixes(&self) -> impl Iterator<Item = Outcome> {
-        let ours = self.runs.iter().map(|run| run.ours);
+        let ours = self.ours.iter().copied();
         ours.filter(|ours| ours.error.is_finite())
     }
 
     fn fraction_of_fixes(&self) -> f64 {
-        self.fixes().count() as f64 / self.runs.len() as f64
+        self.fixes().count() as f64 / self.ours.len() as f64
     }
 
     fn exact_median(&self) -> f64 {
-        median(self.runs.iter().map(|run| run.exact.error))
+        median(self.exact.iter().map(|exact| exact.error))
     }
 
     fn median(&self) -> f64 {
@@ -191,7 +195,7 @@ impl Transmitter {
     /// The fraction of all orders.
     fn covered(&self) -> f64 {
         let covered = self.fixes().filter(|fix| fix.covered).count();
-        covered as f64 / self.runs.len() as f64
+        covered as f64 / self.ours.len() as f64
     }
 
     fn row(&self) -> [String; 12] {
@@ -202,7 +206,7 @@ impl Transmitter {
         };
         let percent = |fraction: f64| format!("{:.0} %", 100.0 * fraction);
         let holds = |o: &Outcome| if o.covered { "yes" } else { "no" }.to_owned();
-        let exact = self.runs.iter().filter(|run| run.exact.covered).count();
+        let exact = self.exact.iter().filter(|exact| exact.covered).count();
         [
             self.name.join(" "),
             metres(middle),
@@ -210,7 +214,7 @@ impl Transmitter {
             percent(self.covered()),
             percent(self.fraction_of_fixes()),
             metres(self.exact_median()),
-            percent(exact as f64 / self.runs.len() as f64),
+            percent(exact as f64 / self.exact.len() as f64),
             metres(self.gauss_newton.error),
             holds(&self.gauss_newton),
             metres(self.least_squares),
@@ -241,8 +245,16 @@ impl Transmitter {
     }
 }
 
-/// The bearings in a random order, one a second.
-fn order_of(sights: &[Sight], source: [f64; 2], seed: u64, order: u64) -> Result<Run> {
+/// Orders from one exact posterior to the next: it depends on the place of the first bearing only, and takes seconds.
+const EXACT_EVERY: u64 = 5;
+
+/// The bearings in a random order, one a second: our outcome, and that of the exact posterior.
+fn order_of(
+    sights: &[Sight],
+    source: [f64; 2],
+    seed: u64,
+    order: u64,
+) -> Result<(Outcome, Option<Outcome>)> {
     let mut sights = sights.to_vec();
     for (sight, second) in sights.iter_mut().zip(0..) {
         sight.time_ms = 1000 * second;
@@ -259,5 +271,9 @@ fn order_of(sights: &[Sight], source: [f64; 2], seed: u64, order: u64) -> Result
             bias_sigma: 0.0,
         })
     };
-    Ok(Run::new(answer, &exact(&sights, model)?, source))
+    let exact = match order % EXACT_EVERY {
+        0 => Some(Outcome::exact(&exact(&sights, model)?, source)),
+        _ => None,
+    };
+    Ok((Outcome::of(answer, source), exact))
 }
