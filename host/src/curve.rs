@@ -66,7 +66,7 @@ fn headings(places: &[[f64; 2]]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::{
-        reference::{Model, Posterior, Prior, Square, biases_by_direction},
+        reference::{Biases, ByDirection, Model, Posterior, Prior, Square},
         simulate::generator,
     };
 
@@ -92,7 +92,7 @@ mod tests {
             let curve = Curve::random(2, 0.1, &mut generator(2, run));
             let (sights, headings) = curve.bearings(&track, &mut generator(3, run));
             let model = Model {
-                biases: biases_by_direction(&sights, &headings, 2, 0.1),
+                biases: Biases::ByDirection(ByDirection::new(headings, 2, 0.1)),
                 prior: Prior::Ranged {
                     centre: track.receivers[0],
                     nearest_m: 1.0,

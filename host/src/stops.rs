@@ -9,7 +9,7 @@ use crate::{
     tracks::along,
 };
 
-/// Three sides of a square of 400 m, with a stop every 60 m. What is off at a stop, like its heading or the reflections there, is
+/// Round a square of 400 m, with a stop every 80 m. What is off at a stop, like its heading or the reflections there, is
 /// off in all of its readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stops {
@@ -22,18 +22,24 @@ pub struct Stops {
 }
 
 impl Stops {
-    /// Where one source at a time is: within the square, and beyond each of its sides, 100 to 250 m from the road.
+    /// Where one source at a time is: within the square, and beyond three of its sides, 100 to 200 m from the road.
     pub const SOURCES: [[f64; 2]; 4] = [
         [150.0, 250.0],
-        [550.0, 150.0],
-        [200.0, -200.0],
-        [100.0, 650.0],
+        [500.0, 150.0],
+        [200.0, -150.0],
+        [250.0, 600.0],
     ];
 
     /// The places of the stops, in order.
     pub fn places() -> Vec<[f64; 2]> {
         along(
-            &[[0.0, 0.0], [400.0, 0.0], [400.0, 400.0], [0.0, 400.0]],
+            &[
+                [0.0, 0.0],
+                [400.0, 0.0],
+                [400.0, 400.0],
+                [0.0, 400.0],
+                [0.0, 0.0],
+            ],
             21,
         )
     }

@@ -7,7 +7,7 @@ use std::{
 
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
-use super::{Model, Prior, Square};
+use super::{Biases, ByDirection, Model, Prior, Square, turns};
 use crate::{Sight, faults::Faults};
 
 /// What a uniform grid says of the posterior that [`Posterior`](super::Posterior) computes; it shares no code with it.
@@ -80,6 +80,12 @@ impl Brute {
         let log = |place: Vector2<f64>| {
             let errors = sights.iter().map(|sight| sight.residual(place.into()));
             let errors = DVector::from_iterator(sights.len(), errors);
+            if let Biases::ByDirection(biases) = &model.biases {
+                let all = scales.iter().map(|s| {
+                    s.log_weight + biased(sights, &s.sigmas, biases, place, errors.as_slice())
+                });
+                return log_of_sum(all) + log_prior(&model.prior, place);
+            }
             let all = scales
                 .iter()
                 .map(|s| s.log_weight + s.log_likelihood(&errors));
@@ -371,6 +377,32 @@ impl<'a> Scaled<'a> {
         };
         errors.iter().zip(&self.sigmas).map(one).sum()
     }
+}
+
+/// Bearing by bearing, where biases depend on the direction of the place: they are estimated from the bearings before each.
+fn biased(
+    sights: &[Sight],
+    sigmas: &[f64],
+    biases: &ByDirection,
+    place: Vector2<f64>,
+    errors: &[f64],
+) -> f64 {
+    let mut mean = biases.mean.clone();
+    let mut covariance = &biases.root * biases.root.transpose();
+    let mut log = 0.0;
+    for (k, (sight, error)) in sights.iter().zip(errors).enumerate() {
+        let [x, y] = [0, 1].map(|d| place[d] - sight.position[d]);
+        let relative = y.atan2(x) - biases.headings[k];
+        let terms = turns(relative, biases.harmonics, biases.sigma);
+        let terms = DVector::from_iterator(mean.len(), terms);
+        let gain = &covariance * &terms;
+        let variance = terms.dot(&gain) + sigmas[k].powi(2);
+        let surprise = error - terms.dot(&mean);
+        log -= 0.5 * (surprise * surprise / variance + (TAU * variance).ln());
+        mean += &gain * (surprise / variance);
+        covariance -= &gain * gain.transpose() / variance;
+    }
+    log
 }
 
 fn log_of_sum(logs: impl IntoIterator<Item = f64>) -> f64 {

@@ -1,15 +1,15 @@
 //! The likelihood of a source's place, and how large it can be anywhere in a cell.
 
-use std::f64::consts::PI;
+use std::{borrow::Cow, f64::consts::PI};
 
 use nalgebra::{DMatrix, DVector, Vector2};
 
 use super::{
     cell::Cell,
     line::{Line, View},
-    model::{Model, Prior},
+    model::{Biases, ByDirection, Model, Prior},
     scales::Scale,
-    sums::Sums,
+    sums::{Known, Sums, Turned},
 };
 use crate::Sight;
 
@@ -30,8 +30,9 @@ pub(super) struct Bound {
 pub(super) struct Likelihood {
     lines: Vec<Line>,
     scales: Vec<Scale>,
-    /// The biases that the lines know of independently, as columns.
-    turned: DMatrix<f64>,
+    /// What they know of biases that do not depend on the place.
+    known: Known,
+    by_direction: Option<ByDirection>,
     /// Whether each bearing may be direct, mirrored or an outlier.
     mixed: bool,
     /// Of bearings without errors, at scale one and without biases.
@@ -46,17 +47,25 @@ impl Likelihood {
         let faults = &model.faults;
         let mixed = faults.outlier_rate + faults.mirrored_rate > 0.0;
         let turns = model.turns(sights.len());
-        let count = turns.first().map_or(0, Vec::len);
-        assert!(!(mixed && count > 0), "either a bias or outliers");
-        let mut lines: Vec<Line> = (sights.iter().zip(turns))
+        let by_direction = match &model.biases {
+            Biases::ByDirection(one) => Some(one.clone()),
+            Biases::None | Biases::Turns(_) => None,
+        };
+        let biased = turns.iter().any(|turns| !turns.is_empty());
+        assert!(!(mixed && biased), "either a bias or outliers");
+        assert!(
+            by_direction.is_none() || !(mixed || biased),
+            "a bias by direction alone"
+        );
+        let lines: Vec<Line> = (sights.iter().zip(turns))
             .map(|(sight, turns)| Line::new(sight, faults, turns))
             .collect();
-        let (known, turned) = Sums::turned(&mut lines, count);
         Self {
             peak: lines.iter().map(|line| line.peaks[0]).sum(),
-            scales: Scale::all(model.scale_sigma, lines.len(), &known),
+            scales: Scale::all(model.scale_sigma, lines.len()),
+            known: Known::of(lines.iter().map(|line| line.turns.as_slice())),
             lines,
-            turned,
+            by_direction,
             mixed,
             prior: model.prior,
         }
@@ -65,30 +74,57 @@ impl Likelihood {
     /// At a place.
     pub fn at(&self, place: Vector2<f64>) -> f64 {
         let views = self.lines.iter().map(|line| View::of_place(line, place));
-        let views: Vec<View> = views.collect();
         if self.mixed {
+            let views: Vec<View> = views.collect();
             return Scale::sum(&self.scales, |scale| mixed(&views, scale));
         }
-        let sums = errors(&views);
+        let sums = self.sums(views);
         Scale::sum(&self.scales, |scale| {
-            self.normal(sums.error(scale).sqrt(), scale)
+            self.normal(sums.error(scale), sums.known.determinant(scale, 0.0), scale)
         })
     }
 
     /// Means and covariance of the biases if the source is at a place and sigmas are as stated.
     pub fn biases(&self, place: Vector2<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let views = self.lines.iter().map(|line| View::of_place(line, place));
-        let sums = errors(&views.collect::<Vec<View>>());
-        let Some(scale) = self.scales.get(self.scales.len() / 2) else {
-            return (DVector::zeros(0), DMatrix::zeros(0, 0));
+        let (means, covariance) = self.sums(views).biases();
+        match &self.by_direction {
+            Some(ByDirection { mean, root, .. }) => {
+                (mean + root * means, root * covariance * root.transpose())
+            }
+            None => (means, covariance),
+        }
+    }
+
+    /// Over the errors of all bearings.
+    fn sums<'a>(&self, views: impl Iterator<Item = View<'a>>) -> Turned {
+        let mut sums = Sums::default();
+        for (k, view) in views.enumerate() {
+            let (turns, mean) = self.turns(k, &view);
+            let error = view.error + mean;
+            sums.add(view.line.sigma, &turns, error, Vector2::zeros(), 0.0);
+        }
+        self.turned(sums)
+    }
+
+    /// How far each bias turns a bearing, in its sigma, and all of them in the mean, in radians.
+    fn turns<'a>(&self, k: usize, view: &View<'a>) -> (Cow<'a, [f64]>, f64) {
+        let Some(biases) = &self.by_direction else {
+            return (Cow::Borrowed(&view.line.turns), 0.0);
         };
-        let variances = scale.known.iter().map(|known| 1.0 / (1.0 + known));
-        let variances = DVector::from_iterator(scale.known.len(), variances);
-        let covariance = DMatrix::from_diagonal(&variances);
-        (
-            &self.turned * sums.biases(scale),
-            &self.turned * covariance * self.turned.transpose(),
-        )
+        let heading = biases.headings.get(k).copied().unwrap_or(0.0);
+        let (mut turns, mean) = biases.turns(view.direction() - heading);
+        turns.iter_mut().for_each(|turn| *turn /= view.line.sigma);
+        (Cow::Owned(turns), mean)
+    }
+
+    /// Of all bearings.
+    fn turned(&self, sums: Sums) -> Turned {
+        let known = match self.by_direction {
+            Some(_) => sums.known(),
+            None => self.known.clone(),
+        };
+        sums.turned(known)
     }
 
     /// With the prior.
@@ -104,36 +140,63 @@ impl Likelihood {
     ///
     /// If there are biases the bound is one on the norm of the errors, each in its sigma and without what the biases explain:
     /// that of the centre, less that of the largest difference from it. Bearings that any direction in the cell would suit
-    /// are left out, which makes the norm no larger.
+    /// are left out, which makes the norm no larger. A norm that is f where turns are T and errors y is at least (f - d) /
+    /// (1 + D) where these are off by no more than D and d, as norms: with the biases that are best there the one at the
+    /// centre is no more than d + D f larger.
     pub fn bound(&self, cell: &Cell) -> Bound {
         let radius = cell.half.norm();
-        let mut all = Sums::default();
-        let mut kept = Sums::default();
+        let (mut all, mut kept) = (Sums::default(), Sums::default());
         let mut folds = Vector2::zeros();
+        let (mut turned, mut kept_turned, mut moved) = (0.0, 0.0, 0.0);
+        let largest = self.by_direction.as_ref().map(ByDirection::largest);
         let mut views = Vec::with_capacity(self.lines.len());
-        for line in &self.lines {
+        let mut left_out = 0;
+        for (k, line) in self.lines.iter().enumerate() {
             let (view, slope, bend) = View::of_cell(line, cell);
-            all.add(line, view.error, slope, bend);
+            let (turns, mean) = self.turns(k, &view);
+            let error = view.error + mean;
+            all.add(line.sigma, &turns, error, slope, bend);
             folds += view.fold() * slope.abs().add_scalar(bend);
-            if !line.turns.is_empty() && view.says_something() {
-                kept.add(line, view.error, slope, bend);
+            let ([most, steepest], steepest_mean) = largest.unwrap_or_default();
+            let turn = f64::min(2.0 * most, steepest * view.slack) / line.sigma;
+            turned += turn * turn;
+            if !turns.is_empty() && view.says_something() {
+                kept.add(line.sigma, &turns, error, slope, bend);
+                kept_turned += turn * turn;
+                moved += ((1.0 + steepest_mean) * view.slack / line.sigma).powi(2);
+            } else {
+                left_out += 1;
             }
             views.push(view);
         }
-        let biased = self.lines.first().is_some_and(|l| !l.turns.is_empty());
-        kept.turn(views.len());
+        let all = self.turned(all);
+        let biased = !self.mixed && left_out < views.len();
+        let kept = biased.then(|| match left_out {
+            0 => self.turned(kept),
+            _ => {
+                let known = kept.known();
+                kept.turned(known)
+            }
+        });
         let direct: f64 = views.iter().map(View::least).map(|z| z * z).sum();
         let highest = |scale: &Scale| {
             if self.mixed {
-                mixed(&views, scale)
-            } else if biased {
-                let (slope, bend) = kept.slopes(scale);
-                let change = slope.dot(&cell.half) + 0.5 * radius * bend;
-                let norm = kept.error(scale).sqrt() - change;
-                self.normal(norm.max(0.0), scale)
-            } else {
-                self.normal(direct.sqrt() / scale.value, scale)
+                return mixed(&views, scale);
             }
+            let determinant = all.known.determinant(scale, turned.sqrt());
+            let norm = match &kept {
+                Some(kept) if self.by_direction.is_some() => {
+                    let [moved, turned] = [moved, kept_turned].map(|v| v.sqrt() / scale.value);
+                    (kept.error(scale) - moved) / (1.0 + turned)
+                }
+                Some(kept) => {
+                    let (slope, bend) = kept.slopes(scale);
+                    kept.error(scale) - slope.dot(&cell.half) - 0.5 * radius * bend
+                }
+                None if self.is_biased() => 0.0,
+                None => direct.sqrt() / scale.value,
+            };
+            self.normal(norm.max(0.0), determinant, scale)
         };
         let (log, probabilities) = Scale::bound(&self.scales, highest);
         let curvature = |scale: &Scale| {
@@ -151,19 +214,16 @@ impl Likelihood {
         }
     }
 
-    /// Of bearings the errors of which have this norm, in their sigmas and without what biases explain.
-    fn normal(&self, norm: f64, scale: &Scale) -> f64 {
-        self.peak + scale.peak - 0.5 * norm * norm
+    fn is_biased(&self) -> bool {
+        let turned = |line: &Line| !line.turns.is_empty();
+        self.by_direction.is_some() || self.lines.first().is_some_and(turned)
     }
-}
 
-/// Sums over the errors of all bearings.
-fn errors(views: &[View<'_>]) -> Sums {
-    let mut sums = Sums::default();
-    for view in views {
-        sums.add(view.line, view.error, Vector2::zeros(), 0.0);
+    /// Of bearings the errors of which have this norm, in their sigmas and without what biases explain, and covariance this
+    /// determinant.
+    fn normal(&self, norm: f64, determinant: f64, scale: &Scale) -> f64 {
+        self.peak + scale.peak - determinant - 0.5 * norm * norm
     }
-    sums
 }
 
 /// Of bearings each of which is direct, mirrored or an outlier.

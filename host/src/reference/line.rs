@@ -11,6 +11,7 @@ use crate::{Sight, faults::Faults};
 #[derive(Debug, Clone)]
 pub(super) struct Line {
     pub position: Vector2<f64>,
+    bearing: f64,
     along: Vector2<f64>,
     pub sigma: f64,
     /// How far each bias turns it, in its sigma.
@@ -33,6 +34,7 @@ impl Line {
         ];
         Self {
             position: sight.position.into(),
+            bearing: sight.bearing,
             along: Vector2::new(sight.bearing.cos(), sight.bearing.sin()),
             sigma: sight.sigma,
             turns,
@@ -56,6 +58,11 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> View<'a> {
+    /// Direction of the place, or of the centre of the cell, in radians counter-clockwise from east.
+    pub fn direction(&self) -> f64 {
+        self.line.bearing + self.error
+    }
+
     pub fn of_place(line: &'a Line, place: Vector2<f64>) -> Self {
         Self {
             line,

@@ -24,7 +24,7 @@ pub use bound::{cramer_rao, cramer_rao_of_biased};
 pub use brute::{Brute, Difference, Grid};
 pub use gauss_newton::{Maximum, gauss_newton};
 pub use kalman::Kalman;
-pub use model::{Model, Prior, biases_by_direction, biases_by_station, turns};
+pub use model::{Biases, ByDirection, Model, Prior, biases_by_station, turns};
 pub use posterior::{Posterior, Square};
 pub use von_mises::von_mises;
 

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::Vector2;
+use nalgebra::{DMatrix, DVector, Vector2};
 
 use super::cell::Cell;
-use crate::{Sight, faults::Faults, sight::wrap};
+use crate::{Sight, faults::Faults};
 
 /// What is known of the bearings and of the place before any of them. By default: errors as stated, and nothing of the place.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -14,9 +14,8 @@ pub struct Model {
     pub faults: Faults,
     /// All sigmas are as stated times exp(`scale_sigma` z), z standard normal, and one for all bearings. Zero: as stated.
     pub scale_sigma: f64,
-    /// Biases, each of which is standard normal: for each bearing, how far each of them turns it, in radians. Empty: none but
-    /// that of the faults.
-    pub biases: Vec<Vec<f64>>,
+    /// Biases beside that of the faults.
+    pub biases: Biases,
     /// Where the source is expected.
     pub prior: Prior,
 }
@@ -30,19 +29,90 @@ impl Model {
         }
     }
 
-    /// How far each bias turns each of `count` bearings, in radians.
+    /// How far each bias that does not depend on the place turns each of `count` bearings, in radians.
     pub(super) fn turns(&self, count: usize) -> Vec<Vec<f64>> {
+        let common = Some(self.faults.bias_sigma).filter(|sigma| *sigma > 0.0);
+        let own: &[Vec<f64>] = match &self.biases {
+            Biases::Turns(turns) => turns,
+            Biases::None | Biases::ByDirection(_) => &[],
+        };
         assert!(
-            self.biases.is_empty() || self.biases.len() == count,
+            own.is_empty() || own.len() == count,
             "biases of another number of bearings"
         );
-        let common = Some(self.faults.bias_sigma).filter(|sigma| *sigma > 0.0);
         (0..count)
             .map(|k| {
-                let own = self.biases.get(k).into_iter().flatten();
-                own.copied().chain(common).collect()
+                own.get(k)
+                    .into_iter()
+                    .flatten()
+                    .copied()
+                    .chain(common)
+                    .collect()
             })
             .collect()
+    }
+}
+
+/// What turns bearings, each bias by a standard normal number.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum Biases {
+    /// Nothing.
+    #[default]
+    None,
+    /// For each bearing, how far each bias turns it, in radians.
+    Turns(Vec<Vec<f64>>),
+    /// By the direction of the source from the bow.
+    ByDirection(ByDirection),
+}
+
+/// A bias by the direction of the source from the bow: a mean and harmonics.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ByDirection {
+    /// Of each bearing, in radians counter-clockwise from east.
+    pub headings: Vec<f64>,
+    /// How many harmonics.
+    pub harmonics: usize,
+    /// In every direction, in radians.
+    pub sigma: f64,
+    /// Means of the amplitudes, each in its own sigma.
+    pub mean: DVector<f64>,
+    /// A root of their covariance.
+    pub root: DMatrix<f64>,
+}
+
+impl ByDirection {
+    /// One of which nothing else is known.
+    pub fn new(headings: Vec<f64>, harmonics: usize, sigma: f64) -> Self {
+        let count = 1 + 2 * harmonics;
+        Self {
+            headings,
+            harmonics,
+            sigma,
+            mean: DVector::zeros(count),
+            root: DMatrix::identity(count, count),
+        }
+    }
+
+    /// How far each of the independent biases turns a bearing on a source in a direction, relative to the bow; and all of
+    /// them in the mean.
+    pub(super) fn turns(&self, relative: f64) -> (Vec<f64>, f64) {
+        let terms = turns(relative, self.harmonics, self.sigma);
+        let terms = DVector::from_iterator(self.mean.len(), terms);
+        let independent = self.root.tr_mul(&terms);
+        (independent.iter().copied().collect(), terms.dot(&self.mean))
+    }
+
+    /// No bias turns a bearing by more than this, all as a norm; nor does it change by more than this per radian. And the
+    /// same of their mean.
+    pub(super) fn largest(&self) -> ([f64; 2], f64) {
+        let each = self.sigma / (1.0 + self.harmonics as f64).sqrt();
+        let squares: usize = (1..=self.harmonics).map(|k| k * k).sum();
+        let steepest = each * (squares as f64).sqrt();
+        let root = self.root.norm();
+        (
+            [self.sigma * root, steepest * root],
+            steepest * self.mean.norm(),
+        )
     }
 }
 
@@ -114,21 +184,8 @@ impl Prior {
     }
 }
 
-/// What a bias by direction does to each of `sights`: one of a mean and `harmonics` of the direction from the bow, of this sigma
-/// in all directions, in radians. `headings` are in radians counter-clockwise from east.
-pub fn biases_by_direction(
-    sights: &[Sight],
-    headings: &[f64],
-    harmonics: usize,
-    sigma: f64,
-) -> Vec<Vec<f64>> {
-    let one = |(sight, heading): (&Sight, &f64)| {
-        turns(wrap(sight.bearing - heading), harmonics, sigma).collect()
-    };
-    sights.iter().zip(headings).map(one).collect()
-}
-
-/// The terms of such a bias at a direction from the bow.
+/// The terms of a bias of a mean and harmonics at a direction from the bow, each of which counts by a standard normal
+/// amplitude: together it has this sigma everywhere, in radians.
 pub fn turns(direction: f64, harmonics: usize, sigma: f64) -> impl Iterator<Item = f64> {
     let each = sigma / (1.0 + harmonics as f64).sqrt();
     let waves = (1..=harmonics).flat_map(move |k| {
@@ -139,7 +196,7 @@ pub fn turns(direction: f64, harmonics: usize, sigma: f64) -> impl Iterator<Item
 }
 
 /// A bias of this sigma for each of the places that `sights` were taken at.
-pub fn biases_by_station(sights: &[Sight], sigma: f64) -> Vec<Vec<f64>> {
+pub fn biases_by_station(sights: &[Sight], sigma: f64) -> Biases {
     let mut stations: Vec<[f64; 2]> = Vec::new();
     for sight in sights {
         if !stations.contains(&sight.position) {
@@ -147,9 +204,8 @@ pub fn biases_by_station(sights: &[Sight], sigma: f64) -> Vec<Vec<f64>> {
         }
     }
     let at = |sight: &Sight, station: &[f64; 2]| f64::from(u8::from(sight.position == *station));
-    (sights.iter())
-        .map(|sight| (stations.iter()).map(|s| sigma * at(sight, s)).collect())
-        .collect()
+    let one = |sight| stations.iter().map(|s| sigma * at(sight, s)).collect();
+    Biases::Turns(sights.iter().map(one).collect())
 }
 
 #[cfg(test)]

@@ -5,10 +5,8 @@
 pub(super) struct Scale {
     pub value: f64,
     pub log: f64,
-    /// Logarithm of the peak of the density of all bearings, against that at scale one without biases.
+    /// Logarithm of the peak of the density of all bearings without biases, against that at scale one.
     pub peak: f64,
-    /// What the bearings know of each bias, in its own sigma, at scale one; they know them independently.
-    pub known: Vec<f64>,
     log_weight: f64,
 }
 
@@ -18,8 +16,8 @@ const LIMIT: f64 = 4.0;
 const LEAST: f64 = 32.0;
 
 impl Scale {
-    /// Those of `sigma` and so many bearings, which know so much of each bias: near enough for the sum to be right to 1e-5.
-    pub fn all(sigma: f64, bearings: usize, known: &[f64]) -> Vec<Self> {
+    /// Those of `sigma` and so many bearings: near enough for the sum to be right to 1e-5.
+    pub fn all(sigma: f64, bearings: usize) -> Vec<Self> {
         let bearings = bearings as f64;
         // In standard deviations of the scale once the bearings are known.
         let step = 1.25 / (1.0 + 2.0 * bearings * sigma * sigma).sqrt();
@@ -35,13 +33,10 @@ impl Scale {
             .map(value)
             .map(|z| {
                 let log = sigma * z;
-                let value = log.exp();
-                let biases = known.iter().map(|known| (known / (value * value)).ln_1p());
                 Self {
-                    value,
+                    value: log.exp(),
                     log,
-                    peak: -bearings * log - 0.5 * biases.sum::<f64>(),
-                    known: known.to_vec(),
+                    peak: -bearings * log,
                     log_weight: -0.5 * z * z - total.ln(),
                 }
             })

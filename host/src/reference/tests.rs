@@ -7,7 +7,7 @@ use rand::RngExt;
 use rayon::prelude::*;
 
 use super::{
-    Brute, Difference, Model, Posterior, Prior, Square, biases_by_direction, biases_by_station,
+    Biases, Brute, ByDirection, Difference, Model, Posterior, Prior, Square, biases_by_station,
     cell::Cell, cramer_rao, cramer_rao_of_biased, gauss_newton, likelihood::Likelihood,
 };
 use crate::{Sight, faults::Faults, measured::Measured, simulate, tracks::Track};
@@ -44,7 +44,12 @@ pub fn models(sights: &[Sight]) -> Vec<(&'static str, Model)> {
     let [clean, _, _, mixed, bias] = faults().map(of);
     let [first, last] = [&sights[0], &sights[sights.len() - 1]].map(|sight| sight.position);
     let heading = f64::atan2(last[1] - first[1], last[0] - first[0]);
-    let headings = vec![heading; sights.len()];
+    let by_direction = ByDirection::new(vec![heading; sights.len()], 2, 0.1);
+    let learned = ByDirection {
+        mean: by_direction.mean.add_scalar(0.3),
+        root: &by_direction.root * 0.4,
+        ..by_direction.clone()
+    };
     // Four arrays, each with a bearing in four.
     let stations: Vec<Sight> = (sights.iter().enumerate())
         .map(|(k, sight)| Sight {
@@ -77,7 +82,7 @@ pub fn models(sights: &[Sight]) -> Vec<(&'static str, Model)> {
             "scale and bias",
             Model {
                 scale_sigma,
-                ..bias.clone()
+                ..bias
             },
         ),
         model(
@@ -97,17 +102,17 @@ pub fn models(sights: &[Sight]) -> Vec<(&'static str, Model)> {
         model(
             "direction",
             Model {
-                biases: biases_by_direction(sights, &headings, 2, 0.1),
+                biases: Biases::ByDirection(by_direction),
                 prior: ranged(1.0),
                 ..clean.clone()
             },
         ),
         model(
-            "direction, scale, bias",
+            "direction, learned, scale",
             Model {
-                biases: biases_by_direction(sights, &headings, 2, 0.1),
+                biases: Biases::ByDirection(learned),
                 scale_sigma,
-                ..bias
+                ..clean.clone()
             },
         ),
         model(

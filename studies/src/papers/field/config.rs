@@ -16,6 +16,9 @@ pub const SCALE_SIGMA: f64 = 0.5;
 const NEAREST_M: f64 = 1.0;
 const RANGE_M: f64 = 20_000.0;
 
+/// The largest relative standard deviation of range that makes a fix.
+pub const RANGE_SIGMA: f64 = Config::DEFAULT.relative_range_sigma as f64;
+
 /// A vehicle's stops: the errors of a stop and of a reading.
 pub const STOP_SIGMA: f64 = 15.0 * DEGREE;
 pub const READING_SIGMA: f64 = 3.0 * DEGREE;

@@ -5,11 +5,10 @@ use foxhunt_host::{
     Sight,
     curve::Curve,
     figures::Figure,
-    reference::{Model, Posterior, biases_by_direction},
+    reference::{Biases, ByDirection as Unknown, Model, Posterior},
     simulate::generator,
     tracks::Track,
 };
-use nalgebra::DMatrix;
 
 use super::{
     config::{self, ByDirection, CURVE_SIGMA, HARMONICS},
@@ -55,45 +54,44 @@ fn drive(track: &Track, runs: u32, seed: u64, name: &str, next: bool) -> Result<
         let curve = Curve::random(HARMONICS, CURVE_SIGMA, &mut generator(seed, run));
         let (sights, headings) = curve.bearings(track, &mut generator(!seed, run));
         let model = Model {
-            biases: biases_by_direction(&sights, &headings, HARMONICS, CURVE_SIGMA),
+            biases: by_direction(&headings),
             ..Model::default()
         };
         let posterior = exact(&sights, model)?;
         let told = config::direction(track.sigma);
         if !next {
             let answer = locate_by::<ByDirection>(&told.config, &sights, seed ^ run)?;
-            return Ok(Run::new(answer, &posterior, track.source));
+            return Ok(Run::new(answer, &posterior, track.source, last(track)));
         }
         let track = Track::a2();
         let mut rng = generator(seed.rotate_left(32), run);
         let (sights, headings) = curve.bearings(&track, &mut rng);
         let exact = after(&posterior, &sights, &headings)?;
         let answer = locate_by::<ByDirection>(&told.config, &sights, seed ^ run)?;
-        Ok(Run::new(answer, &exact, track.source))
+        Ok(Run::new(answer, &exact, track.source, last(&track)))
     })
 }
 
-/// The exact posterior of a drive with what another one says of the biases.
+fn last(track: &Track) -> [f64; 2] {
+    track.receivers[track.receivers.len() - 1]
+}
+
+fn by_direction(headings: &[f64]) -> Biases {
+    Biases::ByDirection(Unknown::new(headings.to_vec(), HARMONICS, CURVE_SIGMA))
+}
+
+/// The exact posterior of a drive with what another one says of the biases, as a normal distribution.
 fn after(before: &Posterior, sights: &[Sight], headings: &[f64]) -> Result<Posterior> {
     let (mean, covariance) = before.biases();
-    let factor = covariance.cholesky().context("no covariance")?.l();
-    let turns = biases_by_direction(sights, headings, HARMONICS, CURVE_SIGMA);
-    let columns = mean.len();
-    let turns = DMatrix::from_row_iterator(sights.len(), columns, turns.into_iter().flatten());
-    let expected = &turns * &mean;
-    let turns = turns * factor;
-    let sights: Vec<Sight> = (sights.iter().zip(expected.iter()))
-        .map(|(sight, expected)| Sight {
-            bearing: sight.bearing - expected,
-            ..*sight
-        })
-        .collect();
+    let root = covariance.cholesky().context("no covariance")?.l();
+    let learned = Unknown {
+        mean,
+        root,
+        ..Unknown::new(headings.to_vec(), HARMONICS, CURVE_SIGMA)
+    };
     let model = Model {
-        biases: turns
-            .row_iter()
-            .map(|row| row.iter().copied().collect())
-            .collect(),
+        biases: Biases::ByDirection(learned),
         ..Model::default()
     };
-    exact(&sights, model)
+    exact(sights, model)
 }

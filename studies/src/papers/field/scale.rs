@@ -94,6 +94,7 @@ fn of(track: &Track, factor: f64, runs: u32, seed: u64) -> Result<Runs> {
         };
         let exact = exact(&sights, model)?;
         let answer = locate(&told.config, &sights, seed ^ run)?;
-        Ok(Run::new(answer, &exact, track.source))
+        let last = track.receivers[track.receivers.len() - 1];
+        Ok(Run::new(answer, &exact, track.source, last))
     })
 }

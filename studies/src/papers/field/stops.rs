@@ -73,8 +73,8 @@ pub fn run(runs: u32, seed: u64) -> Result<Vec<Figure>> {
         }
     }
     println!(
-        "Stops with an error of 15 degrees each and 3 degrees a reading, 21 of them along three sides of a square of 400 m; \
-         {runs} runs in turns with four sources 100 to 250 m from the road (fewer where there are many readings); the exact \
+        "Stops with an error of 15 degrees each and 3 degrees a reading, 21 of them round a square of 400 m; {runs} runs in \
+         turns with four sources 100 to 200 m from the road (fewer where there are many readings); the exact \
          posterior knows the errors. Lost is beyond five of its standard deviations.\n\n{table}\n"
     );
     Ok(figures)
@@ -93,7 +93,7 @@ fn of(kind: Kind, readings: usize, mixed: bool, runs: u32, seed: u64, what: &str
             shuffle(&mut sights, &mut generator(!seed, run));
         }
         // The prior is about the place of the first reading.
-        let first = sights[0].position;
+        let [first, last] = [0, sights.len() - 1].map(|k| sights[k].position);
         let mut summary = stops.summary(&sights);
         summary.sort_by_key(|sight| sight.position != first);
         let exact = exact(&summary, Model::default())?;
@@ -106,6 +106,6 @@ fn of(kind: Kind, readings: usize, mixed: bool, runs: u32, seed: u64, what: &str
             Kind::Robust(told, _) => locate(&told.config, &with(told.sigma), seed)?,
             Kind::Clean(sigma) => locate_by::<Clean<256>>(&CLEAN, &with(sigma), seed)?,
         };
-        Ok(Run::new(answer, &exact, source))
+        Ok(Run::new(answer, &exact, source, last))
     })
 }
