@@ -102,6 +102,21 @@ impl ByDirection {
         (independent.iter().copied().collect(), terms.dot(&self.mean))
     }
 
+    /// The biases of `sights` if the source is in these directions from them, in radians counter-clockwise from east; and the
+    /// sights less what is expected of the biases.
+    pub(super) fn as_if(&self, sights: &[Sight], directions: &[f64]) -> (Vec<Sight>, Biases) {
+        let places = directions.iter().zip(&self.headings);
+        let (turns, means): (Vec<_>, Vec<_>) = places
+            .map(|(direction, heading)| self.turns(direction - heading))
+            .unzip();
+        let less = |(sight, mean): (&Sight, f64)| Sight {
+            bearing: sight.bearing - mean,
+            ..*sight
+        };
+        let sights = sights.iter().zip(means).map(less).collect();
+        (sights, Biases::Turns(turns))
+    }
+
     /// No bias turns a bearing by more than this, all as a norm; nor does it change by more than this per radian. And the
     /// same of their mean.
     pub(super) fn largest(&self) -> ([f64; 2], f64) {

@@ -54,7 +54,7 @@ pub fn exact(sights: &[Sight], model: Model) -> Result<Posterior> {
         prior: config::prior(first),
         ..model
     };
-    Posterior::within(&config::everywhere(first), sights, &model).context("no posterior")
+    Posterior::within_nearly(&config::everywhere(first), sights, &model).context("no posterior")
 }
 
 /// What is asked of a locator.
