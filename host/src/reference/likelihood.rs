@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector, Vector2};
 
 use super::{
     cell::Cell,
+    kept::Kept,
     line::{Line, View},
     model::{Biases, ByDirection, Model, Prior},
     scales::Scale,
@@ -140,61 +141,54 @@ impl Likelihood {
     ///
     /// If there are biases the bound is one on the norm of the errors, each in its sigma and without what the biases explain:
     /// that of the centre, less that of the largest difference from it. Bearings that any direction in the cell would suit
-    /// are left out, which makes the norm no larger. A norm that is f where turns are T and errors y is at least (f - d) /
+    /// are left out, which makes the norm no larger; of a few that turn from far left to far right within it, both are tried.
+    /// A norm that is f where turns are T and errors y is at least (f - d) /
     /// (1 + D) where these are off by no more than D and d, as norms: with the biases that are best there the one at the
     /// centre is no more than d + D f larger.
     pub fn bound(&self, cell: &Cell) -> Bound {
         let radius = cell.half.norm();
-        let (mut all, mut kept) = (Sums::default(), Sums::default());
+        let (mut all, mut kept) = (Sums::default(), Kept::default());
         let mut folds = Vector2::zeros();
-        let (mut turned, mut kept_turned, mut moved) = (0.0, 0.0, 0.0);
+        let mut turned = 0.0;
         let largest = self.by_direction.as_ref().map(ByDirection::largest);
+        let ([most, steepest], steepest_mean) = largest.unwrap_or_default();
         let mut views = Vec::with_capacity(self.lines.len());
-        let mut left_out = 0;
         for (k, line) in self.lines.iter().enumerate() {
             let (view, slope, bend) = View::of_cell(line, cell);
             let (turns, mean) = self.turns(k, &view);
-            let error = view.error + mean;
-            all.add(line.sigma, &turns, error, slope, bend);
+            all.add(line.sigma, &turns, view.error + mean, slope, bend);
             folds += view.fold() * slope.abs().add_scalar(bend);
-            let ([most, steepest], steepest_mean) = largest.unwrap_or_default();
             let turn = f64::min(2.0 * most, steepest * view.slack) / line.sigma;
             turned += turn * turn;
-            if !turns.is_empty() && view.says_something() {
-                kept.add(line.sigma, &turns, error, slope, bend);
-                kept_turned += turn * turn;
-                moved += ((1.0 + steepest_mean) * view.slack / line.sigma).powi(2);
-            } else {
-                left_out += 1;
+            if !turns.is_empty() {
+                let moved = (1.0 + steepest_mean) * view.slack / line.sigma;
+                kept.add(&view, turns, mean, (slope, bend), [turn, moved]);
             }
             views.push(view);
         }
         let all = self.turned(all);
-        let biased = !self.mixed && left_out < views.len();
-        let kept = biased.then(|| match left_out {
-            0 => self.turned(kept),
-            _ => {
-                let known = kept.known();
-                kept.turned(known)
-            }
-        });
+        let known = self.by_direction.is_none().then_some(&self.known);
+        let (patterns, changes) = (kept.patterns(known), kept.changes());
         let direct: f64 = views.iter().map(View::least).map(|z| z * z).sum();
         let highest = |scale: &Scale| {
             if self.mixed {
                 return mixed(&views, scale);
             }
             let determinant = all.known.determinant(scale, turned.sqrt());
-            let norm = match &kept {
-                Some(kept) if self.by_direction.is_some() => {
-                    let [moved, turned] = [moved, kept_turned].map(|v| v.sqrt() / scale.value);
+            let least = |kept: &Turned| match &self.by_direction {
+                Some(_) => {
+                    let [turned, moved] = changes.map(|change| change / scale.value);
                     (kept.error(scale) - moved) / (1.0 + turned)
                 }
-                Some(kept) => {
+                None => {
                     let (slope, bend) = kept.slopes(scale);
                     kept.error(scale) - slope.dot(&cell.half) - 0.5 * radius * bend
                 }
-                None if self.is_biased() => 0.0,
-                None => direct.sqrt() / scale.value,
+            };
+            let norm = match &patterns[..] {
+                [] if self.is_biased() => 0.0,
+                [] => direct.sqrt() / scale.value,
+                all => all.iter().map(least).fold(f64::INFINITY, f64::min),
             };
             self.normal(norm.max(0.0), determinant, scale)
         };

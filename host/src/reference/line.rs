@@ -113,6 +113,11 @@ impl<'a> View<'a> {
         }
     }
 
+    /// The error may go through half of the circle within the cell, and is nowhere small.
+    pub fn wraps(&self) -> bool {
+        self.error.abs() + self.slack >= PI && self.slack < FRAC_PI_2
+    }
+
     /// The error does not go through all of the circle's half within the cell, nor through zero unless it is small.
     pub fn says_something(&self) -> bool {
         let error = self.error.abs();

@@ -8,6 +8,7 @@ pub mod gamma;
 mod gauss_newton;
 pub mod growth;
 mod kalman;
+mod kept;
 mod likelihood;
 mod line;
 mod model;

@@ -87,6 +87,11 @@ impl Sums {
         }
     }
 
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.shared.is_empty()
+    }
+
     /// What these bearings know of the biases.
     pub fn known(&self) -> Known {
         Known::new(self.shared.len(), &self.products)
