@@ -39,7 +39,6 @@ pub fn faults() -> [Faults; 5] {
 
 /// What else the posterior takes for known, with `sights` along a track.
 pub fn models(sights: &[Sight]) -> Vec<(&'static str, Model)> {
-    let scale_sigma = 0.5;
     let of = |faults: Faults| Model::with_faults(&faults);
     let [clean, _, _, mixed, bias] = faults().map(of);
     let [first, last] = [&sights[0], &sights[sights.len() - 1]].map(|sight| sight.position);
@@ -62,66 +61,31 @@ pub fn models(sights: &[Sight]) -> Vec<(&'static str, Model)> {
         nearest_m,
         range_m: 20_000.0,
     };
-    let model = |name, model| (name, model);
+    let scaled = |model| Model {
+        scale_sigma: 0.5,
+        ..model
+    };
+    let with = |biases| Model {
+        biases,
+        ..clean.clone()
+    };
+    let at = |prior, model| Model { prior, ..model };
+    let stations = biases_by_station(&stations, 0.05);
     vec![
-        model(
-            "scale",
-            Model {
-                scale_sigma,
-                ..clean.clone()
-            },
-        ),
-        model(
-            "scale and faults",
-            Model {
-                scale_sigma,
-                ..mixed.clone()
-            },
-        ),
-        model(
-            "scale and bias",
-            Model {
-                scale_sigma,
-                ..bias
-            },
-        ),
-        model(
-            "near",
-            Model {
-                prior: ranged(1.0),
-                ..clean.clone()
-            },
-        ),
-        model(
-            "far, faults",
-            Model {
-                prior: ranged(20_000.0),
-                ..mixed
-            },
-        ),
-        model(
+        ("scale", scaled(clean.clone())),
+        ("scale and faults", scaled(mixed.clone())),
+        ("scale and bias", scaled(bias)),
+        ("near", at(ranged(1.0), clean.clone())),
+        ("far, faults", at(ranged(20_000.0), mixed)),
+        (
             "direction",
-            Model {
-                biases: Biases::ByDirection(by_direction),
-                prior: ranged(1.0),
-                ..clean.clone()
-            },
+            at(ranged(1.0), with(Biases::ByDirection(by_direction))),
         ),
-        model(
+        (
             "direction, learned, scale",
-            Model {
-                biases: Biases::ByDirection(learned),
-                scale_sigma,
-                ..clean.clone()
-            },
+            scaled(with(Biases::ByDirection(learned))),
         ),
-        model(
-            "stations",
-            Model {
-                biases: biases_by_station(&stations, 0.05),
-                ..clean
-            },
-        ),
+        ("stations", with(stations)),
     ]
 }
 

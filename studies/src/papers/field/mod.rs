@@ -58,3 +58,30 @@ pub fn run(study: &Study, parts: &[Part]) -> Result<Vec<Figure>> {
     }
     Ok(figures)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A single run of each part that needs no measured data.
+    #[test]
+    fn every_part_has_its_figures() {
+        let study = Study {
+            runs: Some(1),
+            seed: 1,
+            data: None,
+            pictures: std::env::temp_dir(),
+            board: |_| unreachable!("nothing runs on the board"),
+        };
+        for (name, part) in Part::ALL {
+            let figures = run(&study, &[part]).unwrap();
+            let prefix = format!("field.{name}.");
+            assert!(
+                figures
+                    .iter()
+                    .all(|figure| figure.name.starts_with(&prefix))
+            );
+            assert_eq!(figures.is_empty(), part == Part::Rooms);
+        }
+    }
+}
