@@ -42,8 +42,8 @@ pub fn run(runs: u32, seed: u64) -> Result<Vec<Figure>> {
         figures.extend(next.figures(&format!("field.direction.{key}.next"), &NEXT));
     }
     println!(
-        "A bias of two harmonics of the direction from the bow, of 10 degrees in all, {runs} runs; the next drive is an L round \
-         another source, with what was learned\n\n{table}\n"
+        "A bias of two harmonics of the direction from the bow, of 10 degrees in all, {runs} runs; the next drive is an L, with what \
+         was learned\n\n{table}\n"
     );
     Ok(figures)
 }

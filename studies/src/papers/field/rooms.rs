@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 use super::{
     config::{SCALE_SIGMA, nothing},
-    runs::exact,
+    runs::{Run, exact},
 };
 use crate::papers::{
     others::{huber, nearest_to_lines},
@@ -53,6 +53,7 @@ pub fn run(study: &Study, orders: u32) -> Result<Vec<Figure>> {
         "fixes",
         "the exact's median",
         "holds",
+        "fixes",
         "Gauss-Newton",
         "holds",
         "least squares",
@@ -127,7 +128,7 @@ struct Transmitter {
     /// The set, and the transmitter.
     name: [&'static str; 2],
     ours: Vec<Outcome>,
-    exact: Vec<Outcome>,
+    exact: Vec<Run>,
     gauss_newton: Outcome,
     least_squares: f64,
     huber: Outcome,
@@ -146,7 +147,7 @@ impl Transmitter {
                 sigma: SIGMA_DEGREES.to_radians(),
             })
             .collect();
-        let runs: Vec<(Outcome, Option<Outcome>)> = (0..orders)
+        let runs: Vec<(Outcome, Option<Run>)> = (0..orders)
             .into_par_iter()
             .progress_with(progress(orders.into(), name.join(" "))?)
             .map(|order| order_of(&sights, source, seed, order.into()))
@@ -181,7 +182,7 @@ impl Transmitter {
     }
 
     fn exact_median(&self) -> f64 {
-        median(self.exact.iter().map(|exact| exact.error))
+        median(self.exact.iter().map(|run| run.exact.error))
     }
 
     fn median(&self) -> f64 {
@@ -198,7 +199,7 @@ impl Transmitter {
         covered as f64 / self.ours.len() as f64
     }
 
-    fn row(&self) -> [String; 12] {
+    fn row(&self) -> [String; 13] {
         let count = self.fixes().count();
         let [middle, worst] = match count {
             0 => [f64::NAN; 2],
@@ -206,7 +207,10 @@ impl Transmitter {
         };
         let percent = |fraction: f64| format!("{:.0} %", 100.0 * fraction);
         let holds = |o: &Outcome| if o.covered { "yes" } else { "no" }.to_owned();
-        let exact = self.exact.iter().filter(|exact| exact.covered).count();
+        let of_exact = |is: fn(&Run) -> bool| {
+            let count = self.exact.iter().filter(|run| is(run)).count();
+            percent(count as f64 / self.exact.len() as f64)
+        };
         [
             self.name.join(" "),
             metres(middle),
@@ -214,7 +218,8 @@ impl Transmitter {
             percent(self.covered()),
             percent(self.fraction_of_fixes()),
             metres(self.exact_median()),
-            percent(exact as f64 / self.exact.len() as f64),
+            of_exact(|run| run.exact.covered),
+            of_exact(|run| run.fix),
             metres(self.gauss_newton.error),
             holds(&self.gauss_newton),
             metres(self.least_squares),
@@ -254,7 +259,7 @@ fn order_of(
     source: [f64; 2],
     seed: u64,
     order: u64,
-) -> Result<(Outcome, Option<Outcome>)> {
+) -> Result<(Outcome, Option<Run>)> {
     let mut sights = sights.to_vec();
     for (sight, second) in sights.iter_mut().zip(0..) {
         sight.time_ms = 1000 * second;
@@ -262,6 +267,7 @@ fn order_of(
     shuffle(&mut sights, &mut simulate::generator(seed, order));
     let told = nothing(SIGMA_DEGREES.to_radians());
     let answer = locate(&told.config, &sights, seed ^ order)?;
+    let last = sights[sights.len() - 1].position;
     let expected = told.config.errors.rates;
     let model = Model {
         scale_sigma: SCALE_SIGMA,
@@ -272,7 +278,7 @@ fn order_of(
         })
     };
     let exact = match order % EXACT_EVERY {
-        0 => Some(Outcome::exact(&exact(&sights, model)?, source)),
+        0 => Some(Run::new(answer, &exact(&sights, model)?, source, last)),
         _ => None,
     };
     Ok((Outcome::of(answer, source), exact))

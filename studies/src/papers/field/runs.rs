@@ -26,7 +26,7 @@ pub struct Run {
     /// Five standard deviations of the exact posterior.
     far: f64,
     /// Whether the exact posterior makes a fix: with a margin for what a locator may find otherwise.
-    fix: bool,
+    pub fix: bool,
 }
 
 /// Of the largest relative standard deviation of range that makes a fix.
