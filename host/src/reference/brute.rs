@@ -368,9 +368,9 @@ impl<'a> Scaled<'a> {
                 (mirrored, normal(PI - error.abs(), own)),
                 (outlier, -TAU.ln()),
             ];
-            let best = kinds.iter().map(|(_, log)| *log).fold(f64::MIN, f64::max);
-            let sum: f64 = kinds
-                .iter()
+            let possible = || kinds.iter().filter(|(rate, _)| *rate > 0.0);
+            let best = possible().map(|(_, log)| *log).fold(f64::MIN, f64::max);
+            let sum: f64 = possible()
                 .map(|(rate, log)| rate * (log - best).exp())
                 .sum();
             best + sum.ln()
