@@ -321,11 +321,10 @@ struct Scaled<'a> {
 
 impl<'a> Scaled<'a> {
     fn all(sights: &[Sight], model: &'a Model) -> Vec<Self> {
-        let steps = if model.scale_sigma > 0.0 { 16 } else { 0 };
-        let value = |k: i32| 0.25 * f64::from(k);
-        let total: f64 = (-steps..=steps)
-            .map(|k| (-0.5 * value(k).powi(2)).exp())
-            .sum();
+        let steps = if model.scale_sigma > 0.0 { 24 } else { 0 };
+        let value = |k: i32| 0.5 * f64::from(k);
+        let prior = |z: f64| -(1.0 + z * z).sqrt();
+        let total: f64 = (-steps..=steps).map(|k| prior(value(k)).exp()).sum();
         let turns = model.turns(sights.len());
         let one = |z: f64| {
             let scale = (model.scale_sigma * z).exp();
@@ -340,7 +339,7 @@ impl<'a> Scaled<'a> {
                 Some((factor, log))
             };
             Self {
-                log_weight: -0.5 * z * z - total.ln(),
+                log_weight: prior(z) - total.ln(),
                 sigmas,
                 faults: &model.faults,
                 whitened: turns

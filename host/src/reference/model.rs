@@ -12,7 +12,8 @@ use crate::{Sight, faults::Faults};
 pub struct Model {
     /// The rates of outliers and of mirrored bearings, and the sigma of a bias of all.
     pub faults: Faults,
-    /// All sigmas are as stated times exp(`scale_sigma` z), z standard normal, and one for all bearings. Zero: as stated.
+    /// All sigmas are as stated times exp(`scale_sigma` z), one z for all bearings, of a density in proportion to
+    /// exp(-sqrt(1 + z^2)). Zero: as stated.
     pub scale_sigma: f64,
     /// Biases beside that of the faults.
     pub biases: Biases,

@@ -10,10 +10,10 @@ pub(super) struct Scale {
     log_weight: f64,
 }
 
-/// Standard normal values beyond this are left out.
-const LIMIT: f64 = 4.0;
-/// Least number of scales.
-const LEAST: f64 = 32.0;
+/// Scales beyond so many of their sigmas are left out: they have less than a millionth of the prior.
+const LIMIT: f64 = 16.0;
+/// Farthest apart, in these sigmas: twice as fine changes sums by less than 1e-5.
+const FARTHEST: f64 = 0.5;
 
 impl Scale {
     /// Those of `sigma` and so many bearings: near enough for the sum to be right to 1e-5.
@@ -21,9 +21,10 @@ impl Scale {
         let bearings = bearings as f64;
         // In standard deviations of the scale once the bearings are known.
         let step = 1.25 / (1.0 + 2.0 * bearings * sigma * sigma).sqrt();
+        let prior = |z: f64| 1.0 - (1.0 + z * z).sqrt();
         let half = match sigma {
             0.0 => 0,
-            _ => (0.5 * (2.0 * LIMIT / step).max(LEAST)).ceil() as i32,
+            _ => (LIMIT / step.min(FARTHEST)).ceil() as i32,
         };
         let value = |k: i32| LIMIT * f64::from(k) / f64::from(half.max(1));
         let total: f64 = (-half..=half)
@@ -37,7 +38,7 @@ impl Scale {
                     value: log.exp(),
                     log,
                     peak: -bearings * log,
-                    log_weight: -0.5 * z * z - total.ln(),
+                    log_weight: prior(z) - total.ln(),
                 }
             })
             .collect()

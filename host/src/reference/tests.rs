@@ -62,7 +62,7 @@ pub fn models(sights: &[Sight]) -> Vec<(&'static str, Model)> {
         range_m: 20_000.0,
     };
     let scaled = |model| Model {
-        scale_sigma: 0.5,
+        scale_sigma: 0.15,
         ..model
     };
     let with = |biases| Model {

@@ -4,17 +4,18 @@ use std::f64::consts::PI;
 
 use foxhunt::aoa::{
     Robust, clean,
-    robust::{Config, Correlation, Errors},
+    robust::{Biases, Config, Correlation, Errors},
 };
 use foxhunt_host::reference::{Prior, Square};
 
 const DEGREE: f64 = PI / 180.0;
 
-/// In all parts: how well the scale of the sigmas is known.
-pub const SCALE_SIGMA: f64 = 0.5;
+/// By default: how well the scale of the sigmas is known, and the sigma of a bias of all bearings.
+pub const SCALE_SIGMA: f64 = Config::DEFAULT.errors.scale_sigma as f64;
+pub const BIAS_SIGMA: f64 = Config::DEFAULT.errors.bias_sigma_rad as f64;
 /// In all parts: within which ranges the source is about as likely in each.
-const NEAREST_M: f64 = 1.0;
-const RANGE_M: f64 = 20_000.0;
+const NEAREST_M: f64 = Config::DEFAULT.nearest_m as f64;
+const RANGE_M: f64 = Config::DEFAULT.range_m as f64;
 
 /// The largest relative standard deviation of range that makes a fix.
 pub const RANGE_SIGMA: f64 = Config::DEFAULT.relative_range_sigma as f64;
@@ -35,8 +36,8 @@ pub const CURVE_SIGMA: f64 = 10.0 * DEGREE;
 pub const HARMONICS: usize = 2;
 
 /// The locator for a bias of each station, and of each direction.
-pub type ByStation = Robust<256>;
-pub type ByDirection = Robust<256>;
+pub type ByStation = Robust<256, 64, 7>;
+pub type ByDirection = Robust<256, 64, { 4 + 2 * HARMONICS }>;
 
 /// What a locator is told of bearings.
 #[derive(Clone, Copy)]
@@ -57,19 +58,16 @@ pub fn nothing(sigma: f64) -> Told {
 /// Of the clean locator.
 pub const CLEAN: clean::Config = clean::Config::DEFAULT;
 
-/// That readings of a stop have an error in common.
+/// That readings of a stop have an error in common, and nothing else.
 pub fn stops() -> Told {
-    let sigma = STOP_SIGMA.hypot(READING_SIGMA);
-    let at_rest = (STOP_SIGMA / sigma).powi(2) as f32;
     Told {
         config: with_errors(Errors {
-            correlation: Correlation {
-                at_rest,
-                ..Correlation::DEFAULT
-            },
+            stop_sigma_rad: STOP_SIGMA as f32,
+            bias_sigma_rad: 0.0,
+            correlation: Correlation::NONE,
             ..Errors::DEFAULT
         }),
-        sigma,
+        sigma: READING_SIGMA,
     }
 }
 
@@ -78,6 +76,7 @@ pub fn stations() -> Told {
     Told {
         config: with_errors(Errors {
             bias_sigma_rad: STATION_SIGMA as f32,
+            biases: Biases::PerStation,
             correlation: Correlation {
                 at_rest: 0.99,
                 time_s: STATION_TIME_S as f32,
@@ -94,6 +93,7 @@ pub fn direction(sigma: f64) -> Told {
     Told {
         config: with_errors(Errors {
             bias_sigma_rad: CURVE_SIGMA as f32,
+            biases: Biases::ByDirection,
             ..Errors::DEFAULT
         }),
         sigma,

@@ -1,6 +1,10 @@
 //! A bias that depends on the direction from the bow.
 
 use anyhow::{Context, Result};
+use foxhunt::{
+    aoa::{Bearing, Locate, Observation},
+    random::{SeedableRng, Xoshiro128PlusPlus},
+};
 use foxhunt_host::{
     Sight,
     curve::Curve,
@@ -11,10 +15,10 @@ use foxhunt_host::{
 };
 
 use super::{
-    config::{self, ByDirection, CURVE_SIGMA, HARMONICS},
+    config::{self, ByDirection, CURVE_SIGMA, HARMONICS, Told},
     runs::{HEADER, Limits, Run, Runs, exact},
 };
-use crate::papers::{outcome::locate_by, table::table};
+use crate::papers::table::table;
 
 const FIRST: Limits = Limits {
     ratio: 1.2,
@@ -24,6 +28,9 @@ const NEXT: Limits = Limits {
     ratio: 1.05,
     covered: [0.92, 0.98],
 };
+
+/// When the next drive begins.
+const NEXT_MS: u32 = 1_000_000;
 
 /// Runs both tracks, and the next drive with each array.
 pub fn run(runs: u32, seed: u64) -> Result<Vec<Figure>> {
@@ -59,17 +66,43 @@ fn drive(track: &Track, runs: u32, seed: u64, name: &str, next: bool) -> Result<
         };
         let posterior = exact(&sights, model)?;
         let told = config::direction(track.sigma);
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed ^ run);
+        let mut locator = Box::new(ByDirection::EMPTY);
+        push(&mut locator, &told, (&sights, &headings), 0, &mut rng)?;
         if !next {
-            let answer = locate_by::<ByDirection>(&told.config, &sights, seed ^ run)?;
+            let answer = locator.answer();
             return Ok(Run::new(answer, &posterior, track.source, last(track)));
         }
         let track = Track::a2();
-        let mut rng = generator(seed.rotate_left(32), run);
-        let (sights, headings) = curve.bearings(&track, &mut rng);
+        let mut randoms = generator(seed.rotate_left(32), run);
+        let (sights, headings) = curve.bearings(&track, &mut randoms);
         let exact = after(&posterior, &sights, &headings)?;
-        let answer = locate_by::<ByDirection>(&told.config, &sights, seed ^ run)?;
-        Ok(Run::new(answer, &exact, track.source, last(&track)))
+        locator.forget_source();
+        push(&mut locator, &told, (&sights, &headings), NEXT_MS, &mut rng)?;
+        Ok(Run::new(
+            locator.answer(),
+            &exact,
+            track.source,
+            last(&track),
+        ))
     })
+}
+
+/// Takes a drive's bearings, that begins at this time.
+fn push(
+    locator: &mut ByDirection,
+    told: &Told,
+    (sights, headings): (&[Sight], &[f64]),
+    start_ms: u32,
+    rng: &mut Xoshiro128PlusPlus,
+) -> Result<()> {
+    for (sight, heading) in sights.iter().zip(headings) {
+        let time_ms = start_ms + sight.time_ms;
+        let observation = Observation::try_from(Sight { time_ms, ..*sight })?;
+        let heading = Bearing::from_radians(*heading as f32);
+        locator.push(&observation.with_heading(heading), &told.config, rng)?;
+    }
+    Ok(())
 }
 
 fn last(track: &Track) -> [f64; 2] {

@@ -71,8 +71,8 @@ pub fn run(study: &Study, orders: u32) -> Result<Vec<Figure>> {
         figures.extend(one.figures());
     }
     println!(
-        "Rooms: the default configuration, {orders} random orders; the exact posterior has the same prior, with the rates of \
-         outliers and mirrored bearings that it expects. The others are given all bearings at once, Huber's the best of 144 \
+        "Rooms: the default configuration, {orders} random orders; the exact posterior has the same prior, but for a bias, \
+         which it takes for none, and with the rates of outliers and mirrored bearings that are expected. The others are given all bearings at once, Huber's the best of 144 \
          starts."
     );
     println!("{table}\n");

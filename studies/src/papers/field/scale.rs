@@ -3,6 +3,7 @@
 use anyhow::Result;
 use foxhunt_host::{
     Sight,
+    faults::Faults,
     figures::Figure,
     reference::Model,
     simulate::{self, generator},
@@ -10,7 +11,7 @@ use foxhunt_host::{
 };
 
 use super::{
-    config::{SCALE_SIGMA, nothing},
+    config::{BIAS_SIGMA, SCALE_SIGMA, nothing},
     runs::{HEADER, Limits, Run, Runs, exact},
 };
 use crate::papers::{outcome::locate, table::table};
@@ -54,7 +55,8 @@ pub fn run(runs: u32, seed: u64) -> Result<Vec<Figure>> {
             figures.extend(all.figures(&format!("field.scale.{name}.{key}"), &LIMITS));
         }
         println!(
-            "Track {}, {runs} runs; the exact posterior knows the scale of the errors as little as the locator\n\n{table}\n",
+            "Track {}, {runs} runs; the exact posterior knows the scale of the errors and their bias as little as the \
+             locator, which expects a bias of four degrees by default\n\n{table}\n",
             track.name
         );
     }
@@ -90,7 +92,10 @@ fn of(track: &Track, factor: f64, runs: u32, seed: u64) -> Result<Runs> {
             .collect();
         let model = Model {
             scale_sigma: SCALE_SIGMA,
-            ..Model::default()
+            ..Model::with_faults(&Faults {
+                bias_sigma: BIAS_SIGMA,
+                ..Faults::default()
+            })
         };
         let exact = exact(&sights, model)?;
         let answer = locate(&told.config, &sights, seed ^ run)?;
