@@ -13,6 +13,8 @@
 //! - [`mod@reference`]: exact answers, to measure the library against;
 //! - [`mod@array`]: an antenna array among reflections, and the spectra that a direction finder makes of it;
 //! - [`passes`]: drives past a source with it;
+//! - [`stops`]: a vehicle that takes many readings at each stop; [`stations`]: arrays round a room, each with a bias;
+//!   [`xplr`]: such arrays, measured; [`curve`]: a bias by direction;
 //! - [`scripts`]: drives on which something happens;
 //! - [`measured`]: bearings from the field, turned into such bytes;
 //! - [`replay`]: those bytes through the library's gateway, as the firmware does it;
@@ -24,6 +26,7 @@
 pub mod accuracy;
 pub mod archive;
 pub mod array;
+pub mod curve;
 pub mod damage;
 pub mod density;
 pub mod drive;
@@ -39,11 +42,14 @@ pub mod reference;
 pub mod replay;
 pub mod scripts;
 pub mod simulate;
+pub mod stations;
+pub mod stops;
 pub mod survey;
 pub mod tetam;
 pub mod tracks;
 pub mod tunnel;
 pub mod walks;
+pub mod xplr;
 
 mod sight;
 

@@ -3,7 +3,9 @@
 use std::{env, path::PathBuf, time::Duration};
 
 use anyhow::Result;
-use foxhunt_studies::papers::{self, Study};
+use clap::builder::PossibleValuesParser;
+use foxhunt_host::figures::Figure;
+use foxhunt_studies::papers::{self, Study, field::Part};
 use indicatif::ProgressBar;
 
 use crate::{figures, project, qemu::Machine, setup};
@@ -34,6 +36,8 @@ enum Paper {
     Bearings(Run),
     /// Whether the stated errors of a KrakenSDR's bearings hold the truth among reflections, by the method of its spectra.
     Finders(Run),
+    /// The robust locator as it comes, in rooms, with wrong sigmas, with errors by stop, by station and by direction.
+    Field(Field),
     /// The exact posterior of bearings, which others of these compare with, beside uniform grids.
     Reference(Run),
     /// What each method of these is worth beside the bootstrap filter that costs as much.
@@ -53,9 +57,32 @@ struct Run {
     json: Option<PathBuf>,
 }
 
+#[derive(clap::Args)]
+struct Field {
+    #[command(flatten)]
+    run: Run,
+    /// Parts of it [default: all].
+    #[arg(value_name = "PART", value_parser = part_names())]
+    parts: Vec<String>,
+}
+
+fn part_names() -> PossibleValuesParser {
+    PossibleValuesParser::new(Part::ALL.map(|(name, _)| name))
+}
+
+impl Field {
+    fn parts(&self) -> Vec<Part> {
+        let asked =
+            |name: &str| self.parts.is_empty() || self.parts.iter().any(|part| part == name);
+        let parts = Part::ALL.into_iter().filter(|(name, _)| asked(name));
+        parts.map(|(_, part)| part).collect()
+    }
+}
+
 /// Runs the task: prints the figures, writes them if asked to, and fails if one misses its limit.
 pub fn run(options: &Options) -> Result<()> {
-    let (run, paper): (_, fn(&Study) -> _) = match &options.paper {
+    type Of = fn(&Study) -> Result<Vec<Figure>>;
+    let (run, paper): (_, Of) = match &options.paper {
         Paper::Aoa(run) => (run, papers::aoa::run),
         Paper::Fish(run) => (run, papers::fish::run),
         Paper::Firefly(run) => (run, papers::firefly::run),
@@ -65,14 +92,25 @@ pub fn run(options: &Options) -> Result<()> {
         Paper::Finders(run) => (run, papers::finders::run),
         Paper::Reference(run) => (run, papers::reference::run),
         Paper::Cost(run) => (run, papers::cost::run),
+        Paper::Field(field) => {
+            let parts = field.parts();
+            return finish(&field.run, papers::field::run(&study(&field.run), &parts)?);
+        }
     };
-    let figures = paper(&Study {
+    finish(run, paper(&study(run))?)
+}
+
+fn study(run: &Run) -> Study {
+    Study {
         runs: run.runs,
         seed: run.seed,
         data: env::var_os("FOXHUNT_DATA").map(PathBuf::from),
         pictures: project::root().join("target/papers"),
         board: on_board,
-    })?;
+    }
+}
+
+fn finish(run: &Run, figures: Vec<Figure>) -> Result<()> {
     figures::print(&figures);
     if let Some(file) = &run.json {
         figures::write_json(&figures, file)?;

@@ -5,9 +5,9 @@ use std::{
     f64::consts::{PI, TAU},
 };
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
-use super::Square;
+use super::{Biases, ByDirection, Model, Prior, Square, turns};
 use crate::{Sight, faults::Faults};
 
 /// What a uniform grid says of the posterior that [`Posterior`](super::Posterior) computes; it shares no code with it.
@@ -29,7 +29,7 @@ pub struct Grid {
     pub mean: [f64; 2],
     /// In square metres.
     pub covariance: Matrix2<f64>,
-    /// Logarithm of the density of the bearings, if the source is anywhere in the square.
+    /// Logarithm of the density of the bearings, if the source is anywhere in the square, or with the prior's density there.
     pub log_evidence: f64,
     /// How far a grid with cells twice as wide is off this one.
     pub error: Difference,
@@ -74,9 +74,23 @@ const FIRST: usize = 64;
 const ENOUGH: f64 = 1e-3;
 
 impl Brute {
-    /// Of `sights` with `faults` on a source in the `square`, with at most `finest` cells a side.
-    pub fn new(square: &Square, sights: &[Sight], faults: &Faults, finest: usize) -> Self {
-        let log = |place: Vector2<f64>| log_likelihood(sights, faults, place);
+    /// Of `sights` by the `model` on a source in the `square`, with at most `finest` cells a side.
+    pub fn new(square: &Square, sights: &[Sight], model: &Model, finest: usize) -> Self {
+        let scales = Scaled::all(sights, model);
+        let log = |place: Vector2<f64>| {
+            let errors = sights.iter().map(|sight| sight.residual(place.into()));
+            let errors = DVector::from_iterator(sights.len(), errors);
+            if let Biases::ByDirection(biases) = &model.biases {
+                let all = scales.iter().map(|s| {
+                    s.log_weight + biased(sights, &s.sigmas, biases, place, errors.as_slice())
+                });
+                return log_of_sum(all) + log_prior(&model.prior, place);
+            }
+            let all = scales
+                .iter()
+                .map(|s| s.log_weight + s.log_likelihood(&errors));
+            log_of_sum(all) + log_prior(&model.prior, place)
+        };
         let low = Vector2::from(square.centre).add_scalar(-square.side / 2.0);
         let whole = [low, low.add_scalar(square.side)];
         let maxima = maxima(whole, sights, &log);
@@ -91,12 +105,16 @@ impl Brute {
             near.fold(mode, |high, place| high.sup(place)),
         ];
         let outer = grown(inner, whole, best, &log);
+        let flat = match model.prior {
+            Prior::Flat => 2.0 * square.side.ln(),
+            Prior::Ranged { .. } => 0.0,
+        };
         Self {
             maximum: (best, mode.into()),
             grid: finer(outer, whole, best, finest, &log).map(|(moments, error)| Grid {
                 mean: moments.mean,
                 covariance: moments.covariance,
-                log_evidence: best + moments.integral.ln() - 2.0 * square.side.ln(),
+                log_evidence: best + moments.integral.ln() - flat,
                 error,
             }),
         }
@@ -273,33 +291,124 @@ fn maxima(
     starts
 }
 
-/// Bearing by bearing; a bias is estimated from those before each.
-fn log_likelihood(sights: &[Sight], faults: &Faults, place: Vector2<f64>) -> f64 {
-    let normal = |x: f64, variance: f64| -0.5 * (x * x / variance + (TAU * variance).ln());
-    let (mut bias, mut variance) = (0.0, faults.bias_sigma.powi(2));
-    let mut log = 0.0;
-    for sight in sights {
-        let (error, own) = (sight.residual(place.into()), sight.sigma.powi(2));
-        if faults.bias_sigma > 0.0 {
-            let both = variance + own;
-            log += normal(error - bias, both);
-            bias += variance / both * (error - bias);
-            variance *= own / both;
-            continue;
+/// At a place, by the definition.
+fn log_prior(prior: &Prior, place: Vector2<f64>) -> f64 {
+    let Prior::Ranged {
+        centre,
+        nearest_m: a,
+        range_m: b,
+    } = *prior
+    else {
+        return 0.0;
+    };
+    let r = (place - Vector2::from(centre)).norm();
+    let ratio = (b / a).powi(2);
+    let whole = match ratio {
+        1.0 => PI * a * a,
+        _ => PI * a * a * ratio / (ratio - 1.0) * ratio.ln(),
+    };
+    (1.0 / (whole * (1.0 + (r / a).powi(2)) * (1.0 + (r / b).powi(2)))).ln()
+}
+
+/// The bearings at one of many scales, and the logarithm of its weight.
+struct Scaled<'a> {
+    log_weight: f64,
+    sigmas: Vec<f64>,
+    faults: &'a Faults,
+    /// What makes errors with biases independent and of sigma one, and the logarithm of its determinant.
+    whitened: Option<(DMatrix<f64>, f64)>,
+}
+
+impl<'a> Scaled<'a> {
+    fn all(sights: &[Sight], model: &'a Model) -> Vec<Self> {
+        let steps = if model.scale_sigma > 0.0 { 24 } else { 0 };
+        let value = |k: i32| 0.5 * f64::from(k);
+        let prior = |z: f64| -(1.0 + z * z).sqrt();
+        let total: f64 = (-steps..=steps).map(|k| prior(value(k)).exp()).sum();
+        let turns = model.turns(sights.len());
+        let one = |z: f64| {
+            let scale = (model.scale_sigma * z).exp();
+            let sigmas: Vec<f64> = sights.iter().map(|sight| scale * sight.sigma).collect();
+            let covariance = DMatrix::from_fn(sights.len(), sights.len(), |i, j| {
+                let common: f64 = turns[i].iter().zip(&turns[j]).map(|(a, b)| a * b).sum();
+                common + if i == j { sigmas[i].powi(2) } else { 0.0 }
+            });
+            let whitened = || {
+                let factor = covariance.cholesky()?.l().try_inverse()?;
+                let log = factor.diagonal().iter().map(|v| v.ln()).sum();
+                Some((factor, log))
+            };
+            Self {
+                log_weight: prior(z) - total.ln(),
+                sigmas,
+                faults: &model.faults,
+                whitened: turns
+                    .first()
+                    .filter(|t| !t.is_empty())
+                    .and_then(|_| whitened()),
+            }
+        };
+        (-steps..=steps).map(value).map(one).collect()
+    }
+
+    /// Of these errors.
+    fn log_likelihood(&self, errors: &DVector<f64>) -> f64 {
+        if let Some((factor, log)) = &self.whitened {
+            let flat = 0.5 * errors.len() as f64 * TAU.ln();
+            return log - flat - 0.5 * (factor * errors).norm_squared();
         }
-        let direct = 1.0 - faults.outlier_rate - faults.mirrored_rate;
-        let kinds = [
-            (direct, normal(error, own)),
-            (faults.mirrored_rate, normal(PI - error.abs(), own)),
-            (faults.outlier_rate, -TAU.ln()),
-        ];
-        let possible = || kinds.iter().filter(|(rate, _)| *rate > 0.0);
-        let best = possible().map(|(_, log)| *log).fold(f64::MIN, f64::max);
-        log += best;
-        log += possible()
-            .map(|(rate, log)| rate * (log - best).exp())
-            .sum::<f64>()
-            .ln();
+        let (outlier, mirrored) = (self.faults.outlier_rate, self.faults.mirrored_rate);
+        let direct = 1.0 - outlier - mirrored;
+        let normal = |x: f64, variance: f64| -0.5 * (x * x / variance + (TAU * variance).ln());
+        let one = |(error, sigma): (&f64, &f64)| {
+            let own = sigma * sigma;
+            let kinds = [
+                (direct, normal(*error, own)),
+                (mirrored, normal(PI - error.abs(), own)),
+                (outlier, -TAU.ln()),
+            ];
+            let possible = || kinds.iter().filter(|(rate, _)| *rate > 0.0);
+            let best = possible().map(|(_, log)| *log).fold(f64::MIN, f64::max);
+            let sum: f64 = possible()
+                .map(|(rate, log)| rate * (log - best).exp())
+                .sum();
+            best + sum.ln()
+        };
+        errors.iter().zip(&self.sigmas).map(one).sum()
+    }
+}
+
+/// Bearing by bearing, where biases depend on the direction of the place: they are estimated from the bearings before each.
+fn biased(
+    sights: &[Sight],
+    sigmas: &[f64],
+    biases: &ByDirection,
+    place: Vector2<f64>,
+    errors: &[f64],
+) -> f64 {
+    let mut mean = biases.mean.clone();
+    let mut covariance = &biases.root * biases.root.transpose();
+    let mut log = 0.0;
+    for (k, (sight, error)) in sights.iter().zip(errors).enumerate() {
+        let [x, y] = [0, 1].map(|d| place[d] - sight.position[d]);
+        let relative = y.atan2(x) - biases.headings[k];
+        let terms = turns(relative, biases.harmonics, biases.sigma);
+        let terms = DVector::from_iterator(mean.len(), terms);
+        let gain = &covariance * &terms;
+        let variance = terms.dot(&gain) + sigmas[k].powi(2);
+        let surprise = error - terms.dot(&mean);
+        log -= 0.5 * (surprise * surprise / variance + (TAU * variance).ln());
+        mean += &gain * (surprise / variance);
+        covariance -= &gain * gain.transpose() / variance;
     }
     log
+}
+
+fn log_of_sum(logs: impl IntoIterator<Item = f64>) -> f64 {
+    let logs: Vec<f64> = logs.into_iter().collect();
+    let best = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    best + (logs.iter())
+        .map(|log| (log - best).exp())
+        .sum::<f64>()
+        .ln()
 }

@@ -1,239 +1,236 @@
 //! The likelihood of a source's place, and how large it can be anywhere in a cell.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::{borrow::Cow, f64::consts::PI};
 
-use nalgebra::Vector2;
+use nalgebra::{DMatrix, DVector, Vector2};
 
-use crate::{Sight, faults::Faults};
-
-/// A rectangle whose sides point east and north.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Cell {
-    pub centre: Vector2<f64>,
-    /// Half of its sides.
-    pub half: Vector2<f64>,
-}
-
-impl Cell {
-    pub fn area(&self) -> f64 {
-        4.0 * self.half.x * self.half.y
-    }
-
-    /// Its halves, cut across this axis.
-    pub fn split(mut self, axis: usize) -> [Self; 2] {
-        self.half[axis] *= 0.5;
-        [-1.0, 1.0].map(|side| {
-            let mut part = self;
-            part.centre[axis] += side * self.half[axis];
-            part
-        })
-    }
-}
+use super::{
+    cell::Cell,
+    kept::Kept,
+    line::{Line, View},
+    model::{Biases, ByDirection, Model, Prior},
+    scales::Scale,
+    sums::{Known, Sums, Turned},
+};
+use crate::Sight;
 
 /// What holds everywhere in a cell.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bound {
-    /// The log-likelihood is nowhere larger.
+    /// The logarithm of likelihood times prior is nowhere larger.
     pub log: f64,
     /// Along either axis, a normal density of these bearings curves down by no more than this, per square metre: the sum of
     /// the squares of the largest slopes of the directions, each in the sigmas of its bearing. A jump of the slope counts as
-    /// if it were spread over half of the cell.
+    /// if it were spread over half of the cell. Where the scale of the sigmas is not known, it is the mean over the scales,
+    /// each as likely as its bound says.
     pub curvature: Vector2<f64>,
 }
 
-/// The log-likelihood of all bearings.
+/// The log-likelihood of all bearings, and the prior.
 #[derive(Debug, Clone)]
 pub(super) struct Likelihood {
     lines: Vec<Line>,
-    bias_sigma: f64,
-    /// Of bearings without errors, if all have a bias.
-    biased_peak: f64,
-}
-
-/// A bearing, as its likelihood needs it.
-#[derive(Debug, Clone)]
-struct Line {
-    position: Vector2<f64>,
-    along: Vector2<f64>,
-    sigma: f64,
-    /// Logarithms of the densities, in 1/rad, of a direct and of a mirrored bearing without error, and of an outlier, each
-    /// times the rate of its kind.
-    peaks: [f64; 3],
+    scales: Vec<Scale>,
+    /// What they know of biases that do not depend on the place.
+    known: Known,
+    by_direction: Option<ByDirection>,
+    /// Whether each bearing may be direct, mirrored or an outlier.
+    mixed: bool,
+    /// Of bearings without errors, at scale one and without biases.
+    peak: f64,
+    prior: Prior,
 }
 
 impl Likelihood {
     /// # Panics
     /// If there are both a bias and outliers or mirrored bearings.
-    pub fn new(sights: &[Sight], faults: &Faults) -> Self {
+    pub fn new(sights: &[Sight], model: &Model) -> Self {
+        let faults = &model.faults;
         let mixed = faults.outlier_rate + faults.mirrored_rate > 0.0;
+        let turns = model.turns(sights.len());
+        let by_direction = match &model.biases {
+            Biases::ByDirection(one) => Some(one.clone()),
+            Biases::None | Biases::Turns(_) => None,
+        };
+        let biased = turns.iter().any(|turns| !turns.is_empty());
+        assert!(!(mixed && biased), "either a bias or outliers");
         assert!(
-            !(mixed && faults.bias_sigma > 0.0),
-            "either a bias or outliers"
+            by_direction.is_none() || !(mixed || biased),
+            "a bias by direction alone"
         );
-        let lines: Vec<Line> = sights.iter().map(|s| Line::new(s, faults)).collect();
-        let known: f64 = lines.iter().map(|line| 1.0 / line.sigma.powi(2)).sum();
+        let lines: Vec<Line> = (sights.iter().zip(turns))
+            .map(|(sight, turns)| Line::new(sight, faults, turns))
+            .collect();
         Self {
-            biased_peak: lines.iter().map(|line| line.peaks[0]).sum::<f64>()
-                - 0.5 * (1.0 + faults.bias_sigma.powi(2) * known).ln(),
+            peak: lines.iter().map(|line| line.peaks[0]).sum(),
+            scales: Scale::all(model.scale_sigma, lines.len()),
+            known: Known::of(lines.iter().map(|line| line.turns.as_slice())),
             lines,
-            bias_sigma: faults.bias_sigma,
+            by_direction,
+            mixed,
+            prior: model.prior,
         }
     }
 
     /// At a place.
     pub fn at(&self, place: Vector2<f64>) -> f64 {
-        let views = self.lines.iter().map(|line| View {
-            line,
-            error: line.error(place - line.position),
-            slack: 0.0,
-        });
-        match self.bias_sigma {
-            0.0 => mixed(views),
-            _ => self.biased(views, 0.0),
+        let views = self.lines.iter().map(|line| View::of_place(line, place));
+        if self.mixed {
+            let views: Vec<View> = views.collect();
+            return Scale::sum(&self.scales, |scale| mixed(&views, scale));
         }
+        let sums = self.sums(views);
+        Scale::sum(&self.scales, |scale| {
+            self.normal(sums.error(scale), sums.known.determinant(scale, 0.0), scale)
+        })
+    }
+
+    /// Means and covariance of the biases if the source is at a place and sigmas are as stated.
+    pub fn biases(&self, place: Vector2<f64>) -> (DVector<f64>, DMatrix<f64>) {
+        let views = self.lines.iter().map(|line| View::of_place(line, place));
+        let (means, covariance) = self.sums(views).biases();
+        match &self.by_direction {
+            Some(ByDirection { mean, root, .. }) => {
+                (mean + root * means, root * covariance * root.transpose())
+            }
+            None => (means, covariance),
+        }
+    }
+
+    /// Over the errors of all bearings.
+    fn sums<'a>(&self, views: impl Iterator<Item = View<'a>>) -> Turned {
+        let mut sums = Sums::default();
+        for (k, view) in views.enumerate() {
+            let (turns, mean) = self.turns(k, &view);
+            let error = view.error + mean;
+            sums.add(view.line.sigma, &turns, error, Vector2::zeros(), 0.0);
+        }
+        self.turned(sums)
+    }
+
+    /// How far each bias turns a bearing, in its sigma, and all of them in the mean, in radians.
+    fn turns<'a>(&self, k: usize, view: &View<'a>) -> (Cow<'a, [f64]>, f64) {
+        let Some(biases) = &self.by_direction else {
+            return (Cow::Borrowed(&view.line.turns), 0.0);
+        };
+        let heading = biases.headings.get(k).copied().unwrap_or(0.0);
+        let (mut turns, mean) = biases.turns(view.direction() - heading);
+        turns.iter_mut().for_each(|turn| *turn /= view.line.sigma);
+        (Cow::Owned(turns), mean)
+    }
+
+    /// Of all bearings.
+    fn turned(&self, sums: Sums) -> Turned {
+        let known = match self.by_direction {
+            Some(_) => sums.known(),
+            None => self.known.clone(),
+        };
+        sums.turned(known)
+    }
+
+    /// With the prior.
+    pub fn with_prior(&self, place: Vector2<f64>) -> f64 {
+        self.at(place) + self.prior.log(place)
     }
 
     /// In a cell.
     ///
     /// From a bearing's position the cell appears within an interval of directions: the bearing is nowhere in the cell more
-    /// likely than at the direction of the interval that suits it best. The bound lets each bearing have a place of its own.
+    /// likely than at the direction of the interval that suits it best. The bound lets each bearing have a place of its own,
+    /// and each scale its own places.
     ///
-    /// If all have a bias the bound is one on the norm of the errors, each in its sigma and without what the bias explains:
+    /// If there are biases the bound is one on the norm of the errors, each in its sigma and without what the biases explain:
     /// that of the centre, less that of the largest difference from it. Bearings that any direction in the cell would suit
-    /// are left out, which makes the norm no larger.
+    /// are left out, which makes the norm no larger; of a few that turn from far left to far right within it, both are tried.
+    /// A norm that is f where turns are T and errors y is at least (f - d) /
+    /// (1 + D) where these are off by no more than D and d, as norms: with the biases that are best there the one at the
+    /// centre is no more than d + D f larger.
     pub fn bound(&self, cell: &Cell) -> Bound {
         let radius = cell.half.norm();
-        let mut all = Slopes::default();
-        let mut kept = Slopes::default();
+        let (mut all, mut kept) = (Sums::default(), Kept::default());
         let mut folds = Vector2::zeros();
-        let views = self.lines.iter().map(|line| {
-            let ray = cell.centre - line.position;
-            let (range, error) = (ray.norm(), line.error(ray));
-            let across = Vector2::new(-ray.y, ray.x) / range;
-            // The cell lies in a rectangle along the ray of these half sides.
-            let width = across.abs().dot(&cell.half);
-            let nearest = range - across.yx().abs().dot(&cell.half);
-            let (slack, slope, bend) = if nearest > 0.0 {
-                let bend = radius / (nearest * nearest);
-                (f64::min(width / nearest, PI), across / range, bend)
-            } else {
-                // The position may be in the cell, which appears all around it.
-                (PI, Vector2::zeros(), PI / radius)
-            };
-            let view = View { line, error, slack };
-            all.add(line.sigma, slope, bend);
+        let mut turned = 0.0;
+        let largest = self.by_direction.as_ref().map(ByDirection::largest);
+        let ([most, steepest], steepest_mean) = largest.unwrap_or_default();
+        let mut views = Vec::with_capacity(self.lines.len());
+        for (k, line) in self.lines.iter().enumerate() {
+            let (view, slope, bend) = View::of_cell(line, cell);
+            let (turns, mean) = self.turns(k, &view);
+            all.add(line.sigma, &turns, view.error + mean, slope, bend);
             folds += view.fold() * slope.abs().add_scalar(bend);
-            if view.says_something() {
-                kept.add(line.sigma, slope, bend);
+            let turn = f64::min(2.0 * most, steepest * view.slack) / line.sigma;
+            turned += turn * turn;
+            if !turns.is_empty() {
+                let moved = (1.0 + steepest_mean) * view.slack / line.sigma;
+                kept.add(&view, turns, mean, (slope, bend), [turn, moved]);
             }
-            view
-        });
-        let views: Vec<View> = views.collect();
-        let log = if self.bias_sigma > 0.0 {
-            let (slope, bend) = kept.norms(self.bias_sigma);
-            let change = slope.dot(&cell.half) + 0.5 * radius * bend;
-            self.biased(views.into_iter().filter(View::says_something), change)
-        } else {
-            mixed(views.into_iter())
+            views.push(view);
+        }
+        let all = self.turned(all);
+        let known = self.by_direction.is_none().then_some(&self.known);
+        let (patterns, changes) = (kept.patterns(known), kept.changes());
+        let direct: f64 = views.iter().map(View::least).map(|z| z * z).sum();
+        let highest = |scale: &Scale| {
+            if self.mixed {
+                return mixed(&views, scale);
+            }
+            let determinant = all.known.determinant(scale, turned.sqrt());
+            let least = |kept: &Turned| match &self.by_direction {
+                Some(_) => {
+                    let [turned, moved] = changes.map(|change| change / scale.value);
+                    (kept.error(scale) - moved) / (1.0 + turned)
+                }
+                None => {
+                    let (slope, bend) = kept.slopes(scale);
+                    kept.error(scale) - slope.dot(&cell.half) - 0.5 * radius * bend
+                }
+            };
+            let norm = match &patterns[..] {
+                [] if self.is_biased() => 0.0,
+                [] => direct.sqrt() / scale.value,
+                all => all.iter().map(least).fold(f64::INFINITY, f64::min),
+            };
+            self.normal(norm.max(0.0), determinant, scale)
         };
-        let (slope, bend) = all.norms(self.bias_sigma);
+        let (log, probabilities) = Scale::bound(&self.scales, highest);
+        let curvature = |scale: &Scale| {
+            let (slope, bend) = all.slopes(scale);
+            slope.map(|slope| (slope + bend).powi(2))
+                + folds.component_div(&cell.half) / scale.value.powi(2)
+        };
+        let likely = self.scales.iter().zip(probabilities);
+        let likely = likely.filter(|(_, probability)| *probability > 1e-9);
+        let mean: Vector2<f64> = likely.map(|(scale, p)| curvature(scale) * p).sum();
+        let (highest, bend) = self.prior.bound(cell);
         Bound {
-            log,
-            curvature: slope.map(|slope| (slope + bend).powi(2)) + folds.component_div(&cell.half),
+            log: log + highest,
+            curvature: mean.add_scalar(bend),
         }
     }
 
-    /// Of bearings with one bias, which is integrated out, where the norm of the errors may be less by a `change`.
-    fn biased<'a>(&self, views: impl Iterator<Item = View<'a>>, change: f64) -> f64 {
-        let (mut known, mut shared, mut square) = (0.0, 0.0, 0.0);
-        for View { line, error, .. } in views {
-            let z = error / line.sigma;
-            known += 1.0 / (line.sigma * line.sigma);
-            shared += z / line.sigma;
-            square += z * z;
-        }
-        let explained = shared * shared / (1.0 / self.bias_sigma.powi(2) + known);
-        let norm = ((square - explained).max(0.0).sqrt() - change).max(0.0);
-        self.biased_peak - 0.5 * norm * norm
-    }
-}
-
-/// A bearing as it is seen from a place, or from all of a cell.
-struct View<'a> {
-    line: &'a Line,
-    /// In radians, at the place or the centre of the cell.
-    error: f64,
-    /// How far the error in the cell can be from that at its centre, in radians.
-    slack: f64,
-}
-
-impl View<'_> {
-    /// How much the log-likelihood's derivative by the error jumps somewhere in the cell: where what is far to the left
-    /// becomes far to the right, or a mirrored bearing becomes likelier than a direct one. There are no jumps among outliers.
-    fn fold(&self) -> f64 {
-        let [_, mirrored, outlier] = self.line.peaks;
-        let fold = if mirrored > f64::NEG_INFINITY {
-            FRAC_PI_2
-        } else {
-            PI
-        };
-        let crossed = (self.error.abs() - fold).abs() <= self.slack;
-        if crossed && outlier == f64::NEG_INFINITY {
-            2.0 * fold / self.line.sigma.powi(2)
-        } else {
-            0.0
-        }
+    fn is_biased(&self) -> bool {
+        let turned = |line: &Line| !line.turns.is_empty();
+        self.by_direction.is_some() || self.lines.first().is_some_and(turned)
     }
 
-    /// The error does not go through all of the circle's half within the cell, nor through zero unless it is small.
-    fn says_something(&self) -> bool {
-        let error = self.error.abs();
-        self.slack <= error.max(self.line.sigma) && error + self.slack < PI
-    }
-}
-
-/// How the directions of a cell's places, each in the sigmas of its bearing, change across it.
-#[derive(Default)]
-struct Slopes {
-    known: f64,
-    /// Sums over the slopes at the centre: of their squares, and of each over its sigma.
-    squares: Vector2<f64>,
-    shared: Vector2<f64>,
-    /// Sum of the squares of how far a slope can be from that at the centre.
-    bends: f64,
-}
-
-impl Slopes {
-    /// One direction, whose slope at the centre of the cell is this, in radians per metre east and north, and elsewhere no
-    /// further from it than `bend`.
-    fn add(&mut self, sigma: f64, slope: Vector2<f64>, bend: f64) {
-        let slope = slope / sigma;
-        self.known += 1.0 / (sigma * sigma);
-        self.squares += slope.component_mul(&slope);
-        self.shared += slope / sigma;
-        self.bends += (bend / sigma).powi(2);
-    }
-
-    /// Norms of the slopes at the centre, without what a bias of this sigma explains, and of the largest differences from
-    /// them.
-    fn norms(&self, bias_sigma: f64) -> (Vector2<f64>, f64) {
-        let precision = 1.0 / (bias_sigma * bias_sigma) + self.known;
-        let explained = self.shared.component_mul(&self.shared) / precision;
-        let norms = (self.squares - explained).map(|square| square.max(0.0).sqrt());
-        (norms, self.bends.sqrt())
+    /// Of bearings the errors of which have this norm, in their sigmas and without what biases explain, and covariance this
+    /// determinant.
+    fn normal(&self, norm: f64, determinant: f64, scale: &Scale) -> f64 {
+        self.peak + scale.peak - determinant - 0.5 * norm * norm
     }
 }
 
 /// Of bearings each of which is direct, mirrored or an outlier.
-fn mixed<'a>(views: impl Iterator<Item = View<'a>>) -> f64 {
+fn mixed(views: &[View<'_>], scale: &Scale) -> f64 {
     let (mut log, mut product) = (0.0, 1.0);
-    for View { line, error, slack } in views {
-        let least = (error.abs() - slack).max(0.0) / line.sigma;
-        let from_behind = (PI - error.abs() - slack).max(0.0) / line.sigma;
-        let [direct, mirrored, outlier] = line.peaks;
+    for view in views {
+        let least = view.least() / scale.value;
+        let behind = (PI - view.error.abs() - view.slack).max(0.0);
+        let from_behind = behind / (view.line.sigma * scale.value);
+        let [direct, mirrored, outlier] = view.line.peaks;
         let logs = [
-            direct - 0.5 * least * least,
-            mirrored - 0.5 * from_behind * from_behind,
+            direct - scale.log - 0.5 * least * least,
+            mirrored - scale.log - 0.5 * from_behind * from_behind,
             outlier,
         ];
         let best = logs[0].max(logs[1]).max(logs[2]);
@@ -249,67 +246,4 @@ fn mixed<'a>(views: impl Iterator<Item = View<'a>>) -> f64 {
         }
     }
     log + product.ln()
-}
-
-impl Line {
-    fn new(sight: &Sight, faults: &Faults) -> Self {
-        let direct = 1.0 - faults.outlier_rate - faults.mirrored_rate;
-        let peak = 1.0 / (TAU.sqrt() * sight.sigma);
-        let densities = [
-            direct * peak,
-            faults.mirrored_rate * peak,
-            faults.outlier_rate / TAU,
-        ];
-        Self {
-            position: sight.position.into(),
-            along: Vector2::new(sight.bearing.cos(), sight.bearing.sin()),
-            sigma: sight.sigma,
-            peaks: densities.map(f64::ln),
-        }
-    }
-
-    /// Direction of a ray less the bearing, in (-pi, pi].
-    fn error(&self, ray: Vector2<f64>) -> f64 {
-        self.along.perp(&ray).atan2(self.along.dot(&ray))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use rand::RngExt;
-
-    use super::*;
-    use crate::{simulate, tracks::Track};
-
-    /// The bound holds at random places of random cells, large and small, near the receivers and far, and is tight where a
-    /// cell is small.
-    #[test]
-    fn nothing_in_a_cell_is_above_its_bound() {
-        let mut rng = simulate::generator(21, 0);
-        for faults in super::super::tests::faults() {
-            let mut sights = simulate::bearings(&Track::a2(), &mut rng);
-            faults.spoil(&mut sights, &mut rng);
-            let likelihood = Likelihood::new(&sights, &faults);
-            for _ in 0..3000 {
-                let mut any = |size: f64| [0, 1].map(|_| size * rng.random_range(-1.0..1.0));
-                let half = any(6.0).map(f64::exp2);
-                let size = any(6.0)[0].exp2();
-                let cell = Cell {
-                    centre: Vector2::from(any(3000.0)),
-                    half: Vector2::from(half) * size,
-                };
-                let bound = likelihood.bound(&cell);
-                for _ in 0..10 {
-                    let place = cell.centre + cell.half.component_mul(&Vector2::from(any(1.0)));
-                    assert!(likelihood.at(place) <= bound.log + 1e-9, "{cell:?}");
-                }
-                let point = Cell {
-                    half: Vector2::repeat(1e-9),
-                    ..cell
-                };
-                let off = likelihood.bound(&point).log - likelihood.at(point.centre);
-                assert!(off.abs() < 1e-3, "{off}");
-            }
-        }
-    }
 }

@@ -2,14 +2,20 @@
 
 mod bound;
 mod brute;
+mod cell;
 pub mod corridor;
 pub mod gamma;
 mod gauss_newton;
 pub mod growth;
 mod kalman;
+mod kept;
 mod likelihood;
+mod line;
+mod model;
 mod pending;
 mod posterior;
+mod scales;
+mod sums;
 mod von_mises;
 
 #[cfg(test)]
@@ -19,6 +25,7 @@ pub use bound::{cramer_rao, cramer_rao_of_biased};
 pub use brute::{Brute, Difference, Grid};
 pub use gauss_newton::{Maximum, gauss_newton};
 pub use kalman::Kalman;
+pub use model::{Biases, ByDirection, Model, Prior, biases_by_station, turns};
 pub use posterior::{Posterior, Square};
 pub use von_mises::von_mises;
 

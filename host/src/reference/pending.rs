@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use nalgebra::Vector2;
 
-use super::likelihood::{Cell, Likelihood};
+use super::{cell::Cell, likelihood::Likelihood};
 
 /// A cell, ordered by what it can hold.
 pub(super) struct Pending {

@@ -2,15 +2,17 @@
 
 use std::collections::BinaryHeap;
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 use super::{
-    likelihood::{Cell, Likelihood},
+    cell::Cell,
+    likelihood::Likelihood,
+    model::{Biases, Model, Prior},
     pending::Pending,
 };
-use crate::{Sight, faults::Faults};
+use crate::{Sight, faults::Faults, sight::direction};
 
-/// The posterior of the place of the source given all bearings, under a flat prior over a square.
+/// The posterior of the place of the source given all bearings, within a square.
 ///
 /// The square is halved, and halved again, always the part that could hold the most: a bound on the likelihood that holds
 /// everywhere in it, times its area. Parts that are small beside the likelihood's own scale are summed, by three by
@@ -29,12 +31,14 @@ pub struct Posterior {
     pub covariance: Matrix2<f64>,
     /// The most likely place, in metres east and north.
     pub mode: [f64; 2],
-    /// Logarithm of the density of the bearings, each in 1/rad, if the source is anywhere in the square.
+    /// Logarithm of the density of the bearings, each in 1/rad, if the source is anywhere in the square, or with the prior's
+    /// density there.
     pub log_evidence: f64,
     /// The most that the parts of the square that were not summed can hold, as a fraction of the whole.
     pub discarded: f64,
     square: Square,
     likelihood: Likelihood,
+    sum: Sum,
 }
 
 /// Parts that together hold less than this fraction of the whole are not summed.
@@ -66,30 +70,74 @@ impl Posterior {
     /// # Panics
     /// If `faults` has both: then the sum would be one over the bias, too.
     pub fn with_faults(sights: &[Sight], faults: &Faults) -> Option<Self> {
-        Self::within(&Square::round(sights)?, sights, faults).filter(Self::lies_inside)
+        let model = Model::with_faults(faults);
+        Self::within(&Square::round(sights)?, sights, &model).filter(Self::lies_inside)
     }
 
-    /// The same of a source that is in the `square` for certain, whether the `sights` determine its place or not. `None` if
-    /// that takes more than four million cells.
+    /// The posterior by the `model` of a source that is in the `square` for certain, whether the `sights` determine its place
+    /// or not. `None` if that takes more than four million cells.
     ///
     /// # Panics
-    /// As [`Posterior::with_faults`].
-    pub fn within(square: &Square, sights: &[Sight], faults: &Faults) -> Option<Self> {
-        Self::of(square, Likelihood::new(sights, faults), WIDEST)
+    /// As [`Posterior::with_faults`], or if there are biases of another number of bearings.
+    pub fn within(square: &Square, sights: &[Sight], model: &Model) -> Option<Self> {
+        let likelihood = Likelihood::new(sights, model);
+        let (sum, discarded) = integrate(square, &likelihood)?;
+        Some(Self::of(square, model, likelihood, sum, discarded))
     }
 
-    fn of(square: &Square, likelihood: Likelihood, widest: f64) -> Option<Self> {
-        let (sum, discarded) = integrate(square, &likelihood, widest)?;
+    fn of(
+        square: &Square,
+        model: &Model,
+        likelihood: Likelihood,
+        sum: Sum,
+        discarded: f64,
+    ) -> Self {
+        let flat = match model.prior {
+            Prior::Flat => 2.0 * square.side.ln(),
+            Prior::Ranged { .. } => 0.0,
+        };
         let mean = sum.mean();
-        Some(Self {
+        Self {
             mean: mean.into(),
             covariance: sum.covariance(mean),
             mode: climb(square, &likelihood, &sum).into(),
-            log_evidence: sum.log() - 2.0 * square.side.ln(),
+            log_evidence: sum.log() - flat,
             discarded,
             square: *square,
             likelihood,
-        })
+            sum,
+        }
+    }
+
+    /// The same, sooner by far where a bias goes by direction: the places that are summed are those of a posterior whose biases
+    /// are as if the source were where one with the measured directions has it. Nothing bounds what is left out; but these
+    /// posteriors are nearly the same (a test compares it with that of the bound).
+    pub fn within_nearly(square: &Square, sights: &[Sight], model: &Model) -> Option<Self> {
+        let Biases::ByDirection(biases) = &model.biases else {
+            return Self::within(square, sights, model);
+        };
+        let mut directions: Vec<f64> = sights.iter().map(|sight| sight.bearing).collect();
+        let mut last = None;
+        for _ in 0..2 {
+            let (turned, turns) = biases.as_if(sights, &directions);
+            let model = Model {
+                biases: turns,
+                ..model.clone()
+            };
+            let posterior = Self::within(square, &turned, &model)?;
+            let towards = |sight: &Sight| direction(sight.position, posterior.mean);
+            directions = sights.iter().map(towards).collect();
+            last = Some(posterior);
+        }
+        let Self {
+            sum,
+            likelihood: before,
+            discarded,
+            ..
+        } = last?;
+        let likelihood = Likelihood::new(sights, model);
+        let sum = sum.changed(|place| likelihood.at(place) - before.at(place));
+        Some(Self::of(square, model, likelihood, sum, discarded))
     }
 
     /// Logarithm of the density of the bearings, each in 1/rad, if the source is at this place.
@@ -103,8 +151,21 @@ impl Posterior {
         if offset.amax() > 0.5 * self.square.side {
             return 0.0;
         }
-        let flat = 2.0 * self.square.side.ln();
-        (self.log_likelihood(place) - self.log_evidence - flat).exp()
+        (self.likelihood.with_prior(place.into()) - self.sum.log()).exp()
+    }
+
+    /// Means and covariance of the biases of the model, that of the faults last, where sigmas are as stated.
+    pub fn biases(&self) -> (DVector<f64>, DMatrix<f64>) {
+        let places = || self.sum.weighted().filter(|(_, weight)| *weight > 1e-7);
+        let mean = |(place, weight)| self.likelihood.biases(place).0 * weight;
+        let mean: DVector<f64> = places().map(mean).reduce(|a, b| a + b).unwrap_or_default();
+        let covariance = |(place, weight)| {
+            let (at, covariance) = self.likelihood.biases(place);
+            let off = at - &mean;
+            (covariance + &off * off.transpose()) * weight
+        };
+        let covariance = places().map(covariance).reduce(|a, b| a + b);
+        (mean, covariance.unwrap_or_default())
     }
 
     /// Four standard deviations round the mean are within the square.
@@ -142,7 +203,7 @@ impl Square {
 }
 
 /// The nodes that are summed.
-#[derive(Default)]
+#[derive(Debug, Clone, Default)]
 struct Sum {
     places: Vec<Vector2<f64>>,
     /// Logarithms of likelihood times area.
@@ -153,7 +214,7 @@ struct Sum {
 }
 
 /// Sums all but what a millionth says; and says what the rest is at most.
-fn integrate(square: &Square, likelihood: &Likelihood, widest: f64) -> Option<(Sum, f64)> {
+fn integrate(square: &Square, likelihood: &Likelihood) -> Option<(Sum, f64)> {
     let whole = Cell {
         centre: square.centre.into(),
         half: Vector2::repeat(square.side / 2.0),
@@ -173,7 +234,7 @@ fn integrate(square: &Square, likelihood: &Likelihood, widest: f64) -> Option<(S
             return Some((sum, rest.exp()));
         }
         let Pending { cell, widths, .. } = largest;
-        let axis = if widths.max() > widest {
+        let axis = if widths.max() > WIDEST {
             widths.imax()
         } else {
             let nodes = Nodes::new(&cell, likelihood);
@@ -205,7 +266,7 @@ impl Nodes {
             .map(|[(x, _), (y, _)]| cell.centre + cell.half.component_mul(&Vector2::new(x, y)));
         Self {
             places,
-            logs: places.map(|place| likelihood.at(place)),
+            logs: places.map(|place| likelihood.with_prior(place)),
             areas: pairs.map(|[(_, across), (_, along)]| cell.area() * across * along),
         }
     }
@@ -229,6 +290,19 @@ impl Sum {
             self.places.push(*place);
             self.logs.push(log);
         }
+    }
+
+    /// With this added to the log-likelihood of each place.
+    fn changed(mut self, by: impl Fn(Vector2<f64>) -> f64) -> Self {
+        for (log, place) in self.logs.iter_mut().zip(&self.places) {
+            // What was next to nothing stays so.
+            if *log > self.best - 40.0 {
+                *log += by(*place);
+            }
+        }
+        self.best = self.logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        self.total = self.logs.iter().map(|log| (log - self.best).exp()).sum();
+        self
     }
 
     /// Logarithm of the sum.
@@ -257,7 +331,9 @@ impl Sum {
 /// The maximum that is reached from the most likely node, by steps along the axes that get shorter.
 fn climb(square: &Square, likelihood: &Likelihood, sum: &Sum) -> Vector2<f64> {
     let highest = |places: &[Vector2<f64>]| {
-        let logs = places.iter().map(|place| (likelihood.at(*place), *place));
+        let logs = places
+            .iter()
+            .map(|place| (likelihood.with_prior(*place), *place));
         logs.max_by(|a, b| a.0.total_cmp(&b.0))
     };
     let Some((mut log, mut place)) = highest(&sum.places) else {

@@ -2,9 +2,14 @@
 
 use std::path::PathBuf;
 
+use nalgebra::Vector2;
+use rand::RngExt;
 use rayon::prelude::*;
 
-use super::{Brute, Difference, Posterior, Square, cramer_rao, cramer_rao_of_biased, gauss_newton};
+use super::{
+    Biases, Brute, ByDirection, Difference, Model, Posterior, Prior, Square, biases_by_station,
+    cell::Cell, cramer_rao, cramer_rao_of_biased, gauss_newton, likelihood::Likelihood,
+};
 use crate::{Sight, faults::Faults, measured::Measured, simulate, tracks::Track};
 
 /// One of each kind, and all kinds that may be together.
@@ -29,6 +34,58 @@ pub fn faults() -> [Faults; 5] {
             bias_sigma: 0.05,
             ..clean
         },
+    ]
+}
+
+/// What else the posterior takes for known, with `sights` along a track.
+pub fn models(sights: &[Sight]) -> Vec<(&'static str, Model)> {
+    let of = |faults: Faults| Model::with_faults(&faults);
+    let [clean, _, _, mixed, bias] = faults().map(of);
+    let [first, last] = [&sights[0], &sights[sights.len() - 1]].map(|sight| sight.position);
+    let heading = f64::atan2(last[1] - first[1], last[0] - first[0]);
+    let by_direction = ByDirection::new(vec![heading; sights.len()], 2, 0.1);
+    let learned = ByDirection {
+        mean: by_direction.mean.add_scalar(0.3),
+        root: &by_direction.root * 0.4,
+        ..by_direction.clone()
+    };
+    // Four arrays, each with a bearing in four.
+    let stations: Vec<Sight> = (sights.iter().enumerate())
+        .map(|(k, sight)| Sight {
+            position: [(k % 4) as f64, 0.0],
+            ..*sight
+        })
+        .collect();
+    let ranged = |nearest_m| Prior::Ranged {
+        centre: first,
+        nearest_m,
+        range_m: 20_000.0,
+    };
+    let scaled = |model| Model {
+        scale_sigma: 0.15,
+        ..model
+    };
+    let with = |biases| Model {
+        biases,
+        ..clean.clone()
+    };
+    let at = |prior, model| Model { prior, ..model };
+    let stations = biases_by_station(&stations, 0.05);
+    vec![
+        ("scale", scaled(clean.clone())),
+        ("scale and faults", scaled(mixed.clone())),
+        ("scale and bias", scaled(bias)),
+        ("near", at(ranged(1.0), clean.clone())),
+        ("far, faults", at(ranged(20_000.0), mixed)),
+        (
+            "direction",
+            at(ranged(1.0), with(Biases::ByDirection(by_direction))),
+        ),
+        (
+            "direction, learned, scale",
+            scaled(with(Biases::ByDirection(learned))),
+        ),
+        ("stations", with(stations)),
     ]
 }
 
@@ -83,7 +140,7 @@ fn brute_force_says_the_same() {
         faults.spoil(&mut sights, &mut simulate::generator(32, 0));
         let square = Square::round(&sights).unwrap();
         let posterior = Posterior::with_faults(&sights, &faults).unwrap();
-        let brute = Brute::new(&square, &sights, &faults, 1024);
+        let brute = Brute::new(&square, &sights, &Model::with_faults(&faults), 1024);
         let grid = brute.grid.unwrap();
         let off = Difference::new(
             posterior.mean,
@@ -101,6 +158,40 @@ fn brute_force_says_the_same() {
         assert!(same.abs() < 1e-6 && higher > -1e-6, "{same} {higher}");
         assert!(posterior.discarded <= 1e-6);
     });
+}
+
+/// So it is with a scale, biases and a prior that depends on range.
+#[test]
+fn brute_force_says_the_same_of_other_models() {
+    let cases = [Track::a1(), Track::a2()]
+        .into_iter()
+        .flat_map(|mut track| {
+            // A third of the bearings, or the grids would take minutes.
+            track.receivers = track.receivers.into_iter().step_by(3).collect();
+
+            let sights = simulate::bearings(&track, &mut simulate::generator(33, 0));
+            let models = models(&sights).into_iter();
+            models.map(move |(name, model)| (track.name, sights.clone(), name, model))
+        });
+    cases
+        .par_bridge()
+        .for_each(|(track, mut sights, name, model)| {
+            (model.faults).spoil(&mut sights, &mut simulate::generator(34, 0));
+            let square = Square::round(&sights).unwrap();
+            let posterior = Posterior::within(&square, &sights, &model).unwrap();
+            let brute = Brute::new(&square, &sights, &model, 256);
+            let grid = brute.grid.unwrap();
+            let off = Difference::new(
+                posterior.mean,
+                &posterior.covariance,
+                (grid.mean, &grid.covariance),
+            );
+            let evidence = (posterior.log_evidence - grid.log_evidence).abs();
+            assert!(
+                off.mean < 2e-3 && off.sigma < 3e-3 && evidence < 1e-3,
+                "{track} {name}: {off:?}, evidence {evidence:.1e} off"
+            );
+        });
 }
 
 /// In rooms, where some bearings are far off: one transmitter in sight, and two that are not.
@@ -127,8 +218,10 @@ fn measured_rooms_are_what_brute_force_says() {
             })
             .collect();
         let square = Square::round(&sights).unwrap();
-        let posterior = Posterior::within(&square, &sights, &faults).unwrap();
-        let grid = Brute::new(&square, &sights, &faults, 2048).grid.unwrap();
+        let posterior = Posterior::within(&square, &sights, &Model::with_faults(&faults)).unwrap();
+        let grid = Brute::new(&square, &sights, &Model::with_faults(&faults), 2048)
+            .grid
+            .unwrap();
         let off = Difference::new(
             posterior.mean,
             &posterior.covariance,
@@ -208,4 +301,39 @@ fn a_bias_is_found_if_it_is_known_of() {
     };
     assert!(off(Posterior::new(&sights).unwrap()) > 20.0);
     assert!(off(Posterior::with_faults(&sights, &biased).unwrap()) < 12.0);
+}
+
+/// The bound holds at random places of random cells, large and small, near the receivers and far, and is tight where a cell is
+/// small.
+#[test]
+fn nothing_in_a_cell_is_above_its_bound() {
+    let mut rng = simulate::generator(21, 0);
+    let sights = simulate::bearings(&Track::a2(), &mut rng);
+    let plain = faults().map(|faults| ("faults", Model::with_faults(&faults)));
+    for (name, model) in plain.into_iter().chain(models(&sights)) {
+        let mut sights = sights.clone();
+        model.faults.spoil(&mut sights, &mut rng);
+        let likelihood = Likelihood::new(&sights, &model);
+        for _ in 0..3000 {
+            let mut any = |size: f64| [0, 1].map(|_| size * rng.random_range(-1.0..1.0));
+            let half = any(6.0).map(f64::exp2);
+            let size = any(6.0)[0].exp2();
+            let cell = Cell {
+                centre: Vector2::from(any(3000.0)),
+                half: Vector2::from(half) * size,
+            };
+            let bound = likelihood.bound(&cell);
+            for _ in 0..10 {
+                let place = cell.centre + cell.half.component_mul(&Vector2::from(any(1.0)));
+                let log = likelihood.with_prior(place);
+                assert!(log <= bound.log + 1e-9, "{name}: {cell:?}");
+            }
+            let point = Cell {
+                half: Vector2::repeat(1e-9),
+                ..cell
+            };
+            let off = likelihood.bound(&point).log - likelihood.with_prior(point.centre);
+            assert!(off.abs() < 1e-3, "{name}: {off}");
+        }
+    }
 }

@@ -19,8 +19,8 @@ use foxhunt_host::{
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 
-use super::outcome::{Outcome, locate};
 use crate::papers::{
+    outcome::{Outcome, locate},
     statistics::{Estimate, bootstrap, root_mean_square},
     study::progress,
     table::table,

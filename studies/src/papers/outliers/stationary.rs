@@ -6,8 +6,12 @@ use foxhunt_host::{faults::Stationary, figures::Figure, simulate, tracks::Track}
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 
-use super::outcome::{Outcome, locate};
-use crate::papers::{statistics::root_mean_square, study::progress, table::table};
+use crate::papers::{
+    outcome::{Outcome, locate},
+    statistics::root_mean_square,
+    study::progress,
+    table::table,
+};
 
 const STOPS: [usize; 3] = [0, 20, 45];
 const READINGS: usize = 1000;

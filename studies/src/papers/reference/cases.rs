@@ -13,11 +13,11 @@ pub struct Case {
 }
 
 impl Case {
-    /// So many cells a side of a grid take a few seconds.
+    /// So many cells a side of a grid take a second or two.
     pub fn finest(&self) -> usize {
         match self.sights.len() {
-            0..=20 => 2048,
-            _ => 1024,
+            0..=20 => 1024,
+            _ => 512,
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Bearings measured in rooms: those of robots on fixed transmitters, and those of fixed arrays on a tag at rest.
 
-use std::{collections::BTreeMap, path::Path};
+use std::path::Path;
 
-use anyhow::{Context, Result};
-use foxhunt_host::{Sight, faults::Faults, measured::Measured, reference::Square};
+use anyhow::Result;
+use foxhunt_host::{Sight, faults::Faults, measured::Measured, reference::Square, xplr};
 
 use super::cases::{Case, faults};
 
@@ -32,30 +32,11 @@ pub fn rooms(data: &Path) -> Result<Vec<Case>> {
 
 /// Every stop of the tag, with the packets of all arrays: those of one alone have no range.
 pub fn stops(data: &Path) -> Result<Vec<Case>> {
-    let mut arrays = BTreeMap::new();
-    for row in rows::<4>(&data.join("anchors.csv"))? {
-        if let [Some(array), Some(x), Some(y), Some(boresight)] = row {
-            arrays.insert(array as u32, ([x, y], boresight));
-        }
-    }
-    let packets = rows::<6>(&data.join("stops.csv"))?;
     let mut cases = Vec::new();
-    for row in rows::<4>(&data.join("stops_truth.csv"))? {
-        let [Some(from), Some(until), ..] = row else {
-            continue;
-        };
-        let mut sights = Vec::new();
-        for packet in &packets {
-            if let [Some(time), Some(array), Some(azimuth), ..] = *packet
-                && (from..until).contains(&time)
-                && let Some((position, boresight)) = arrays.get(&(array as u32))
-            {
-                sights.push(sight(*position, 90.0 - boresight - azimuth, SIGMAS[1]));
-            }
-        }
-        let sights: Vec<Sight> = (sights.iter().copied())
-            .step_by(sights.len().div_ceil(PACKETS).max(1))
-            .collect();
+    for stop in xplr::stops(data, SIGMAS[1].to_radians())? {
+        let step = stop.sights.len().div_ceil(PACKETS).max(1);
+        let sights = stop.sights.iter().map(|(_, sight)| *sight);
+        let sights: Vec<Sight> = sights.step_by(step).collect();
         cases.extend(with_faults("stops", &sights));
     }
     cases.sort_by(|a, b| a.group.cmp(&b.group));
@@ -82,18 +63,4 @@ fn sight(position: [f64; 2], degrees: f64, sigma: f64) -> Sight {
         bearing: degrees.to_radians(),
         sigma: sigma.to_radians(),
     }
-}
-
-/// The first columns of a file of numbers, some of which are missing.
-fn rows<const N: usize>(file: &Path) -> Result<Vec<[Option<f64>; N]>> {
-    let text = std::fs::read_to_string(file).with_context(|| file.display().to_string())?;
-    let number = |cell: Option<&str>| cell.and_then(|cell| cell.trim().parse().ok());
-    Ok(text
-        .lines()
-        .skip(1)
-        .map(|line| {
-            let mut cells = line.split(',');
-            std::array::from_fn(|_| number(cells.next()))
-        })
-        .collect())
 }

@@ -1,4 +1,4 @@
-//! Random geometries: 2 to 200 bearings with sigmas of 0.2 to 20 degrees.
+//! Random geometries: 2 to 100 bearings with sigmas of 0.2 to 20 degrees.
 
 use std::f64::consts::TAU;
 
@@ -54,7 +54,7 @@ pub fn cases(runs: u64, seed: u64) -> Vec<Case> {
 
 /// Positions within a kilometre, the bearings taken there, and the source.
 fn geometry(kind: Kind, rng: &mut impl Rng) -> (Vec<Sight>, [f64; 2]) {
-    let count = ratio(rng, 2.0, 200.0).round() as usize;
+    let count = ratio(rng, 2.0, 100.0).round() as usize;
     let sigma = ratio(rng, 0.2, 20.0).to_radians();
     let mut positions: Vec<[f64; 2]> = (0..count)
         .map(|_| [0, 1].map(|_| rng.random_range(-500.0..500.0)))

@@ -10,7 +10,7 @@ use foxhunt_host::{
     reference::{Posterior, mahalanobis},
 };
 
-use crate::papers::statistics::NINETY_FIVE;
+use super::statistics::NINETY_FIVE;
 
 /// What a method made of one run.
 #[derive(Debug, Clone, Copy)]
@@ -54,8 +54,13 @@ fn distance(fix: &Fix, source: [f64; 2]) -> f64 {
 
 /// The last answer to the bearings.
 pub fn locate(config: &Config, sights: &[Sight], seed: u64) -> Result<Answer> {
+    locate_by::<Robust<256>>(config, sights, seed)
+}
+
+/// The last answer of another locator.
+pub fn locate_by<L: Locate>(config: &L::Config, sights: &[Sight], seed: u64) -> Result<Answer> {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
-    let mut locator = Box::new(Robust::<256>::EMPTY);
+    let mut locator = Box::new(L::EMPTY);
     for sight in sights {
         locator.push(&(*sight).try_into()?, config, &mut rng)?;
     }
