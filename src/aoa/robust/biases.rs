@@ -1,6 +1,5 @@
 //! Biases of bearings: which have one in common, and what is known of them before.
 
-use super::errors::Errors;
 use super::term::{BIASES, State};
 use crate::aoa::{Bias, Observation};
 use crate::kalman::Covariance;
@@ -104,11 +103,10 @@ impl<const D: usize> Known<D> {
     pub(super) fn features(
         &self,
         observation: &Observation,
-        errors: &Errors,
+        (biases, sigma): (Biases, f32),
         source: Option<[f32; 2]>,
     ) -> (State<D>, f32) {
-        let biases = errors.biases;
-        let prior: State<D> = biases.features(observation, errors.bias_sigma_rad, source);
+        let prior: State<D> = biases.features(observation, sigma, source);
         if !self.is_more {
             return (prior, 0.0);
         }
@@ -158,11 +156,11 @@ impl<const D: usize> Known<D> {
     pub(super) fn bias(
         &self,
         observation: &Observation,
-        errors: &Errors,
+        biases: (Biases, f32),
         (mean, covariance): &(State<D>, [State<D>; D]),
     ) -> Bias {
         let source = Some([mean[0], mean[1]]);
-        let (features, offset) = self.features(observation, errors, source);
+        let (features, offset) = self.features(observation, biases, source);
         let variance = dot(&covariance.map(|row| dot(&row, &features)), &features);
         Bias {
             mean_rad: offset + dot(&features, mean),

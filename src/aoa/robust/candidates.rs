@@ -3,11 +3,11 @@
 use super::config::Config;
 use core::f32::consts::TAU;
 
-use super::density::{Density, Width};
+use super::density::Density;
 use super::evidence::{Candidate, Evidence};
 use super::mode::{MODES, Mode, Modes, best, hypotheses, plane, position};
 use super::search::search;
-use super::term::PLAIN;
+use super::term::{PLAIN, Width};
 use crate::aoa::core::is_narrow;
 use crate::aoa::words::Belief;
 use crate::aoa::{

@@ -2,7 +2,7 @@
 
 use core::f32::consts::PI;
 
-use super::term::{BIASES, Line, SCALE, State, Term};
+use super::term::{BIASES, Line, SCALE, State, Term, Width};
 use crate::aoa::Mixture;
 use crate::aoa::core::{BLOCK, Block, Target, square_of_distance};
 use crate::math::{exp, ln, sqrt};
@@ -215,25 +215,6 @@ impl<'a, const D: usize> Density<'a, D> {
 fn log_prior_of_errors<const D: usize>(state: &State<D>) -> f32 {
     let squares = state.iter().skip(BIASES).map(|z| z * z);
     1.0 - sqrt(1.0 + state[SCALE] * state[SCALE]) - 0.5 * squares.sum::<f32>()
-}
-
-/// What the scale of a state does to the errors of bearings.
-#[derive(Clone, Copy)]
-pub(super) struct Width {
-    /// Logarithm of the height of their density.
-    pub(super) log_height: f32,
-    /// Their precision.
-    pub(super) precision: f32,
-}
-
-impl Width {
-    pub(super) fn new<const D: usize>(scale_sigma: f32, state: &State<D>) -> Self {
-        let log_height = -scale_sigma * state[SCALE];
-        Self {
-            log_height,
-            precision: exp(2.0 * log_height),
-        }
-    }
 }
 
 impl<const D: usize> Target<D> for Density<'_, D> {

@@ -41,7 +41,7 @@ pub struct Errors {
     /// What is believed of the natural logarithm of that scale before any bearing: near its median, this is the standard
     /// deviation; farther away the density falls by a factor of e for each of it. 0 to 1.5; zero keeps the scale as it is.
     pub scale_sigma: f32,
-    /// Standard deviation of the error that all bearings of a station at one place share, as that of a compass or of
+    /// Standard deviation of the error that all bearings of a station at one place have in common, as that of a compass or of
     /// reflections there, beside what `correlation` says; radians, 0 to 1. More readings of the place do not average it out.
     pub stop_sigma_rad: f32,
     /// Standard deviation of the bias of bearings, as of an array that was not mounted straight; radians, 0 to 0.5. Zero is
@@ -219,7 +219,12 @@ impl Errors {
         square / if range > square { range } else { square }
     }
 
-    /// Whether bearings share errors beside biases.
+    /// Which bearings have a bias in common, and its standard deviation in radians.
+    pub(super) fn biases(&self) -> (Biases, f32) {
+        (self.biases, self.bias_sigma_rad)
+    }
+
+    /// Whether bearings have errors in common beside biases.
     pub(super) fn are_correlated(&self) -> bool {
         self.correlation.at_rest > 0.0 || self.stop_sigma_rad > 0.0
     }
@@ -230,14 +235,14 @@ impl Errors {
         self.position_sigma_m > 0.0 || self.are_correlated() || by_direction
     }
 
-    /// Variance of the error of an entry on its own, in stated sigmas: of the part that the readings share, which is as
-    /// large for many as for one, and of the others.
+    /// Variance of the error of an entry on its own, in stated sigmas: of the part that the readings have in common,
+    /// which is as large for many as for one, and of the others.
     pub(super) fn own_variance(&self, entry: &Entry) -> f32 {
         let correlation = &self.correlation;
-        let shared = correlation.at_rest * correlation.over(entry.span_s());
+        let common = correlation.at_rest * correlation.over(entry.span_s());
         let single = (1.0 - correlation.at_rest) * entry.worth / entry.readings;
         let stop = self.stop_sigma_rad * self.stop_sigma_rad / entry.worth;
-        stop + (shared + single) / entry.observation.information()
+        stop + (common + single) / entry.observation.information()
     }
 
     /// Covariance of the errors of two entries of a station, in stated sigmas, of which the errors of places and of time

@@ -4,10 +4,10 @@ use heapless::Vec;
 
 use super::biases::Known;
 use super::config::Config;
-use super::density::{Density, Region, Space, Width};
+use super::density::{Density, Region, Space};
 use super::errors::Errors;
 use super::mode::{Mode, Modes, best, plane, position};
-use super::term::{PLAIN, State, Term, fold_angle};
+use super::term::{PLAIN, State, Term, Width, fold_angle};
 use crate::aoa::core::{Buffer, Comparison, Crossing, Entry};
 use crate::aoa::{Alternative, Mixture, NotObservable, Observation};
 use crate::math::exp;
@@ -277,7 +277,7 @@ fn explains<const D: usize>(
     let variance = errors.sigma_scale * errors.sigma_scale * errors.own_variance(entry);
     let variance = variance + errors.variance_of_place(&entry.observation, source);
     let features = (errors.biases).features(&entry.observation, errors.bias_sigma_rad, source);
-    let term = Term::new(&entry.observation, errors, variance)
+    let term = Term::new(&entry.observation, &errors.rates, variance)
         .with_biases(features, 0.0)
         .with_probability(entry.probability);
     let width = Width::new(errors.scale_sigma, &mode.mean);
@@ -326,7 +326,7 @@ impl Comparison for Lines {
         let doubt = |entry: &Entry| match self.source {
             Some([x, y]) => {
                 let variance = self.errors.variance(&entry.observation, self.source);
-                let term = Term::<PLAIN>::new(&entry.observation, &self.errors, variance);
+                let term = Term::<PLAIN>::new(&entry.observation, &self.errors.rates, variance);
                 -term
                     .with_probability(entry.probability)
                     .log_likelihood(&[x, y, 0.0, 0.0])

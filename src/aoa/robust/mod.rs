@@ -28,6 +28,7 @@
 
 mod biases;
 mod candidates;
+mod common;
 mod config;
 mod density;
 mod errors;
@@ -36,7 +37,6 @@ mod mode;
 pub(super) mod outside;
 mod proposal;
 mod search;
-mod shared;
 mod term;
 mod track;
 
@@ -59,14 +59,13 @@ pub use biases::Biases;
 use biases::Known;
 pub(super) use candidates::Candidates;
 pub use config::Config;
-use density::Width;
 pub use errors::{Correlation, Errors, Learned};
 pub(super) use evidence::Candidate;
 use evidence::{Change, Evidence};
 use mode::{Modes, hypotheses, plane, position};
 use proposal::MixtureProposal;
 use search::search;
-use term::{PLAIN, SCALE, State, Term};
+use term::{PLAIN, SCALE, State, Term, Width};
 
 /// Locates one stationary source, with `N` particles and a buffer of `B` bearings, some of which may be wrong.
 ///
@@ -275,7 +274,7 @@ impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
     /// The bias of a bearing, of its station and direction; `None` before the first fix.
     pub fn bias_of(&self, observation: &Observation, config: &Config) -> Option<Bias> {
         self.answer.fix()?;
-        Some((self.evidence.known).bias(observation, &config.errors, &self.moments))
+        Some((self.evidence.known).bias(observation, config.errors.biases(), &self.moments))
     }
 
     /// Forgets the source and its bearings, and goes on with what they have taught of biases and rates. For the next drive

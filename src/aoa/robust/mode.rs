@@ -2,8 +2,8 @@
 
 use heapless::Vec;
 
-use super::density::{Density, Width};
-use super::term::{Reading, SCALE, State};
+use super::density::Density;
+use super::term::{Reading, SCALE, State, Width};
 use crate::aoa::Hypothesis;
 use crate::estimate::Symmetric2;
 use crate::kalman::Covariance;

@@ -66,7 +66,7 @@ pub(in crate::aoa) fn read(
     &[x, y, bias]: &[f32; 3],
 ) -> Line {
     let variance = errors.variance(observation, Some([x, y]));
-    let term = Term::<PLAIN>::new(observation, errors, variance);
+    let term = Term::<PLAIN>::new(observation, &errors.rates, variance);
     let state = [x, y, 0.0, 0.0];
     let line = term.line(&state);
     let [gx, gy] = term.gradient(&state);

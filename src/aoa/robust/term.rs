@@ -2,11 +2,9 @@
 
 use core::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-use super::density::Width;
-use super::errors::Errors;
 use crate::aoa::core::{BLOCK, Block};
 use crate::aoa::{Mixture, Observation};
-use crate::math::{atan_coarse, atan2, exp_of_weight, ln, sin_cos, sqrt, wrap};
+use crate::math::{atan_coarse, atan2, exp, exp_of_weight, ln, sin_cos, sqrt, wrap};
 
 /// Metres east and north; the logarithm of the scale of errors in its prior sigmas; and the numbers of the biases in theirs.
 pub(super) type State<const D: usize> = [f32; D];
@@ -39,6 +37,25 @@ pub(super) struct Term<const D: usize> {
     is_last_of_place: bool,
     /// Derivatives of its error by the numbers of a state, in radians: those that place and scale have are zero.
     features: State<D>,
+}
+
+/// What the scale of a state does to the errors of bearings.
+#[derive(Clone, Copy)]
+pub(super) struct Width {
+    /// Logarithm of the height of their density.
+    pub(super) log_height: f32,
+    /// Their precision.
+    pub(super) precision: f32,
+}
+
+impl Width {
+    pub(super) fn new<const D: usize>(scale_sigma: f32, state: &State<D>) -> Self {
+        let log_height = -scale_sigma * state[SCALE];
+        Self {
+            log_height,
+            precision: exp(2.0 * log_height),
+        }
+    }
 }
 
 /// A bearing as a line, seen from a state.
@@ -83,9 +100,8 @@ impl Reading {
 
 impl<const D: usize> Term<D> {
     /// Of an error with this variance, in square radians.
-    pub(super) fn new(observation: &Observation, errors: &Errors, variance: f32) -> Self {
+    pub(super) fn new(observation: &Observation, rates: &Mixture, variance: f32) -> Self {
         let (sin, cos) = sin_cos(observation.bearing().radians());
-        let rates = errors.rates;
         let peak = sqrt(TAU) / (sqrt(variance) * rates.outlier);
         Self {
             position: observation.position(),

@@ -87,7 +87,7 @@ pub enum NotObservable {
         /// The largest that makes a fix.
         needed: f32,
     },
-    /// Most bearings do not agree with the best place: stations or readings contradict each other.
+    /// Most bearings do not fit the best place: stations or readings contradict each other.
     Contradiction {
         /// Fraction of the bearings that are outliers there.
         outliers: f32,

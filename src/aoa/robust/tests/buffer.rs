@@ -44,7 +44,7 @@ fn readings_of_one_place_are_one_bearing() {
 }
 
 #[test]
-fn bearings_that_share_errors_count_for_what_they_tell() {
+fn bearings_with_errors_in_common_count_for_what_they_tell() {
     let errors = Errors {
         correlation: Correlation {
             distance_m: 20.0,

@@ -102,7 +102,12 @@ fn evidence(errors: &Errors, observations: &[Observation]) -> Evidence<64, PLAIN
 }
 
 fn term(observation: &Observation, errors: &Errors) -> Term<PLAIN> {
-    Term::new(observation, errors, errors.variance(observation, None)).with_biases(
+    Term::new(
+        observation,
+        &errors.rates,
+        errors.variance(observation, None),
+    )
+    .with_biases(
         errors
             .biases
             .features(observation, errors.bias_sigma_rad, None),

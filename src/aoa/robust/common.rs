@@ -14,7 +14,7 @@ const SAME_PLACE: f32 = 0.25;
 
 /// What an entry has in common with all that are in the buffer.
 #[derive(Clone, Copy)]
-struct Share {
+struct Part {
     /// Sum of the covariances of its error with theirs, in square stated sigmas.
     covariance: f32,
     /// The first entry of the same place.
@@ -47,25 +47,25 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     /// What the bearings say, those of one place after each other. Made when it is needed, because it takes as much memory
     /// as they do.
     ///
-    /// Bearings that share an error count together for as much as they tell if each counts for its own part of the sum of
+    /// Bearings that have an error in common count together for as much as they tell if each counts for its own part of the sum of
     /// its covariances: n that have all of it in common for one, and those of an autoregression for what one more tells on
     /// its own. Those of one place that do not say the same exclude each other: not more than one of them points at the
     /// source, whatever the scale of the errors is.
     #[inline(never)]
     pub(super) fn terms(&self, errors: &Errors) -> Terms<D, B> {
-        let shares = self.shares(errors);
+        let parts = self.parts(errors);
         let mut terms = Terms::new();
-        for (i, share) in shares.iter().enumerate() {
-            if usize::from(share.first) != i {
+        for (i, part) in parts.iter().enumerate() {
+            if usize::from(part.first) != i {
                 continue;
             }
             let of_place = || {
-                let all = self.entries().iter().zip(&shares).skip(i);
+                let all = self.entries().iter().zip(&parts).skip(i);
                 all.filter(|(_, other)| usize::from(other.first) == i)
             };
             let readings: f32 = of_place().map(|(entry, _)| entry.weight()).sum();
-            for (entry, share) in of_place() {
-                let _ = terms.push(self.term(entry, errors, share.covariance, readings));
+            for (entry, part) in of_place() {
+                let _ = terms.push(self.term(entry, errors, part.covariance, readings));
             }
             if let Some(last) = terms.last_mut() {
                 last.ends_place();
@@ -75,32 +75,32 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     }
 
     #[inline(never)]
-    fn shares(&self, errors: &Errors) -> Vec<Share, B> {
+    fn parts(&self, errors: &Errors) -> Vec<Part, B> {
         let entries = self.entries();
-        let alone = |(i, entry)| Share {
+        let alone = |(i, entry)| Part {
             covariance: errors.own_variance(entry),
             first: i as u16,
         };
-        let mut shares: Vec<Share, B> = entries.iter().enumerate().map(alone).collect();
+        let mut parts: Vec<Part, B> = entries.iter().enumerate().map(alone).collect();
         let lines = self.lines(errors);
         let extent = self.extent_m();
         let compared: Vec<Compared<'_>, B> = (entries.iter())
             .map(|entry| self.compared(entry, errors, extent))
             .collect();
         for (i, a) in compared.iter().enumerate() {
-            let Some((share, others)) = shares.get_mut(i..).and_then(<[_]>::split_first_mut) else {
+            let Some((part, others)) = parts.get_mut(i..).and_then(<[_]>::split_first_mut) else {
                 break;
             };
             for (b, other) in compared.iter().skip(i + 1).zip(others) {
                 let pair = lines.pair(a, b);
-                share.covariance += b.entry.probability * pair.covariance;
+                part.covariance += b.entry.probability * pair.covariance;
                 other.covariance += a.entry.probability * pair.covariance;
                 if pair.is_of_one_place && usize::from(other.first) > i {
-                    other.first = share.first;
+                    other.first = part.first;
                 }
             }
         }
-        shares
+        parts
     }
 
     fn compared<'a>(&self, entry: &'a Entry, errors: &Errors, extent_m: f32) -> Compared<'a> {
@@ -152,8 +152,9 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         let place = errors.variance_of_place(&entry.observation, self.source) / entry.worth;
         let place = scale * scale * place;
         let variance = errors.sigma_scale * errors.sigma_scale * own + place;
-        let (features, known) = (self.known).features(&entry.observation, errors, self.source);
-        Term::new(&entry.observation, errors, variance)
+        let (features, known) =
+            (self.known).features(&entry.observation, errors.biases(), self.source);
+        Term::new(&entry.observation, &errors.rates, variance)
             .with_biases(features, known)
             .with_probability(entry.weight() / readings)
             .with_worth(own / covariance)
