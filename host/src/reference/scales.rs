@@ -27,9 +27,7 @@ impl Scale {
             _ => (LIMIT / step.min(FARTHEST)).ceil() as i32,
         };
         let value = |k: i32| LIMIT * f64::from(k) / f64::from(half.max(1));
-        let total: f64 = (-half..=half)
-            .map(|k| (-0.5 * value(k).powi(2)).exp())
-            .sum();
+        let total: f64 = (-half..=half).map(|k| prior(value(k)).exp()).sum();
         (-half..=half)
             .map(value)
             .map(|z| {

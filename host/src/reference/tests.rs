@@ -163,16 +163,14 @@ fn brute_force_says_the_same() {
 /// So it is with a scale, biases and a prior that depends on range.
 #[test]
 fn brute_force_says_the_same_of_other_models() {
-    let cases = [Track::a1(), Track::a2()]
-        .into_iter()
-        .flat_map(|mut track| {
-            // A third of the bearings, or the grids would take minutes.
-            track.receivers = track.receivers.into_iter().step_by(3).collect();
+    let cases = [Track::a2()].into_iter().flat_map(|mut track| {
+        // A third of the bearings, or the grids would take minutes.
+        track.receivers = track.receivers.into_iter().step_by(3).collect();
 
-            let sights = simulate::bearings(&track, &mut simulate::generator(33, 0));
-            let models = models(&sights).into_iter();
-            models.map(move |(name, model)| (track.name, sights.clone(), name, model))
-        });
+        let sights = simulate::bearings(&track, &mut simulate::generator(33, 0));
+        let models = models(&sights).into_iter();
+        models.map(move |(name, model)| (track.name, sights.clone(), name, model))
+    });
     cases
         .par_bridge()
         .for_each(|(track, mut sights, name, model)| {

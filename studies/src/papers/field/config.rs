@@ -6,7 +6,10 @@ use foxhunt::aoa::{
     Robust, clean,
     robust::{Biases, Config, Correlation, Errors},
 };
-use foxhunt_host::reference::{Prior, Square};
+use foxhunt_host::{
+    Sight,
+    reference::{Prior, Square},
+};
 
 const DEGREE: f64 = PI / 180.0;
 
@@ -107,19 +110,30 @@ fn with_errors(errors: Errors) -> Config {
     }
 }
 
-/// The prior of a locator whose first bearing is taken at a place.
-pub fn prior(first: [f64; 2]) -> Prior {
-    Prior::Ranged {
-        centre: first,
-        nearest_m: NEAREST_M,
+/// The prior of a locator of these bearings: about the middle of the places where they are taken, and flat among them.
+pub fn prior(sights: &[Sight]) -> Option<Prior> {
+    let (low, high) = extent(sights)?;
+    let half = 0.5 * (high[0] - low[0]).hypot(high[1] - low[1]);
+    Some(Prior::Ranged {
+        centre: [0, 1].map(|d| 0.5 * (low[d] + high[d])),
+        nearest_m: half.clamp(NEAREST_M, RANGE_M),
         range_m: RANGE_M,
-    }
+    })
 }
 
-/// Where it may be.
-pub fn everywhere(first: [f64; 2]) -> Square {
-    Square {
-        centre: first,
-        side: 10.0 * RANGE_M,
-    }
+/// Where the source may be.
+pub fn everywhere(sights: &[Sight]) -> Option<Square> {
+    let centre = sights.first()?.position;
+    let side = 10.0 * RANGE_M;
+    Some(Square { centre, side })
+}
+
+/// The corners of the box of all places.
+fn extent(sights: &[Sight]) -> Option<([f64; 2], [f64; 2])> {
+    let first = sights.first()?.position;
+    Some(sights.iter().fold((first, first), |(low, high), sight| {
+        let least = [0, 1].map(|d| f64::min(low[d], sight.position[d]));
+        let most = [0, 1].map(|d| f64::max(high[d], sight.position[d]));
+        (least, most)
+    }))
 }

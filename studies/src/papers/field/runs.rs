@@ -49,12 +49,12 @@ impl Run {
 
 /// The exact posterior of `sights` with the locators' prior, and otherwise by the `model`.
 pub fn exact(sights: &[Sight], model: Model) -> Result<Posterior> {
-    let first = sights.first().context("no bearings")?.position;
+    let square = config::everywhere(sights).context("no bearings")?;
     let model = Model {
-        prior: config::prior(first),
+        prior: config::prior(sights).context("no bearings")?,
         ..model
     };
-    Posterior::within_nearly(&config::everywhere(first), sights, &model).context("no posterior")
+    Posterior::within_nearly(&square, sights, &model).context("no posterior")
 }
 
 /// What is asked of a locator.

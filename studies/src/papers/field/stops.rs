@@ -92,11 +92,8 @@ fn of(kind: Kind, readings: usize, mixed: bool, runs: u32, seed: u64, what: &str
         if mixed {
             shuffle(&mut sights, &mut generator(!seed, run));
         }
-        // The prior is about the place of the first reading.
-        let [first, last] = [0, sights.len() - 1].map(|k| sights[k].position);
-        let mut summary = stops.summary(&sights);
-        summary.sort_by_key(|sight| sight.position != first);
-        let exact = exact(&summary, Model::default())?;
+        let last = sights[sights.len() - 1].position;
+        let exact = exact(&stops.summary(&sights), Model::default())?;
         let with = |sigma| {
             let sights = sights.iter().map(move |sight| Sight { sigma, ..*sight });
             sights.collect::<Vec<Sight>>()
