@@ -24,7 +24,7 @@ use crate::snapshot::value;
 pub enum Biases {
     /// All: one number.
     Common,
-    /// Those of one station: a number each, by the station's own number. Stations beyond the last number share it.
+    /// Those of one station: a number each, by the station's own number. Stations beyond the last number have that one in common.
     PerStation,
     /// Those of one direction, as it is seen from the array, whose [heading](Observation::with_heading) is known: a constant
     /// and the cosine and sine of each harmonic. An array on a roof is off by such a curve; the standard deviation is that

@@ -203,3 +203,30 @@ fn a_late_bearing_is_joined_with_the_readings_of_its_time() {
     assert_eq!(worth([1_000, 60_000, 0]), worth([0, 1_000, 60_000]));
     assert_eq!(worth([0, 60_000, 30_000]), worth([0, 30_000, 60_000]));
 }
+
+#[test]
+fn a_correlation_and_a_range_are_checked() {
+    let field = |errors| with(errors).check().map_err(|error| error.field());
+    let errors = Errors::DEFAULT;
+    let correlation = |at_rest, distance_m, time_s| {
+        let correlation = Correlation {
+            at_rest,
+            distance_m,
+            time_s,
+            ..Correlation::NONE
+        };
+        field(Errors {
+            correlation,
+            ..errors
+        })
+    };
+    assert_eq!(correlation(1.0, 1.0, 1.0), Err("at_rest"));
+    assert_eq!(correlation(0.5, f32::INFINITY, 1.0), Err("distance_m"));
+    assert_eq!(correlation(0.5, 1.0, 0.0), Err("time_s"));
+    let range = |range_m| Config {
+        range_m,
+        ..Config::DEFAULT
+    };
+    assert_eq!(range(0.0).check().unwrap_err().field(), "range_m");
+    assert!(range(10.0).check().is_ok());
+}

@@ -467,33 +467,6 @@ fn a_configuration_is_checked() {
     assert_eq!(refused, Err("bias_sigma_rad"));
 }
 
-#[test]
-fn a_correlation_and_a_range_are_checked() {
-    let field = |errors| with(errors).check().map_err(|error| error.field());
-    let errors = Errors::DEFAULT;
-    let correlation = |at_rest, distance_m, time_s| {
-        let correlation = Correlation {
-            at_rest,
-            distance_m,
-            time_s,
-            ..Correlation::NONE
-        };
-        field(Errors {
-            correlation,
-            ..errors
-        })
-    };
-    assert_eq!(correlation(1.0, 1.0, 1.0), Err("at_rest"));
-    assert_eq!(correlation(0.5, f32::INFINITY, 1.0), Err("distance_m"));
-    assert_eq!(correlation(0.5, 1.0, 0.0), Err("time_s"));
-    let range = |range_m| Config {
-        range_m,
-        ..Config::DEFAULT
-    };
-    assert_eq!(range(0.0).check().unwrap_err().field(), "range_m");
-    assert!(range(10.0).check().is_ok());
-}
-
 mod alternatives;
 mod buffer;
 mod position;
