@@ -81,6 +81,7 @@ pub(crate) fn at(time_ms: u32, observation: &Observation) -> Observation {
     Observation::new(time_ms, observation.position(), bearing, sigma)
         .unwrap()
         .from_station(observation.station())
+        .with_heading(observation.heading())
 }
 
 /// The bearings of one run on a track. `foxhunt-problems` depends on the library, not on the one under test, so that its

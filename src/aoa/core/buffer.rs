@@ -423,7 +423,7 @@ impl Entry {
             if mean.since_ms(other.first_ms) > mean.since_ms(self.first_ms) {
                 self.first_ms = other.first_ms;
             }
-            self.observation = mean.from_station(a.station());
+            self.observation = mean.from_station(a.station()).with_heading(a.heading());
         }
     }
 

@@ -37,7 +37,7 @@ pub use config::Config;
 ///
 /// ```
 /// use foxhunt::aoa::{Bearing, Locator, MultiTarget, Observation, Robust, multi::Config};
-/// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
+/// use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 ///
 /// let mut locator = Locator::<MultiTarget<3, Robust<256>>>::new(Config::DEFAULT)?;
 /// // Driving east between two transmitters, of which every third bearing is of the second.
@@ -46,7 +46,7 @@ pub use config::Config;
 /// for i in 0..60 {
 ///     let east = 25.0 * i as f32;
 ///     let [x, y] = places[usize::from(i % 3 == 0)];
-///     let bearing = Bearing::from_radians(y.atan2(x - east));
+///     let bearing = Bearing::from_radians(y.atan2(x - east) + 0.02 * normal(&mut rng));
 ///     locator.push(&Observation::new(1000 * i, [east, 0.0], bearing, 0.02)?, &mut rng)?;
 /// }
 /// for (index, place) in places.into_iter().enumerate() {

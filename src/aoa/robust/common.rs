@@ -154,7 +154,8 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         let variance = errors.sigma_scale * errors.sigma_scale * own + place;
         let (features, known) =
             (self.known).features(&entry.observation, errors.biases(), self.source);
-        Term::new(&entry.observation, &errors.rates, variance)
+        let rates = self.rates(entry.observation.station(), errors);
+        Term::new(&entry.observation, &rates, variance)
             .with_biases(features, known)
             .with_probability(entry.weight() / readings)
             .with_worth(own / covariance)

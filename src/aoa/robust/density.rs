@@ -144,11 +144,19 @@ impl<'a, const D: usize> Density<'a, D> {
         place.iter().map(odds).sum()
     }
 
-    /// Counts what the bearings are, from a state.
+    /// Counts what the bearings are, from a state: all, or those of one station.
     #[inline(never)]
-    pub(super) fn count(&self, state: &State<D>, weight: f32, counts: &mut Mixture) {
+    pub(super) fn count(
+        &self,
+        state: &State<D>,
+        weight: f32,
+        station: Option<u8>,
+        counts: &mut Mixture,
+    ) {
         let width = Width::new(self.scale_sigma, state);
-        for place in self.places() {
+        let is_of_station =
+            |place: &&[Term<D>]| station.is_none() || place.first().map(Term::station) == station;
+        for place in self.places().filter(is_of_station) {
             let total = 1.0 + self.odds(place, state, &width);
             let mut worth = 0.0;
             for term in place {

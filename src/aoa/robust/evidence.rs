@@ -17,6 +17,9 @@ use crate::persist;
 /// be: less starts them in vain, more withholds fixes that are narrow enough.
 const ENOUGH: f32 = 0.5;
 
+/// Bearings from which on it is a contradiction if most of them do not fit: of fewer, most cross somewhere by chance.
+const MANY: usize = 8;
+
 /// All bits of an empty one are zero.
 #[derive(Debug, Clone)]
 pub(super) struct Evidence<const B: usize, const D: usize> {
@@ -30,10 +33,12 @@ pub(super) struct Evidence<const B: usize, const D: usize> {
     pub(super) source: Option<[f32; 2]>,
     /// The scale of the errors then, as a multiple of what was expected. Known with the source.
     scale: f32,
+    /// Rates of direct, mirrored and outlier bearings of each station, where they are learned; otherwise zero.
+    station_rates: [[f32; 3]; D],
 }
 
 persist!(impl[const B: usize, const D: usize] Evidence<B, D> as "robust::Evidence"(B, D) {
-    bearings, known, centre, range_m, source, scale
+    bearings, known, centre, range_m, source, scale, station_rates
 });
 
 /// What a new bearing changed.
@@ -57,9 +62,10 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         range_m: 0.0,
         source: None,
         scale: 0.0,
+        station_rates: [[0.0; 3]; D],
     };
 
-    /// Forgets everything but what is known of biases.
+    /// Forgets everything but what is known of biases and stations.
     pub(super) fn clear(&mut self) {
         self.bearings.clear();
         (self.centre, self.range_m) = ([0.0; 2], 0.0);
@@ -115,6 +121,40 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
             terms,
             space: Space::Plane(self.region(config)),
             scale_sigma: config.errors.scale_sigma,
+        }
+    }
+
+    /// The rates of the bearings of a station.
+    pub(super) fn rates(&self, station: u8, errors: &Errors) -> Mixture {
+        match self.station_rates.get(usize::from(station)) {
+            Some(&[direct, mirrored, outlier]) if outlier > 0.0 => Mixture {
+                direct,
+                mirrored,
+                outlier,
+            },
+            _ => errors.rates,
+        }
+    }
+
+    pub(super) const fn forget_station_rates(&mut self) {
+        self.station_rates = [[0.0; 3]; D];
+    }
+
+    /// Learns the rates of each station, about those of all.
+    #[inline(never)]
+    pub(super) fn learn_station_rates(
+        &mut self,
+        density: &Density<'_, D>,
+        modes: &Modes<D>,
+        all: &Errors,
+    ) {
+        for (station, rates) in (0..).zip(&mut self.station_rates) {
+            let mut counts = Mixture::ZERO;
+            for mode in modes {
+                density.count(&mode.mean, mode.weight, Some(station), &mut counts);
+            }
+            let learned = all.learned_rates(&counts);
+            *rates = [learned.direct, learned.mirrored, learned.outlier];
         }
     }
 
@@ -186,9 +226,9 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         let range = self.bearings.range_squared(position(&best.mean));
         crossing.check(variance, range).map_err(|reason| {
             let mut counts = Mixture::ZERO;
-            density.count(&best.mean, 1.0, &mut counts);
+            density.count(&best.mean, 1.0, None, &mut counts);
             let outliers = counts.outlier / counts.total();
-            if outliers > 0.5 {
+            if outliers > 0.5 && self.entries().len() >= MANY {
                 NotObservable::Contradiction { outliers }
             } else {
                 reason

@@ -16,7 +16,7 @@
 //!   weight: the answer then is [`NotObservable::SeveralPlaces`], and the [hypotheses](Locate::hypothesis) are where they
 //!   are. A fix may be taken back.
 //! * The rates of mirrored and outlier bearings are learned from the first fix on, by a step of expectation maximisation
-//!   at a time. How many times as large as stated the errors of the others are is a number of each particle, like the
+//!   at a time; those of each station, where [biases](Biases) are per station. How many times as large as stated the errors of the others are is a number of each particle, like the
 //!   biases.
 //! * Readings of one place are one bearing, their mean. What its error has in common with those of other places nearby, more
 //!   bearings do not average out.
@@ -197,6 +197,7 @@ impl<const N: usize, const B: usize, const D: usize> Locate for Robust<N, B, D> 
 
     fn reset(&mut self) {
         self.evidence.known = Known::NOTHING;
+        self.evidence.forget_station_rates();
         self.forget_bearings();
         self.learned = Learned::NOTHING;
         self.outliers_removed = 0.0;
@@ -381,10 +382,16 @@ impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
         let density = self.evidence.density(terms, config);
         let mut counts = Mixture::ZERO;
         for mode in &self.modes {
-            density.count(&mode.mean, mode.weight, &mut counts);
+            density.count(&mode.mean, mode.weight, None, &mut counts);
         }
         counts.outlier += self.outliers_removed * counts.total();
         self.learned.rates = config.errors.learned_rates(&counts);
+        if config.errors.biases == Biases::PerStation {
+            let all = config.errors.with_rates(&self.learned);
+            let density = self.evidence.density(terms, config);
+            self.evidence
+                .learn_station_rates(&density, &self.modes, &all);
+        }
     }
 
     fn sweep<R: Rng + ?Sized>(

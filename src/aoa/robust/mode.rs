@@ -45,6 +45,13 @@ impl<const D: usize> Mode<D> {
         white[0] * white[0] + white[1] * white[1]
     }
 
+    /// Whether the places of two modes are within two sigmas of each other, by either.
+    fn is_at(&self, other: &Self) -> bool {
+        const SQUARE: f32 = 4.0;
+        self.distance_of_position(&other.mean) <= SQUARE
+            && other.distance_of_position(&self.mean) <= SQUARE
+    }
+
     /// A state about `from`, `scale` times as far as the sigmas `z` take it.
     pub(super) fn step(&self, from: &State<D>, scale: f32, z: [f32; D]) -> State<D> {
         let offset = self.covariance.colour(z);
@@ -197,15 +204,23 @@ fn inverse<const D: usize>(mut matrix: [State<D>; D], damping: f32) -> Option<[S
     finite.then(|| columns.map(|a| columns.map(|b| dot(&a, &b))))
 }
 
-/// The modes as hypotheses.
+/// The modes as hypotheses. Those of one place, under other scales of the errors, are one.
 pub(super) fn hypotheses<const D: usize>(modes: &Modes<D>) -> impl Iterator<Item = Hypothesis> {
     let best = largest(modes);
     let mass = move |mode: &Mode<D>| exp(mode.log_mass - best);
     let total: f32 = modes.iter().map(mass).sum();
-    modes.iter().map(move |mode| Hypothesis {
-        position: position(&mode.mean),
-        covariance: plane(&mode.covariance.matrix()),
-        probability: mass(mode) / total,
+    let is_best_there = |mode: &&Mode<D>| {
+        let is_better = |other: &Mode<D>| other.log_mass > mode.log_mass && mode.is_at(other);
+        !modes.iter().any(is_better)
+    };
+    modes.iter().filter(is_best_there).map(move |mode| {
+        let there = modes.iter().filter(|other| mode.is_at(other));
+        let within: f32 = there.map(mass).sum();
+        Hypothesis {
+            position: position(&mode.mean),
+            covariance: plane(&mode.covariance.matrix()),
+            probability: within / total,
+        }
     })
 }
 

@@ -35,6 +35,8 @@ pub(super) struct Term<const D: usize> {
     worth: f32,
     /// No other bearing of its place follows.
     is_last_of_place: bool,
+    /// Number of the array that took it.
+    station: u8,
     /// Derivatives of its error by the numbers of a state, in radians: those that place and scale have are zero.
     features: State<D>,
 }
@@ -112,12 +114,17 @@ impl<const D: usize> Term<D> {
             mirrored: ln(peak * rates.mirrored),
             worth: 1.0,
             is_last_of_place: false,
+            station: observation.station(),
             features: [0.0; D],
         }
     }
 
     pub(super) const fn ends_place(&mut self) {
         self.is_last_of_place = true;
+    }
+
+    pub(super) const fn station(&self) -> u8 {
+        self.station
     }
 
     pub(super) const fn is_last_of_place(&self) -> bool {

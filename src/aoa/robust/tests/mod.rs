@@ -468,6 +468,7 @@ fn a_configuration_is_checked() {
 }
 
 mod alternatives;
+mod biases;
 mod buffer;
 mod position;
 mod retract;
