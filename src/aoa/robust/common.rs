@@ -76,17 +76,14 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
 
     #[inline(never)]
     fn parts(&self, errors: &Errors) -> Vec<Part, B> {
-        let entries = self.entries();
-        let alone = |(i, entry)| Part {
-            covariance: errors.own_variance(entry),
-            first: i as u16,
-        };
-        let mut parts: Vec<Part, B> = entries.iter().enumerate().map(alone).collect();
-        let lines = self.lines(errors);
-        let extent = self.extent_m();
-        let compared: Vec<Compared<'_>, B> = (entries.iter())
-            .map(|entry| self.compared(entry, errors, extent))
-            .collect();
+        let (lines, extent) = (self.lines(errors), self.extent_m());
+        let mut parts = Vec::new();
+        let mut compared = Vec::<Compared<'_>, B>::new();
+        for (entry, first) in self.entries().iter().zip(0..) {
+            let covariance = errors.own_variance(entry);
+            let _ = parts.push(Part { covariance, first });
+            let _ = compared.push(self.compared(entry, errors, extent));
+        }
         for (i, a) in compared.iter().enumerate() {
             let Some((part, others)) = parts.get_mut(i..).and_then(<[_]>::split_first_mut) else {
                 break;

@@ -135,7 +135,13 @@ impl<'a, const D: usize> Density<'a, D> {
 
     /// The bearings of each place, which exclude each other.
     pub(super) fn places(&self) -> impl Iterator<Item = &'a [Term<D>]> {
-        self.terms.chunk_by(|term, _| !term.is_last_of_place())
+        let mut rest = self.terms;
+        core::iter::from_fn(move || {
+            let last = rest.iter().position(Term::is_last_of_place)?;
+            let (place, others) = rest.split_at_checked(last + 1)?;
+            rest = others;
+            Some(place)
+        })
     }
 
     /// The odds that one of the bearings of a place is no outlier.

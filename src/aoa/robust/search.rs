@@ -56,9 +56,10 @@ pub(super) fn search<R: Rng + ?Sized, const D: usize, const B: usize>(
     let density = evidence.density(terms, config);
     let mut modes = climb_again(&density, known);
     let bias = errors.bias_sigma_rad;
-    let wide: Terms<D, B> = (terms.iter())
-        .map(|term| term.widened(WIDENING, bias))
-        .collect();
+    let mut wide = Terms::<D, B>::new();
+    for term in terms {
+        let _ = wide.push(term.widened(WIDENING, bias));
+    }
     let wide = Density {
         terms: &wide,
         scale_sigma: 0.0,
