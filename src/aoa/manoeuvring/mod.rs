@@ -102,7 +102,7 @@ fn seconds(milliseconds: i32) -> f32 {
 
 /// Locates one source that may manoeuvre, by a locator `L` for a stationary one.
 ///
-/// It takes 9.6 kB more than that: 17.7 kB around a [`Robust<256, 64>`](crate::aoa::Robust).
+/// It takes 9.6 kB more than that: 19.1 kB around a [`Robust<256, 64>`](crate::aoa::Robust).
 ///
 /// ```
 /// use foxhunt::aoa::{Bearing, Locator, Manoeuvring, Observation, Robust, manoeuvring::Config};

@@ -36,6 +36,7 @@ impl Biases {
     /// Derivatives of the error of a bearing by the numbers of a state, for biases of a standard deviation in radians; zero
     /// for place and scale.
     /// Directions are those of the source where it is thought to be, for a bearing that is off is that in another one.
+    #[inline(never)]
     pub(super) fn features<const D: usize>(
         self,
         observation: &Observation,
@@ -100,6 +101,7 @@ impl<const D: usize> Known<D> {
 
     /// Derivatives of the error of a bearing by the numbers of a state, which are what is left unknown of the biases in
     /// sigmas; and how far the bearing is off by what is known.
+    #[inline(never)]
     pub(super) fn features(
         &self,
         observation: &Observation,
@@ -119,6 +121,7 @@ impl<const D: usize> Known<D> {
     }
 
     /// Goes on with what a state of this mean and covariance has taught.
+    #[inline(never)]
     pub(super) fn learn(&mut self, mean: &State<D>, covariance: &[State<D>; D]) {
         let mut learned = Self::NOTHING;
         learned.is_more = true;
@@ -153,6 +156,7 @@ impl<const D: usize> Known<D> {
     }
 
     /// The bias of a bearing, if states have this mean and covariance.
+    #[inline(never)]
     pub(super) fn bias(
         &self,
         observation: &Observation,

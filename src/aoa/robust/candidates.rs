@@ -44,6 +44,7 @@ impl<const B: usize> Candidates<B> {
     }
 
     /// Takes a bearing, and looks for modes.
+    #[inline(never)]
     pub(in crate::aoa) fn push<R: Rng + ?Sized>(
         &mut self,
         observation: &Observation,
@@ -70,6 +71,7 @@ impl<const B: usize> Candidates<B> {
 
     /// The mode of this rank by mass, if it alone would make a fix and is as likely as `log_odds` says to be a
     /// source's.
+    #[inline(never)]
     pub(in crate::aoa) fn candidate<'a>(
         &'a self,
         rank: usize,
@@ -96,6 +98,7 @@ impl<const B: usize> Candidates<B> {
     }
 
     /// Forgets the bearings of a candidate.
+    #[inline(never)]
     pub(in crate::aoa) fn release(&mut self, rank: usize, config: &Config) {
         let Some(place) = self.place(rank) else {
             return;
@@ -129,6 +132,7 @@ impl<const B: usize> Candidates<B> {
     }
 
     /// Why there is no fix yet.
+    #[inline(never)]
     pub(in crate::aoa) fn reason(&self, config: &Config) -> NotObservable {
         let have = self.evidence.bearings.count();
         if self.evidence.entries().len() < 2 {

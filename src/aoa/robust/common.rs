@@ -100,6 +100,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         parts
     }
 
+    #[inline(never)]
     fn compared<'a>(&self, entry: &'a Entry, errors: &Errors, extent_m: f32) -> Compared<'a> {
         Compared {
             entry,
@@ -109,6 +110,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     }
 
     /// What an entry says, be it that in the buffer at some index or none of them.
+    #[inline(never)]
     pub(super) fn term_of(&self, entry: &Entry, errors: &Errors, index: Option<usize>) -> Term<D> {
         let lines = self.lines(errors);
         let extent = self.extent_m();
@@ -136,6 +138,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
 
     /// What an entry says, of which the covariances with all entries have this sum, in square stated sigmas, beside others
     /// of its place: so many readings in all.
+    #[inline(never)]
     fn term(&self, entry: &Entry, errors: &Errors, covariance: f32, readings: f32) -> Term<D> {
         // Of alternatives some may have been forgotten.
         let readings = if readings > entry.readings {
@@ -168,6 +171,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     }
 
     /// The entry of the place that says what a new bearing says, if there is one.
+    #[inline(never)]
     pub(super) fn entry_to_join(&self, new: &Entry, errors: &Errors) -> Option<usize> {
         if !errors.are_correlated() {
             return None;
@@ -195,6 +199,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     }
 
     /// The middle of the box round the places of the bearings, and half of its diagonal.
+    #[inline(never)]
     pub(super) fn bounds(&self) -> ([f32; 2], f32) {
         let mut low = [f32::INFINITY; 2];
         let mut high = [f32::NEG_INFINITY; 2];
@@ -214,6 +219,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
 
 impl Lines {
     /// How two entries compare.
+    #[inline(never)]
     fn pair(&self, a: &Compared<'_>, b: &Compared<'_>) -> Pair {
         /// Lengths after which nothing is left that would matter.
         const FAR: f32 = 4.0;

@@ -44,12 +44,14 @@ impl Region {
     }
 
     /// The logarithm of the integral of that density over all places.
+    #[inline(never)]
     pub(super) fn log_volume(&self) -> f32 {
         let span = self.span();
         ln(PI * span / ((1.0 - exp(-span)) * self.inverse_squares[0]))
     }
 
     /// Distance from the centre that is not exceeded with this probability.
+    #[inline(never)]
     pub(super) fn quantile(&self, probability: f32) -> f32 {
         let span = self.span();
         let ratio = (exp(probability * span) - 1.0) / (1.0 - exp((probability - 1.0) * span));
@@ -103,6 +105,7 @@ const PRODUCTS: usize = 3;
 
 impl<'a, const D: usize> Density<'a, D> {
     /// The gradient and the information of the prior: those of a normal density that draws as strongly.
+    #[inline(never)]
     pub(super) fn prior(&self, state: &State<D>) -> (State<D>, State<D>) {
         let mut gradient = state.map(|z| -z);
         let mut information = [1.0; D];
@@ -116,6 +119,7 @@ impl<'a, const D: usize> Density<'a, D> {
     }
 
     /// The logarithm of the prior of a state, up to a constant.
+    #[inline(never)]
     pub(super) fn log_prior(&self, state: &State<D>) -> f32 {
         self.space.prior([state[0], state[1]]).0 + log_prior_of_errors(state)
     }
@@ -129,6 +133,7 @@ impl<'a, const D: usize> Density<'a, D> {
     }
 
     /// Log-density up to a constant.
+    #[inline(never)]
     pub(super) fn log_density(&self, state: &State<D>) -> f32 {
         self.log_likelihood(state) + self.space.prior([state[0], state[1]]).0
     }
@@ -145,6 +150,7 @@ impl<'a, const D: usize> Density<'a, D> {
     }
 
     /// The odds that one of the bearings of a place is no outlier.
+    #[inline(never)]
     pub(super) fn odds(&self, place: &[Term<D>], state: &State<D>, width: &Width) -> f32 {
         let odds = |term: &Term<D>| term.read(&self.line(term, state), width).odds;
         place.iter().map(odds).sum()
@@ -194,6 +200,7 @@ impl<'a, const D: usize> Density<'a, D> {
     }
 
     /// How a bearing is off, seen from a state.
+    #[inline(never)]
     pub(super) fn line(&self, term: &Term<D>, state: &State<D>) -> Line {
         match self.space {
             Space::Plane(_) => term.line(state),
@@ -202,6 +209,7 @@ impl<'a, const D: usize> Density<'a, D> {
     }
 
     /// The same with the derivatives of the error by the state but for the scale.
+    #[inline(never)]
     pub(super) fn linearise(&self, term: &Term<D>, state: &State<D>) -> (Line, State<D>) {
         let mut gradient = *term.features();
         let [gx, gy] = match self.space {
@@ -226,6 +234,7 @@ impl<'a, const D: usize> Density<'a, D> {
 ///
 /// That of the scale is a hyperbolic density (Barndorff-Nielsen 1977): normal about what is stated, but far from it it falls
 /// as slowly as an exponential, for where sigmas are wrong, they may be wrong by any factor.
+#[inline(never)]
 fn log_prior_of_errors<const D: usize>(state: &State<D>) -> f32 {
     let squares = state.iter().skip(BIASES).map(|z| z * z);
     1.0 - sqrt(1.0 + state[SCALE] * state[SCALE]) - 0.5 * squares.sum::<f32>()

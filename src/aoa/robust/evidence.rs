@@ -101,6 +101,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     }
 
     /// The prior of the place: about the places of the bearings, and flat among them.
+    #[inline(never)]
     pub(super) fn region(&self, config: &Config) -> Region {
         if self.range_m > 0.0 {
             return Region::new(self.centre, [self.range_m; 2]);
@@ -125,6 +126,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     }
 
     /// The rates of the bearings of a station.
+    #[inline(never)]
     pub(super) fn rates(&self, station: u8, errors: &Errors) -> Mixture {
         match self.station_rates.get(usize::from(station)) {
             Some(&[direct, mirrored, outlier]) if outlier > 0.0 => Mixture {
@@ -173,6 +175,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     }
 
     /// Takes a bearing. The source is thought to be where it was last [set](Self::set_source).
+    #[inline(never)]
     pub(super) fn push(&mut self, bearing: &Alternative, errors: &Errors) -> Change<D> {
         let (observation, probability) = (*bearing.observation(), bearing.probability());
         self.bearings.note(&observation, probability);

@@ -203,6 +203,7 @@ impl<const N: usize, const B: usize, const D: usize> Locate for Robust<N, B, D> 
         self.outliers_removed = 0.0;
     }
 
+    #[inline(never)]
     fn hypothesis(&self, index: usize) -> Option<Hypothesis> {
         hypotheses(&self.modes).nth(index)
     }
@@ -273,6 +274,7 @@ impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
     }
 
     /// The bias of a bearing, of its station and direction; `None` before the first fix.
+    #[inline(never)]
     pub fn bias_of(&self, observation: &Observation, config: &Config) -> Option<Bias> {
         self.answer.fix()?;
         Some((self.evidence.known).bias(observation, config.errors.biases(), &self.moments))
@@ -305,6 +307,7 @@ impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
     }
 
     /// Weighs the particles by a new bearing; whether they find it an outlier.
+    #[inline(never)]
     fn weigh(&mut self, change: &Change<D>, scale_sigma: f32) -> bool {
         let likelihood = |state: &State<D>| {
             let width = Width::new(scale_sigma, state);
@@ -371,6 +374,7 @@ impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
         self.sweep(terms, START_MOVES, believed, rng);
     }
 
+    #[inline(never)]
     fn find_modes<R: Rng + ?Sized>(&mut self, terms: &[Term<D>], believed: &Config, rng: &mut R) {
         self.modes = search(&self.evidence, terms, believed, &self.modes, rng);
         self.since_search = 0;
@@ -378,6 +382,7 @@ impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
 
     /// One step of expectation maximisation. Not before there is a fix: a chance crossing of two would teach that all
     /// other bearings are outliers.
+    #[inline(never)]
     fn learn(&mut self, terms: &[Term<D>], config: &Config) {
         let density = self.evidence.density(terms, config);
         let mut counts = Mixture::ZERO;
@@ -394,6 +399,7 @@ impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
         }
     }
 
+    #[inline(never)]
     fn sweep<R: Rng + ?Sized>(
         &mut self,
         terms: &[Term<D>],
@@ -407,6 +413,7 @@ impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
     }
 
     /// The fix, if the cloud is small beside its range: its sigma at most `slack` times as large as it may be.
+    #[inline(never)]
     fn credible_fix(&mut self, slack: f32, config: &Config) -> Result<Fix, NotObservable> {
         self.moments = (self.filter.mean(), self.filter.covariance());
         if config.errors.scale_sigma > 0.0 {
@@ -429,6 +436,7 @@ impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
 }
 
 /// The reason, if it is that several modes have a good part of the mass.
+#[inline(never)]
 fn several_places<const D: usize>(modes: &Modes<D>) -> Option<NotObservable> {
     const PART: f32 = 0.02;
     let have = hypotheses(modes)

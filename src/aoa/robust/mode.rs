@@ -30,6 +30,7 @@ value!(impl[const D: usize] Mode<D> as "Mode", { mean, covariance, log_mass, wei
 
 impl<const D: usize> Mode<D> {
     /// Squared distance of a state from the mean, in sigmas.
+    #[inline(never)]
     pub(super) fn distance(&self, state: &State<D>) -> f32 {
         let offset = core::array::from_fn(|d| state[d] - self.mean[d]);
         let white = self.covariance.whiten(offset);
@@ -37,6 +38,7 @@ impl<const D: usize> Mode<D> {
     }
 
     /// The same of the position alone.
+    #[inline(never)]
     pub(super) fn distance_of_position(&self, state: &State<D>) -> f32 {
         let mut offset = [0.0; D];
         offset[0] = state[0] - self.mean[0];
@@ -53,6 +55,7 @@ impl<const D: usize> Mode<D> {
     }
 
     /// A state about `from`, `scale` times as far as the sigmas `z` take it.
+    #[inline(never)]
     pub(super) fn step(&self, from: &State<D>, scale: f32, z: [f32; D]) -> State<D> {
         let offset = self.covariance.colour(z);
         core::array::from_fn(|d| from[d] + scale * offset[d])
@@ -143,14 +146,22 @@ impl<const D: usize> Normal<D> {
         };
         let width = Width::new(density.scale_sigma, state);
         for place in density.places() {
-            let total = 1.0 + density.odds(place, state, &width);
-            normal.log_density += ln(total);
+            let alone = matches!(place, [_]);
+            let mut total = if alone {
+                1.0
+            } else {
+                1.0 + density.odds(place, state, &width)
+            };
             for term in place {
                 let (line, gradient) = density.linearise(term, state);
                 let reading = term.read(&line, &width);
+                if alone {
+                    total += reading.odds;
+                }
                 let fit = reading.odds / total;
                 normal.add(&reading, fit, &gradient, density.scale_sigma);
             }
+            normal.log_density += ln(total);
         }
         normal
     }
@@ -191,6 +202,7 @@ fn diagonal<const D: usize>(entries: &State<D>) -> [State<D>; D] {
 
 /// The inverse of a matrix whose diagonal is larger by the fraction `damping`; `None` where that is not positive definite as
 /// far as f32 can tell.
+#[inline(never)]
 fn inverse<const D: usize>(mut matrix: [State<D>; D], damping: f32) -> Option<[State<D>; D]> {
     for (d, row) in matrix.iter_mut().enumerate() {
         if let Some(entry) = row.get_mut(d) {

@@ -39,6 +39,7 @@ impl<'a, const D: usize> MixtureProposal<'a, D> {
         }
     }
 
+    #[inline(never)]
     fn pick<R: Rng + ?Sized>(&self, rng: &mut R) -> Option<&'a Mode<D>> {
         let mut left = uniform(rng);
         let chosen = self.modes.iter().find(|mode| {
@@ -50,6 +51,7 @@ impl<'a, const D: usize> MixtureProposal<'a, D> {
 }
 
 impl<const D: usize> Proposal<D> for MixtureProposal<'_, D> {
+    #[inline(never)]
     fn draw<R: Rng + ?Sized>(&self, rng: &mut R) -> State<D> {
         let z = normals(rng);
         let anywhere = uniform(rng) < ANYWHERE;
@@ -93,6 +95,7 @@ impl<const D: usize> Proposal<D> for MixtureProposal<'_, D> {
         largest + ln(sum + exp_of_weight(anywhere - largest))
     }
 
+    #[inline(never)]
     fn walk<R: Rng + ?Sized>(&self, from: &State<D>, rng: &mut R) -> State<D> {
         match self.pick(rng) {
             Some(mode) => mode.step(from, 2.38 / sqrt(D as f32), normals(rng)),

@@ -51,6 +51,7 @@ pub(super) struct Width {
 }
 
 impl Width {
+    #[inline(never)]
     pub(super) fn new<const D: usize>(scale_sigma: f32, state: &State<D>) -> Self {
         let log_height = -scale_sigma * state[SCALE];
         Self {
@@ -102,6 +103,7 @@ impl Reading {
 
 impl<const D: usize> Term<D> {
     /// Of an error with this variance, in square radians.
+    #[inline(never)]
     pub(super) fn new(observation: &Observation, rates: &Mixture, variance: f32) -> Self {
         let (sin, cos) = sin_cos(observation.bearing().radians());
         let peak = sqrt(TAU) / (sqrt(variance) * rates.outlier);
@@ -132,6 +134,7 @@ impl<const D: usize> Term<D> {
     }
 
     /// The same with sigmas that are so many times as large, and with that of the bias, which then is none.
+    #[inline(never)]
     pub(super) fn widened(&self, times: f32, bias_sigma: f32) -> Self {
         let ratio = times * times + bias_sigma * bias_sigma * self.precision() / self.worth;
         let lower = 0.5 * self.worth * ln(ratio);
@@ -154,6 +157,7 @@ impl<const D: usize> Term<D> {
     }
 
     /// With its part in the biases, of which it is off by `known` radians for certain.
+    #[inline(never)]
     pub(super) fn with_biases(mut self, features: State<D>, known: f32) -> Self {
         self.features = features;
         if known != 0.0 {
@@ -248,6 +252,7 @@ impl<const D: usize> Term<D> {
     }
 
     /// For a source so far away that its direction, the first number of the state, is the same from everywhere.
+    #[inline(never)]
     pub(super) fn line_far(&self, state: &State<D>) -> Line {
         let (sin, cos) = sin_cos(wrap(state[0]));
         let (along, across) = (

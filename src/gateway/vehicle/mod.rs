@@ -221,7 +221,15 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
         let observe = |ray: &Ray| {
             let sigma_rad = (ray.sigma_rad).unwrap_or_else(|| config.sigma_rad(reading.quality));
             Observation::new(time_ms, position, frame.bearing(ray.degrees), sigma_rad)
-                .map(|observation| observation.from_station(station).with_heading(heading))
+                .map(|observation| observation.from_station(station))
+                // Only who weighs alternatives knows biases by direction.
+                .map(|one| {
+                    if L::ALTERNATIVES {
+                        one.with_heading(heading)
+                    } else {
+                        one
+                    }
+                })
                 .map_err(|_| Rejected::OutOfRange)
         };
         let best = observe(&reading.best)?;

@@ -79,7 +79,7 @@ fn each_station_has_rates_of_its_own() {
     let mut rng = generator(3);
     let mut locator = Locator::<Robust<256, 128, 5>>::new(with(errors)).unwrap();
     for i in 0..60 {
-        let [clean, wild] = [0, 1].map(|station| {
+        let [clean, mixed] = [0, 1].map(|station| {
             let outlier = station == 1 && uniform(&mut rng) < 0.5;
             let error = if outlier {
                 6.0 * uniform(&mut rng)
@@ -95,7 +95,7 @@ fn each_station_has_rates_of_its_own() {
             .from_station(station as u8)
         });
         locator.push(&clean, &mut rng).unwrap();
-        locator.push(&wild, &mut rng).unwrap();
+        locator.push(&mixed, &mut rng).unwrap();
     }
     let evidence = &locator.state().evidence;
     let outliers = [0, 1].map(|station| evidence.rates(station, &errors).outlier);
