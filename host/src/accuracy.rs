@@ -62,7 +62,7 @@ mod tests {
     use foxhunt::math;
 
     /// Function and exact function of one argument.
-    #[allow(clippy::type_complexity)] // Named, it would say less.
+    #[allow(clippy::type_complexity, reason = "named, it would say less")]
     fn pair(name: &str) -> (fn(f32) -> f32, fn(f64) -> f64) {
         match name {
             "exp" => (math::exp, f64::exp),

@@ -141,23 +141,29 @@ fn brute_force_says_the_same() {
         let square = Square::round(&sights).unwrap();
         let posterior = Posterior::with_faults(&sights, &faults).unwrap();
         let brute = Brute::new(&square, &sights, &Model::with_faults(&faults), 1024);
-        let grid = brute.grid.unwrap();
-        let off = Difference::new(
-            posterior.mean,
-            &posterior.covariance,
-            (grid.mean, &grid.covariance),
-        );
-        let evidence = (posterior.log_evidence - grid.log_evidence).abs();
-        assert!(
-            off.mean < 1e-3 && off.sigma < 1e-3 && evidence < 1e-3,
-            "{} {faults:?}: {off:?}, evidence {evidence:.1e} off",
-            track.name
-        );
+        let name = format!("{} {faults:?}", track.name);
+        assert_same(&name, &posterior, &brute, [1e-3, 1e-3]);
         let same = posterior.log_likelihood(brute.maximum.1) - brute.maximum.0;
         let higher = posterior.log_likelihood(posterior.mode) - brute.maximum.0;
         assert!(same.abs() < 1e-6 && higher > -1e-6, "{same} {higher}");
         assert!(posterior.discarded <= 1e-6);
     });
+}
+
+/// Asserts that mean and standard deviations are within so many standard deviations of those of a uniform grid, and the
+/// evidence within a thousandth.
+fn assert_same(name: &str, posterior: &Posterior, brute: &Brute, [mean, sigma]: [f64; 2]) {
+    let grid = brute.grid.as_ref().unwrap();
+    let off = Difference::new(
+        posterior.mean,
+        &posterior.covariance,
+        (grid.mean, &grid.covariance),
+    );
+    let evidence = (posterior.log_evidence - grid.log_evidence).abs();
+    assert!(
+        off.mean < mean && off.sigma < sigma && evidence < 1e-3,
+        "{name}: {off:?}, evidence {evidence:.1e} off"
+    );
 }
 
 /// So it is with a scale, biases and a prior that depends on range.
@@ -178,17 +184,8 @@ fn brute_force_says_the_same_of_other_models() {
             let square = Square::round(&sights).unwrap();
             let posterior = Posterior::within(&square, &sights, &model).unwrap();
             let brute = Brute::new(&square, &sights, &model, 256);
-            let grid = brute.grid.unwrap();
-            let off = Difference::new(
-                posterior.mean,
-                &posterior.covariance,
-                (grid.mean, &grid.covariance),
-            );
-            let evidence = (posterior.log_evidence - grid.log_evidence).abs();
-            assert!(
-                off.mean < 2e-3 && off.sigma < 3e-3 && evidence < 1e-3,
-                "{track} {name}: {off:?}, evidence {evidence:.1e} off"
-            );
+            let name = format!("{track} {name}");
+            assert_same(&name, &posterior, &brute, [2e-3, 3e-3]);
         });
 }
 

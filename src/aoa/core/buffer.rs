@@ -296,10 +296,7 @@ impl Entry {
     /// How much of it is to be taken back.
     fn part_of(&self, what: &Retract) -> Part {
         let last = &self.observation;
-        let ends = |after: bool, before: bool| match (after, before) {
-            (true, true) => Part::All,
-            _ => Part::Some,
-        };
+        let all_if = |whole: bool| if whole { Part::All } else { Part::Some };
         match *what {
             Retract::Bearing { time_ms, station } => {
                 let since_first = time_ms.wrapping_sub(self.first_ms) as i32;
@@ -307,7 +304,7 @@ impl Entry {
                 if last.station() != station || !is_within {
                     Part::None
                 } else {
-                    ends(last.time_ms() == time_ms, self.first_ms == time_ms)
+                    all_if(last.time_ms() == time_ms && self.first_ms == time_ms)
                 }
             }
             Retract::Span { from_ms, until_ms } => {
@@ -315,7 +312,7 @@ impl Entry {
                 if last.since_ms(from_ms) < 0 || first(until_ms) < 0 {
                     Part::None
                 } else {
-                    ends(first(from_ms) <= 0, last.since_ms(until_ms) <= 0)
+                    all_if(first(from_ms) <= 0 && last.since_ms(until_ms) <= 0)
                 }
             }
             Retract::Place { position, radius_m } => {
@@ -323,7 +320,7 @@ impl Entry {
                     Part::None
                 } else {
                     // The mean of several places may be near one where none of them is.
-                    ends(self.worth == 1.0, true)
+                    all_if(self.worth == 1.0)
                 }
             }
         }
@@ -428,7 +425,7 @@ impl Entry {
     }
 
     /// Error of the bearing at the source; the bearing itself if it is not known where that is.
-    pub(in crate::aoa) fn angle(&self, source: Option<[f32; 2]>) -> f32 {
+    fn angle(&self, source: Option<[f32; 2]>) -> f32 {
         match source {
             Some(source) => linearise(&self.observation, source).residual,
             None => self.observation.bearing().radians(),

@@ -3,6 +3,7 @@
 use super::term::{BIASES, State};
 use crate::aoa::{Bias, Observation};
 use crate::kalman::Covariance;
+use crate::math::vector::dot;
 use crate::math::{atan2, sin_cos, sqrt, wrap};
 use crate::snapshot::value;
 
@@ -24,7 +25,8 @@ use crate::snapshot::value;
 pub enum Biases {
     /// All: one number.
     Common,
-    /// Those of one station: a number each, by the station's own number. Stations beyond the last number have that one in common.
+    /// Those of one station: a number each, by the station's own number. Stations beyond the last number have that one in
+    /// common.
     PerStation,
     /// Those of one direction, as it is seen from the array, whose [heading](Observation::with_heading) is known: a constant
     /// and the cosine and sine of each harmonic. An array on a roof is off by such a curve; the standard deviation is that
@@ -35,6 +37,7 @@ pub enum Biases {
 impl Biases {
     /// Derivatives of the error of a bearing by the numbers of a state, for biases of a standard deviation in radians; zero
     /// for place and scale.
+    ///
     /// Directions are those of the source where it is thought to be, for a bearing that is off is that in another one.
     #[inline(never)]
     pub(super) fn features<const D: usize>(
@@ -113,11 +116,11 @@ impl<const D: usize> Known<D> {
             return (prior, 0.0);
         }
         let columns = self.covariance.columns();
-        let mut features = columns.map(|column| dot(&column, &prior));
+        let mut features = columns.map(|column| dot(column, prior));
         for feature in features.iter_mut().take(BIASES) {
             *feature = 0.0;
         }
-        (features, dot(&self.mean, &prior))
+        (features, dot(self.mean, prior))
     }
 
     /// Goes on with what a state of this mean and covariance has taught.
@@ -130,11 +133,11 @@ impl<const D: usize> Known<D> {
         for (row, i) in matrix.iter_mut().zip(0..).skip(BIASES) {
             for (entry, j) in row.iter_mut().zip(0..).skip(BIASES) {
                 let (a, b) = (self.row(i), self.row(j));
-                *entry = dot(&covariance.map(|row| dot(&row, &b)), &a);
+                *entry = dot(covariance.map(|row| dot(row, b)), a);
             }
         }
         for (value, i) in learned.mean.iter_mut().zip(0..).skip(BIASES) {
-            *value = self.mean.get(i).copied().unwrap_or(0.0) + dot(&self.row(i), mean);
+            *value = self.mean.get(i).copied().unwrap_or(0.0) + dot(self.row(i), *mean);
         }
         if let Some(covariance) = Covariance::new(&matrix) {
             learned.covariance = covariance;
@@ -165,14 +168,10 @@ impl<const D: usize> Known<D> {
     ) -> Bias {
         let source = Some([mean[0], mean[1]]);
         let (features, offset) = self.features(observation, biases, source);
-        let variance = dot(&covariance.map(|row| dot(&row, &features)), &features);
+        let variance = dot(covariance.map(|row| dot(row, features)), features);
         Bias {
-            mean_rad: offset + dot(&features, mean),
+            mean_rad: offset + dot(features, *mean),
             sigma_rad: sqrt(if variance > 0.0 { variance } else { 0.0 }),
         }
     }
-}
-
-fn dot<const D: usize>(a: &State<D>, b: &State<D>) -> f32 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -7,8 +7,8 @@ use crate::aoa::Mixture;
 use crate::aoa::core::{BLOCK, Block, Target, square_of_distance};
 use crate::math::{exp, ln, sqrt};
 
-/// Where a source may be before any bearing: a density of 1 / ((1 + r^2 / a^2) (1 + r^2 / b^2)) about the first receiver,
-/// for a nearest range a and a farthest one b.
+/// Where a source may be before any bearing: a density of 1 / ((1 + r^2 / a^2) (1 + r^2 / b^2)) about the middle of
+/// the receivers, for a nearest range a and a farthest one b.
 ///
 /// Between the two all ranges of one order of magnitude are as likely as those of the next, and it is proper: a posterior
 /// under which every bearing may be an outlier has an infinite mass at infinity without.
@@ -174,12 +174,7 @@ impl<'a, const D: usize> Density<'a, D> {
             for term in place {
                 let reading = term.read(&self.line(term, state), &width);
                 worth = reading.worth;
-                let fitted = weight * worth * reading.odds / total;
-                if reading.line.mirrored {
-                    counts.mirrored += fitted;
-                } else {
-                    counts.direct += fitted;
-                }
+                reading.count(counts, weight * worth * reading.odds / total);
             }
             counts.outlier += weight * worth / total;
         }

@@ -87,17 +87,9 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         self.scale = exp(-Width::new(scale_sigma, state).log_height);
     }
 
-    /// Errors of the scale that is thought to be.
-    pub(super) fn scaled(&self, errors: &Errors) -> Errors {
-        let scale = if self.source.is_some() {
-            self.scale
-        } else {
-            1.0
-        };
-        Errors {
-            sigma_scale: scale * errors.sigma_scale,
-            ..*errors
-        }
+    /// The scale of the errors that is thought to be, as a multiple of what was expected.
+    pub(super) fn scale(&self) -> f32 {
+        self.source.map_or(1.0, |_| self.scale)
     }
 
     /// The prior of the place: about the places of the bearings, and flat among them.
@@ -161,9 +153,14 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     }
 
     pub(super) fn lines(&self, errors: &Errors) -> Lines {
+        let errors = Errors {
+            sigma_scale: self.scale() * errors.sigma_scale,
+            ..*errors
+        };
         Lines {
             source: self.source,
-            errors: self.scaled(errors),
+            extent_m: self.source.map_or_else(|| 2.0 * self.bounds().1, |_| 0.0),
+            errors,
         }
     }
 
@@ -182,7 +179,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         let likely = probability > 0.5;
         let new = Entry::new(observation, probability);
         let lines = self.lines(errors);
-        if let Some(place) = self.entry_to_join(&new, errors)
+        if let Some(place) = self.entry_to_join(&new, &lines)
             && let Some(before) = self.entries().get(place).copied()
         {
             let mut after = before;
@@ -330,6 +327,8 @@ fn explains<const D: usize>(
 /// Bearings that may be mirrored or outliers: they are compared as lines.
 pub(super) struct Lines {
     pub(super) source: Option<[f32; 2]>,
+    /// How far apart the places of the bearings are, as long as there is no source.
+    pub(super) extent_m: f32,
     /// With the scale that is thought to be.
     pub(super) errors: Errors,
 }

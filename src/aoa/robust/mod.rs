@@ -16,8 +16,8 @@
 //!   weight: the answer then is [`NotObservable::SeveralPlaces`], and the [hypotheses](Locate::hypothesis) are where they
 //!   are. A fix may be taken back.
 //! * The rates of mirrored and outlier bearings are learned from the first fix on, by a step of expectation maximisation
-//!   at a time; those of each station, where [biases](Biases) are per station. How many times as large as stated the errors of the others are is a number of each particle, like the
-//!   biases.
+//!   at a time; those of each station, where [biases](Biases) are per station. How many times as large as stated the errors
+//!   of the others are is a number of each particle, like the biases.
 //! * Readings of one place are one bearing, their mean. What its error has in common with those of other places nearby, more
 //!   bearings do not average out.
 //! * A receiver that does not know exactly where it is may say how well it does: [`Errors::position_sigma_m`].
@@ -147,7 +147,7 @@ impl<const N: usize, const B: usize, const D: usize> Locate for Robust<N, B, D> 
     }
 
     /// Evaluates `N` likelihoods of each bearing; `N B (moves + 1)` more when particles are moved, and `4 N B` for the
-    /// first fix (with `N` rounded up to a multiple of 16); and up to `200 B` for the search before either. A full buffer
+    /// first fix (with `N` rounded up to a multiple of 16); and up to `300 B` for the search before either. A full buffer
     /// compares its `B^2 / 2` pairs.
     fn push_alternatives<R: Rng + ?Sized>(
         &mut self,
@@ -239,8 +239,10 @@ impl<const N: usize, const B: usize, const D: usize> Locate for Robust<N, B, D> 
         let mut probabilities = Mixture::ZERO;
         for (i, weight) in self.weights().iter().enumerate() {
             let state: State<D> = read(&particles, i);
-            term.read(&term.line(&state), &Width::new(errors.scale_sigma, &state))
-                .count(&mut probabilities, *weight);
+            let reading = term.read(&term.line(&state), &Width::new(errors.scale_sigma, &state));
+            let fitted = weight * (reading.odds / (1.0 + reading.odds));
+            reading.count(&mut probabilities, fitted);
+            probabilities.outlier += weight - fitted;
         }
         Some(probabilities)
     }
@@ -393,7 +395,6 @@ impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
         self.learned.rates = config.errors.learned_rates(&counts);
         if config.errors.biases == Biases::PerStation {
             let all = config.errors.with_rates(&self.learned);
-            let density = self.evidence.density(terms, config);
             self.evidence
                 .learn_station_rates(&density, &self.modes, &all);
         }

@@ -7,10 +7,11 @@ use super::term::{Reading, SCALE, State, Width};
 use crate::aoa::Hypothesis;
 use crate::estimate::Symmetric2;
 use crate::kalman::Covariance;
+use crate::math::vector::{difference, dot, plus_scaled};
 use crate::math::{exp, ln};
 use crate::snapshot::value;
 
-/// The most hypotheses that are kept: more keep more sources apart, for time and 60 bytes each.
+/// The most hypotheses that are kept: more keep more sources apart, for time and 90 bytes each.
 pub(super) const MODES: usize = 4;
 
 pub(super) type Modes<const D: usize> = Vec<Mode<D>, MODES>;
@@ -32,9 +33,8 @@ impl<const D: usize> Mode<D> {
     /// Squared distance of a state from the mean, in sigmas.
     #[inline(never)]
     pub(super) fn distance(&self, state: &State<D>) -> f32 {
-        let offset = core::array::from_fn(|d| state[d] - self.mean[d]);
-        let white = self.covariance.whiten(offset);
-        dot(&white, &white)
+        let white = self.covariance.whiten(difference(*state, self.mean));
+        dot(white, white)
     }
 
     /// The same of the position alone.
@@ -57,8 +57,7 @@ impl<const D: usize> Mode<D> {
     /// A state about `from`, `scale` times as far as the sigmas `z` take it.
     #[inline(never)]
     pub(super) fn step(&self, from: &State<D>, scale: f32, z: [f32; D]) -> State<D> {
-        let offset = self.covariance.colour(z);
-        core::array::from_fn(|d| from[d] + scale * offset[d])
+        plus_scaled(*from, scale, self.covariance.colour(z))
     }
 
     /// Climbs from `start` in at most so many steps: expectation maximisation over what each bearing is, damped
@@ -70,9 +69,9 @@ impl<const D: usize> Mode<D> {
         // Levenberg's, as a fraction of the diagonal.
         let mut damping = 0.0;
         for _ in 0..steps {
-            let step = inverse(here.matrix, damping)?.map(|row| dot(&row, &here.gradient));
-            let next = core::array::from_fn(|d| mean[d] + step[d]);
-            let decrement = dot(&step, &here.gradient);
+            let step = inverse(here.matrix, damping)?.map(|row| dot(row, here.gradient));
+            let next = plus_scaled(mean, 1.0, step);
+            let decrement = dot(step, here.gradient);
             let there = Normal::at(density, &next);
             if there.log_density >= here.log_density {
                 (mean, here) = (next, there);
@@ -125,10 +124,6 @@ pub(super) fn largest<const D: usize>(modes: &[Mode<D>]) -> f32 {
     masses.fold(f32::NEG_INFINITY, |a, b| if b > a { b } else { a })
 }
 
-pub(super) fn dot<const D: usize>(a: &State<D>, b: &State<D>) -> f32 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 /// Sums over all bearings at one state.
 struct Normal<const D: usize> {
     matrix: [State<D>; D],
@@ -140,12 +135,13 @@ impl<const D: usize> Normal<D> {
     fn at(density: &Density<'_, D>, state: &State<D>) -> Self {
         let (gradient, information) = density.prior(state);
         let mut normal = Self {
-            matrix: diagonal(&information),
+            matrix: diagonal(information),
             gradient,
             log_density: density.log_prior(state),
         };
         let width = Width::new(density.scale_sigma, state);
         for place in density.places() {
+            // Most places have one bearing, which is read once.
             let alone = matches!(place, [_]);
             let mut total = if alone {
                 1.0
@@ -190,14 +186,8 @@ impl<const D: usize> Normal<D> {
     }
 }
 
-fn diagonal<const D: usize>(entries: &State<D>) -> [State<D>; D] {
-    let mut matrix = [[0.0; D]; D];
-    for (d, (row, value)) in matrix.iter_mut().zip(entries).enumerate() {
-        if let Some(entry) = row.get_mut(d) {
-            *entry = *value;
-        }
-    }
-    matrix
+const fn diagonal<const D: usize>(entries: State<D>) -> [State<D>; D] {
+    *Covariance::diagonal(entries).columns()
 }
 
 /// The inverse of a matrix whose diagonal is larger by the fraction `damping`; `None` where that is not positive definite as
@@ -211,9 +201,9 @@ fn inverse<const D: usize>(mut matrix: [State<D>; D], damping: f32) -> Option<[S
     }
     let factor = Covariance::new(&matrix)?;
     // The columns of the inverse of the factor.
-    let columns = diagonal(&[1.0; D]).map(|unit| factor.whiten(unit));
+    let columns = diagonal([1.0; D]).map(|unit| factor.whiten(unit));
     let finite = columns.iter().flatten().all(|entry| entry.is_finite());
-    finite.then(|| columns.map(|a| columns.map(|b| dot(&a, &b))))
+    finite.then(|| columns.map(|a| columns.map(|b| dot(a, b))))
 }
 
 /// The modes as hypotheses. Those of one place, under other scales of the errors, are one.

@@ -20,6 +20,7 @@ pub(in crate::aoa) fn independent<'a>(
     let new = Entry::new(*observation, 1.0);
     let lines = Lines {
         source: None,
+        extent_m: 0.0,
         errors: *errors,
     };
     let mut least = f32::INFINITY;

@@ -83,16 +83,8 @@ pub(super) struct Reading {
 }
 
 impl Reading {
-    /// Probability of not being an outlier.
-    pub(super) fn fit(&self) -> f32 {
-        self.odds / (1.0 + self.odds)
-    }
-
-    /// Counts the bearing by what it probably is.
-    pub(super) fn count(&self, counts: &mut Mixture, weight: f32) {
-        let weight = self.worth * weight;
-        let fitted = weight * self.fit();
-        counts.outlier += weight - fitted;
+    /// Counts the bearing for as much as it is no outlier.
+    pub(super) fn count(&self, counts: &mut Mixture, fitted: f32) {
         if self.line.mirrored {
             counts.mirrored += fitted;
         } else {
