@@ -248,13 +248,7 @@ impl<const D: usize> Target<D> for Density<'_, D> {
         }
         let (mut products, mut odds, mut factors) = ([1.0; BLOCK], [0.0; BLOCK], 0);
         for term in self.terms {
-            let mut biases = [0.0; BLOCK];
-            for (feature, column) in term.features().iter().zip(states).skip(BIASES) {
-                for (bias, z) in biases.iter_mut().zip(column) {
-                    *bias += feature * z;
-                }
-            }
-            term.add_odds(states, &biases, &heights, &precisions, &mut odds);
+            term.add_odds(states, &heights, &precisions, &mut odds);
             if !term.is_last_of_place() {
                 continue;
             }

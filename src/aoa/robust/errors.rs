@@ -198,6 +198,7 @@ impl Errors {
     }
 
     /// Of the error of a bearing, in square radians, with that of its place, on a source thought to be at a place.
+    #[inline(never)]
     pub(super) fn variance(&self, observation: &Observation, source: Option<[f32; 2]>) -> f32 {
         let sigma = self.sigma_scale * observation.sigma_rad();
         let stop = self.sigma_scale * self.stop_sigma_rad;
@@ -237,6 +238,7 @@ impl Errors {
 
     /// Variance of the error of an entry on its own, in stated sigmas: of the part that the readings have in common,
     /// which is as large for many as for one, and of the others.
+    #[inline(never)]
     pub(super) fn own_variance(&self, entry: &Entry) -> f32 {
         let correlation = &self.correlation;
         let common = correlation.at_rest * correlation.over(entry.span_s());

@@ -152,6 +152,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         }
     }
 
+    #[inline(never)]
     pub(super) fn lines(&self, errors: &Errors) -> Lines {
         let errors = Errors {
             sigma_scale: self.scale() * errors.sigma_scale,

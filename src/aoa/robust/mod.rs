@@ -301,6 +301,7 @@ impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
     }
 
     /// The configuration with the rates as learned so far.
+    #[inline(never)]
     fn believed(&self, config: &Config) -> Config {
         Config {
             errors: config.errors.with_rates(&self.learned),

@@ -226,20 +226,23 @@ impl<const D: usize> Term<D> {
     pub(super) fn add_odds(
         &self,
         states: &Block<D>,
-        biases: &[f32; BLOCK],
         heights: &[f32; BLOCK],
         precisions: &[f32; BLOCK],
         odds: &mut [f32; BLOCK],
     ) {
-        let [x, y] = [&states[0], &states[1]];
         for i in 0..BLOCK {
-            let line = self.fold([x[i], y[i]], biases[i]);
+            let line = self.line_of(&states.each_ref().map(|column| column[i]));
             odds[i] += self.odds(line, heights[i], precisions[i]);
         }
     }
 
     #[inline(never)]
     pub(super) fn line(&self, state: &State<D>) -> Line {
+        self.line_of(state)
+    }
+
+    #[inline(always)]
+    fn line_of(&self, state: &State<D>) -> Line {
         self.fold([state[0], state[1]], self.bias(state))
     }
 
