@@ -47,6 +47,7 @@ impl Ellipse {
     }
 
     /// By the square of the Mahalanobis distance of its outline.
+    #[inline(never)]
     fn of_radius(centre: [f32; 2], covariance: &Symmetric2, square: f32) -> Self {
         let Symmetric2 { xx, xy, yy } = *covariance;
         // Rounding may push the small eigenvalue of a flat ellipse below zero; by the determinant it loses

@@ -248,6 +248,7 @@ impl<const N: usize> Text<N> {
         self.magnitude(value, unit);
     }
 
+    #[inline(never)]
     fn magnitude(&mut self, value: f32, unit: Unit) {
         if value.is_finite() {
             let (per_one, width) = match unit {

@@ -152,6 +152,7 @@ impl<const D: usize> Covariance<D> {
     }
 
     /// Half the natural logarithm of the determinant; minus infinity when the matrix is singular.
+    #[inline(never)]
     pub fn half_ln_determinant(&self) -> f32 {
         self.pivots().map(ln).sum()
     }

@@ -60,6 +60,7 @@ impl<const B: usize> Buffer<B> {
     }
 
     /// Mean of the squares of the distances of a point from where the bearings were taken.
+    #[inline(never)]
     pub(in crate::aoa) fn range_squared(&self, point: [f32; 2]) -> f32 {
         let squares =
             (self.entries.iter()).map(|entry| square_of_distance(point, entry.position()));
