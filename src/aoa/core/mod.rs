@@ -7,7 +7,7 @@ mod sweep;
 use super::NotObservable;
 use crate::math::sqrt;
 pub(super) use buffer::{Buffer, Comparison, Entry, square_of_distance};
-pub(super) use sweep::{BLOCK, Block, Proposal, Target, sweep};
+pub(super) use sweep::{BLOCK, Block, Importance, Proposal, Target, sweep};
 
 /// Whether `count` particles of this effective sample size are to be resampled and moved.
 pub(super) fn is_depleted(effective_sample_size: f32, count: usize, fraction: f32) -> bool {

@@ -1,6 +1,7 @@
 //! Metropolis-Hastings moves of particles against the posterior of all bearings.
 
 use crate::math::ln;
+use crate::model::Likelihood;
 use crate::random::{Rng, uniform_open};
 
 /// Particles that are moved together, to evaluate each bearing on a short column of them: a longer one needs more stack,
@@ -28,6 +29,31 @@ pub(in crate::aoa) trait Proposal<const D: usize> {
     fn walk<R: Rng + ?Sized>(&self, from: &[f32; D], rng: &mut R) -> [f32; D];
 }
 
+/// What draws of a proposal are worth, as a likelihood: the density of the target over that of the proposal.
+pub(in crate::aoa) struct Importance<'a, T, P> {
+    pub(in crate::aoa) target: &'a T,
+    pub(in crate::aoa) proposal: &'a P,
+}
+
+impl<const D: usize, T: Target<D>, P: Proposal<D>> Likelihood<D> for Importance<'_, T, P> {
+    fn log_likelihood(&self, state: &[f32; D]) -> f32 {
+        let [log_density, ..] = self.target.log_densities(&state.map(|x| [x; BLOCK]));
+        log_density - self.proposal.log_density(state)
+    }
+
+    #[inline(never)]
+    fn log_likelihoods(&self, columns: &[&[f32]; D], out: &mut [f32]) {
+        for (place, out) in out.chunks_mut(BLOCK).enumerate() {
+            let states = columns.map(|column| block(column, BLOCK * place));
+            let log_densities = self.target.log_densities(&states);
+            for (i, (out, log_density)) in out.iter_mut().zip(log_densities).enumerate() {
+                let state = states.each_ref().map(|column| column[i]);
+                *out = log_density - self.proposal.log_density(&state);
+            }
+        }
+    }
+}
+
 /// Moves every particle `moves` times: in turns by a draw, which forgets where it was, and by a step of a random walk,
 /// which finds its way where the posterior is not normal. RNG consumption is constant.
 #[inline(never)]
@@ -40,13 +66,7 @@ pub(in crate::aoa) fn sweep<const D: usize, R: Rng + ?Sized>(
 ) {
     let count = columns.iter().map(|column| column.len()).min().unwrap_or(0);
     for first in (0..count).step_by(BLOCK) {
-        let mut here = [[0.0; BLOCK]; D];
-        for (to, from) in here.iter_mut().zip(&columns) {
-            // A short block is filled up with its first particle, which then moves in vain.
-            let from = from.get(first..).unwrap_or_default();
-            *to = [from.first().copied().unwrap_or(0.0); BLOCK];
-            transfer(from, to);
-        }
+        let mut here = columns.each_ref().map(|column| block(column, first));
         let mut log_density = target.log_densities(&here);
         for turn in 0..moves {
             let independent = turn % 2 == 0;
@@ -63,6 +83,14 @@ pub(in crate::aoa) fn sweep<const D: usize, R: Rng + ?Sized>(
             transfer(from, to.get_mut(first..).unwrap_or_default());
         }
     }
+}
+
+/// A block of a column. A short one is filled up with its first particle, which then moves in vain.
+fn block(column: &[f32], first: usize) -> [f32; BLOCK] {
+    let from = column.get(first..).unwrap_or_default();
+    let mut to = [from.first().copied().unwrap_or(0.0); BLOCK];
+    transfer(from, &mut to);
+    to
 }
 
 /// Copies as much as there is room for.

@@ -140,14 +140,15 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
             return;
         };
         let log_odds = -ln(config.false_initiation);
-        for rank in 0..Candidates::<B>::MODES {
-            let Some(candidate) = self.candidates.candidate(rank, log_odds, beliefs) else {
+        let found = self.candidates.found(log_odds, beliefs);
+        for mode in &found {
+            let Some(candidate) = self.candidates.candidate(*mode, beliefs) else {
                 continue;
             };
             let own = candidate.observations().count() as f32;
             match track.initiate(&candidate, &config.track, rng) {
                 Answer::Fix(_) => {
-                    self.candidates.release(rank, beliefs);
+                    self.candidates.release(*mode, beliefs);
                     let recent = if own < self.outliers {
                         own
                     } else {
@@ -229,6 +230,7 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
     }
 
     /// The place of a source by its rank.
+    #[inline(never)]
     fn place(&self, rank: usize) -> Option<usize> {
         let order = |place: usize| {
             let fix = self.fix_at(place)?;
@@ -246,6 +248,7 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
     }
 
     /// The track of the best known source or, if none has a fix, of the one that was heard most of late.
+    #[inline(never)]
     fn best(&self) -> Option<&L> {
         if let Some(place) = self.place(0) {
             return self.tracks.get(place);

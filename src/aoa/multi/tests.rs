@@ -333,9 +333,8 @@ fn an_initiated_track_has_forgotten_how_many_outliers_were_removed() {
     for observation in &sights[..60] {
         (candidates.push(observation, &config, &mut rng)).unwrap();
     }
-    let mut ranks = 0..Candidates::<64>::MODES;
-    let candidate = ranks.find_map(|rank| candidates.candidate(rank, 0.0, &config));
-    let candidate = candidate.unwrap();
+    let found = candidates.found(0.0, &config);
+    let candidate = candidates.candidate(found[0], &config).unwrap();
     let follow = |before: f32, after: f32| {
         let (mut track, mut rng) = (One::EMPTY, generator(3));
         track.set_outliers_removed(before);

@@ -3,6 +3,8 @@
 use super::config::Config;
 use core::f32::consts::TAU;
 
+use heapless::Vec;
+
 use super::density::Density;
 use super::evidence::{Candidate, Evidence};
 use super::mode::{MODES, Mode, Modes, best, hypotheses, plane, position};
@@ -30,9 +32,6 @@ pub(in crate::aoa) struct Candidates<const B: usize> {
 persist!(impl[const B: usize] Candidates<B> as "Candidates"(B) { evidence, modes });
 
 impl<const B: usize> Candidates<B> {
-    /// The most that there may be.
-    pub(in crate::aoa) const MODES: usize = MODES;
-
     pub(in crate::aoa) const EMPTY: Self = Self {
         evidence: Evidence::EMPTY,
         modes: Modes::new(),
@@ -69,29 +68,43 @@ impl<const B: usize> Candidates<B> {
         self.evidence.bearings.retract(what)
     }
 
-    /// The mode of this rank by mass, if it alone would make a fix and is as likely as `log_odds` says to be a
-    /// source's.
+    /// Where the modes are that alone would make a fix and are as likely as `log_odds` says to be a source's: those with more
+    /// mass first.
     #[inline(never)]
+    pub(in crate::aoa) fn found(&self, log_odds: f32, config: &Config) -> Vec<usize, MODES> {
+        let terms = self.evidence.terms(&config.errors);
+        let density = self.evidence.density(&terms, config);
+        let log_volume = self.evidence.region(config).log_volume();
+        let is_found = |mode: &Mode<PLAIN>| {
+            let range = (self.evidence.bearings).range_squared(position(&mode.mean));
+            let variance = plane(&mode.covariance.matrix()).largest_eigenvalue();
+            let prior = density.log_prior(&mode.mean) - log_volume;
+            is_narrow(variance, range, config.relative_range_sigma)
+                && log_odds_of_source(&density, prior, mode, &config.errors.rates) > log_odds
+        };
+        let mut found = Vec::new();
+        let mut above = f32::INFINITY;
+        // By falling mass.
+        while let Some((place, mode)) = heaviest_below(&self.modes, above) {
+            above = mode.log_mass;
+            if is_found(mode) {
+                let _ = found.push(place);
+            }
+        }
+        found
+    }
+
+    /// The bearings of a mode.
     pub(in crate::aoa) fn candidate<'a>(
         &'a self,
-        rank: usize,
-        log_odds: f32,
+        place: usize,
         config: &'a Config,
     ) -> Option<Candidate<'a>> {
-        let mode = self.modes.get(self.place(rank)?)?;
-        let range = (self.evidence.bearings).range_squared(position(&mode.mean));
-        let variance = plane(&mode.covariance.matrix()).largest_eigenvalue();
-        let found = is_narrow(variance, range, config.relative_range_sigma) && {
-            let terms = self.evidence.terms(&config.errors);
-            let density = self.evidence.density(&terms, config);
-            let prior = density.log_prior(&mode.mean) - self.evidence.region(config).log_volume();
-            log_odds_of_source(&density, prior, mode, &config.errors.rates) > log_odds
-        };
-        found.then(|| Candidate {
+        Some(Candidate {
             entries: self.evidence.entries(),
             latest: self.evidence.bearings.latest(),
             source: self.evidence.source,
-            mode,
+            mode: self.modes.get(place)?,
             modes: &self.modes,
             errors: &config.errors,
         })
@@ -99,24 +112,12 @@ impl<const B: usize> Candidates<B> {
 
     /// Forgets the bearings of a candidate.
     #[inline(never)]
-    pub(in crate::aoa) fn release(&mut self, rank: usize, config: &Config) {
-        let Some(place) = self.place(rank) else {
-            return;
-        };
+    pub(in crate::aoa) fn release(&mut self, place: usize, config: &Config) {
         if let Some(mode) = self.modes.get(place).copied() {
             self.evidence.release(&mode, &config.errors);
             let mut places = 0..;
             self.modes.retain(|_| places.next() != Some(place));
         }
-    }
-
-    /// The place of the mode of this rank by mass.
-    fn place(&self, rank: usize) -> Option<usize> {
-        let heavier = |mode: &Mode<PLAIN>| {
-            let heavier = |other: &&Mode<PLAIN>| other.log_mass > mode.log_mass;
-            self.modes.iter().filter(heavier).count()
-        };
-        self.modes.iter().position(|mode| heavier(mode) == rank)
     }
 
     /// The modes.
@@ -146,6 +147,12 @@ impl<const B: usize> Candidates<B> {
             },
         }
     }
+}
+
+/// The mode with the most mass below some, and its place.
+fn heaviest_below(modes: &Modes<PLAIN>, above: f32) -> Option<(usize, &Mode<PLAIN>)> {
+    let below = (modes.iter().enumerate()).filter(|(_, mode)| mode.log_mass < above);
+    below.max_by(|(_, a), (_, b)| a.log_mass.total_cmp(&b.log_mass))
 }
 
 /// Logarithm of how many times as likely the bearings are if some are those of a source, which is about a mode, as if

@@ -2,7 +2,7 @@
 
 use core::f32::consts::PI;
 
-use super::term::{BIASES, Line, SCALE, State, Term, Width};
+use super::term::{BIASES, Lanes, Line, SCALE, State, Term, Width};
 use crate::aoa::Mixture;
 use crate::aoa::core::{BLOCK, Block, Target, square_of_distance};
 use crate::math::{exp, ln, sqrt};
@@ -103,6 +103,35 @@ impl Space {
 /// As many odds as can be multiplied without overflow before the logarithm is taken.
 const PRODUCTS: usize = 3;
 
+/// Logarithm of a product of odds, taken of a few factors at a time.
+pub(super) struct Logarithm {
+    sum: f32,
+    product: f32,
+    factors: usize,
+}
+
+impl Logarithm {
+    pub(super) const OF_ONE: Self = Self {
+        sum: 0.0,
+        product: 1.0,
+        factors: 0,
+    };
+
+    #[inline(always)]
+    pub(super) fn multiply(&mut self, factor: f32) {
+        self.product *= factor;
+        self.factors += 1;
+        if self.factors == PRODUCTS {
+            self.sum += ln(self.product);
+            (self.product, self.factors) = (1.0, 0);
+        }
+    }
+
+    pub(super) fn value(&self) -> f32 {
+        self.sum + ln(self.product)
+    }
+}
+
 impl<'a, const D: usize> Density<'a, D> {
     /// The gradient and the information of the prior: those of a normal density that draws as strongly.
     #[inline(never)]
@@ -128,8 +157,11 @@ impl<'a, const D: usize> Density<'a, D> {
     #[inline(never)]
     pub(super) fn log_likelihood(&self, state: &State<D>) -> f32 {
         let width = Width::new(self.scale_sigma, state);
-        let one = |place| ln(1.0 + self.odds(place, state, &width));
-        self.places().map(one).sum::<f32>() + log_prior_of_errors(state)
+        let mut sum = Logarithm::OF_ONE;
+        for place in self.places() {
+            sum.multiply(1.0 + self.odds(place, state, &width));
+        }
+        sum.value() + log_prior_of_errors(state)
     }
 
     /// Log-density up to a constant.
@@ -204,16 +236,16 @@ impl<'a, const D: usize> Density<'a, D> {
     }
 
     /// The same with the derivatives of the error by the state but for the scale.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn linearise(&self, term: &Term<D>, state: &State<D>) -> (Line, State<D>) {
         let mut gradient = *term.features();
-        let [gx, gy] = match self.space {
-            Space::Plane(_) => term.gradient(state),
-            Space::Infinity => [1.0, 0.0],
+        let (line, [gx, gy]) = match self.space {
+            Space::Plane(_) => (term.line_of(state), term.gradient(state)),
+            Space::Infinity => (term.line_far(state), [1.0, 0.0]),
         };
         gradient[0] = gx;
         gradient[1] = gy;
-        (self.line(term, state), gradient)
+        (line, gradient)
     }
 
     /// The same bearings of a source at infinity.
@@ -238,39 +270,49 @@ fn log_prior_of_errors<const D: usize>(state: &State<D>) -> f32 {
 impl<const D: usize> Target<D> for Density<'_, D> {
     #[inline(never)]
     fn log_densities(&self, states: &Block<D>) -> [f32; BLOCK] {
-        let mut sums = [0.0; BLOCK];
-        let (mut heights, mut precisions) = ([0.0; BLOCK], [1.0; BLOCK]);
+        let (mut sums, mut lanes) = ([0.0; BLOCK], Lanes::START);
         for (i, sum) in sums.iter_mut().enumerate() {
             let state = states.each_ref().map(|column| column[i]);
             *sum = self.log_prior(&state);
             let width = Width::new(self.scale_sigma, &state);
-            (heights[i], precisions[i]) = (width.log_height, width.precision);
+            (lanes.log_heights[i], lanes.precisions[i]) = (width.log_height, width.precision);
         }
-        let (mut products, mut odds, mut factors) = ([1.0; BLOCK], [0.0; BLOCK], 0);
-        for term in self.terms {
-            term.add_odds(states, &heights, &precisions, &mut odds);
-            if !term.is_last_of_place() {
-                continue;
-            }
-            for (product, odds) in products.iter_mut().zip(&mut odds) {
-                *product *= 1.0 + *odds;
-                *odds = 0.0;
-            }
+        let mut factors = 0;
+        for place in self.places() {
+            lanes.multiply(place, states);
             factors += 1;
             if factors == PRODUCTS {
-                add_logarithms(&mut sums, &mut products);
+                lanes.add_logarithms(&mut sums);
                 factors = 0;
             }
         }
-        add_logarithms(&mut sums, &mut products);
+        lanes.add_logarithms(&mut sums);
         sums
     }
 }
 
-/// Takes the logarithms of products into sums; the products are one again.
-fn add_logarithms(sums: &mut [f32; BLOCK], products: &mut [f32; BLOCK]) {
-    for (sum, product) in sums.iter_mut().zip(products) {
-        *sum += ln(*product);
-        *product = 1.0;
+impl Lanes {
+    /// Multiplies the products by one plus the odds of the bearings of a place.
+    #[inline(always)]
+    fn multiply<const D: usize>(&mut self, place: &[Term<D>], states: &Block<D>) {
+        let mut totals = [1.0; BLOCK];
+        for term in place {
+            term.odds_of_block(states, self);
+            for (total, odds) in totals.iter_mut().zip(&self.odds) {
+                *total += odds;
+            }
+        }
+        for (product, total) in self.products.iter_mut().zip(totals) {
+            *product *= total;
+        }
+    }
+
+    /// Takes the logarithms of the products into sums; the products are one again.
+    #[inline(never)]
+    fn add_logarithms(&mut self, sums: &mut [f32; BLOCK]) {
+        for (sum, product) in sums.iter_mut().zip(&mut self.products) {
+            *sum += ln(*product);
+            *product = 1.0;
+        }
     }
 }

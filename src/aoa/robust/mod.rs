@@ -42,7 +42,7 @@ mod track;
 
 use core::f32::consts::LN_2;
 
-use super::core::{Proposal, check_narrow, is_depleted, sweep};
+use super::core::{Importance, Proposal, check_narrow, is_depleted, sweep};
 use super::words::Belief;
 use super::{
     Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
@@ -107,8 +107,8 @@ persist!(impl[const N: usize, const B: usize, const D: usize] Robust<N, B, D> as
     evidence, filter, modes, answer, moments, learned, since_search, outliers_removed
 });
 
-/// Moves of every particle for the first fix: it starts from draws of the modes, which a few moves correct.
-const START_MOVES: u8 = 3;
+/// Moves of every particle for the first fix: it sets those apart that were drawn from the modes as one.
+const START_MOVES: u8 = 1;
 
 /// Particles are moved after so many bearings at the latest: fewer find a missed mode sooner, for time.
 const AT_LEAST_EVERY: u32 = 8;
@@ -203,9 +203,8 @@ impl<const N: usize, const B: usize, const D: usize> Locate for Robust<N, B, D> 
         self.outliers_removed = 0.0;
     }
 
-    #[inline(never)]
     fn hypothesis(&self, index: usize) -> Option<Hypothesis> {
-        hypotheses(&self.modes).nth(index)
+        mode::hypothesis(&self.modes, index)
     }
 
     fn bias(&self, config: &Config) -> Option<Bias> {
@@ -296,7 +295,7 @@ impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
         self.evidence.clear();
         self.modes.clear();
         self.answer = Answer::NOTHING;
-        self.moments = Self::EMPTY.moments;
+        self.moments = ([0.0; D], [[0.0; D]; D]);
         self.since_search = 0;
     }
 
@@ -369,11 +368,18 @@ impl<const N: usize, const B: usize, const D: usize> Robust<N, B, D> {
         self.credible_fix(1.0, believed)
     }
 
-    /// Starts the particles from all modes.
+    /// Starts the particles from all modes: draws of them by what they are worth, each of which then is moved.
     #[inline(never)]
     fn start<R: Rng + ?Sized>(&mut self, terms: &[Term<D>], believed: &Config, rng: &mut R) {
         let proposal = MixtureProposal::new(&self.modes, self.evidence.region(believed));
+        let importance = Importance {
+            target: &self.evidence.density(terms, believed),
+            proposal: &proposal,
+        };
         self.filter.initialise(rng, |rng| proposal.draw(rng));
+        // Each is worth a finite number, so the update cannot fail.
+        let _ = self.filter.update(&importance);
+        self.filter.resample(Scheme::Systematic, rng);
         self.sweep(terms, START_MOVES, believed, rng);
     }
 

@@ -2,13 +2,13 @@
 
 use heapless::Vec;
 
-use super::density::Density;
+use super::density::{Density, Logarithm};
 use super::term::{Reading, SCALE, State, Width};
 use crate::aoa::Hypothesis;
 use crate::estimate::Symmetric2;
 use crate::kalman::Covariance;
+use crate::math::exp;
 use crate::math::vector::{difference, dot, plus_scaled};
-use crate::math::{exp, ln};
 use crate::snapshot::value;
 
 /// The most hypotheses that are kept: more keep more sources apart, for time and 90 bytes each.
@@ -126,6 +126,7 @@ pub(super) fn largest<const D: usize>(modes: &[Mode<D>]) -> f32 {
 
 /// Sums over all bearings at one state.
 struct Normal<const D: usize> {
+    /// The lower triangle.
     matrix: [State<D>; D],
     gradient: State<D>,
     log_density: f32,
@@ -140,6 +141,7 @@ impl<const D: usize> Normal<D> {
             log_density: density.log_prior(state),
         };
         let width = Width::new(density.scale_sigma, state);
+        let mut sum = Logarithm::OF_ONE;
         for place in density.places() {
             // Most places have one bearing, which is read once.
             let alone = matches!(place, [_]);
@@ -150,34 +152,30 @@ impl<const D: usize> Normal<D> {
             };
             for term in place {
                 let (line, gradient) = density.linearise(term, state);
-                let reading = term.read(&line, &width);
+                let reading = term.reading(line, &width);
                 if alone {
                     total += reading.odds;
                 }
                 let fit = reading.odds / total;
                 normal.add(&reading, fit, &gradient, density.scale_sigma);
             }
-            normal.log_density += ln(total);
+            sum.multiply(total);
         }
+        normal.log_density += sum.value();
         normal
     }
 
     /// Adds a bearing that fits with this probability, and of which the error has these derivatives by all but the scale.
-    #[inline(never)]
+    #[inline(always)]
     fn add(&mut self, reading: &Reading, fit: f32, derivative: &State<D>, scale_sigma: f32) {
         let information = fit * reading.precision;
         let error = reading.line.error;
-        for ((row, total), a) in self
-            .matrix
-            .iter_mut()
-            .zip(&mut self.gradient)
-            .zip(derivative)
-        {
-            let pull = information * a;
-            for (entry, b) in row.iter_mut().zip(derivative) {
+        for (d, row) in self.matrix.iter_mut().enumerate() {
+            let pull = information * derivative[d];
+            self.gradient[d] -= pull * error;
+            for (entry, b) in row.iter_mut().zip(derivative).take(d + 1) {
                 *entry += pull * b;
             }
-            *total -= pull * error;
         }
         // A normal density of a standard deviation s has an information of 2 on ln s.
         self.matrix[SCALE][SCALE] += 2.0 * fit * reading.worth * scale_sigma * scale_sigma;
@@ -208,21 +206,26 @@ fn inverse<const D: usize>(mut matrix: [State<D>; D], damping: f32) -> Option<[S
 
 /// The modes as hypotheses. Those of one place, under other scales of the errors, are one.
 pub(super) fn hypotheses<const D: usize>(modes: &Modes<D>) -> impl Iterator<Item = Hypothesis> {
+    (0..MODES).map_while(|index| hypothesis(modes, index))
+}
+
+/// One of them.
+#[inline(never)]
+pub(super) fn hypothesis<const D: usize>(modes: &Modes<D>, index: usize) -> Option<Hypothesis> {
     let best = largest(modes);
-    let mass = move |mode: &Mode<D>| exp(mode.log_mass - best);
+    let mass = |mode: &Mode<D>| exp(mode.log_mass - best);
     let total: f32 = modes.iter().map(mass).sum();
     let is_best_there = |mode: &&Mode<D>| {
         let is_better = |other: &Mode<D>| other.log_mass > mode.log_mass && mode.is_at(other);
         !modes.iter().any(is_better)
     };
-    modes.iter().filter(is_best_there).map(move |mode| {
-        let there = modes.iter().filter(|other| mode.is_at(other));
-        let within: f32 = there.map(mass).sum();
-        Hypothesis {
-            position: position(&mode.mean),
-            covariance: plane(&mode.covariance.matrix()),
-            probability: within / total,
-        }
+    let mode = modes.iter().filter(is_best_there).nth(index)?;
+    let there = modes.iter().filter(|other| mode.is_at(other));
+    let within: f32 = there.map(mass).sum();
+    Some(Hypothesis {
+        position: position(&mode.mean),
+        covariance: plane(&mode.covariance.matrix()),
+        probability: within / total,
     })
 }
 

@@ -24,6 +24,8 @@ pub(super) struct MixtureProposal<'a, const D: usize> {
     region: Region,
     /// Logarithms of the densities of one sigma's volume at the means.
     heights: [f32; MODES],
+    /// That of the density of the region's.
+    anywhere: f32,
 }
 
 impl<'a, const D: usize> MixtureProposal<'a, D> {
@@ -36,6 +38,7 @@ impl<'a, const D: usize> MixtureProposal<'a, D> {
             modes,
             region,
             heights,
+            anywhere: const { ln(TAU * ANYWHERE) } - region.log_volume(),
         }
     }
 
@@ -76,8 +79,7 @@ impl<const D: usize> Proposal<D> for MixtureProposal<'_, D> {
         let narrow_height = const { height(1.0 - WIDE_FRACTION, NARROW, D) };
         let wide_height = const { height(WIDE_FRACTION, WIDE, D) };
         let others: f32 = state.iter().skip(SCALE).map(|z| z * z).sum();
-        let anywhere = const { ln(TAU * ANYWHERE) } - self.region.log_volume();
-        let anywhere = anywhere + self.region.log_density(position(state)) - 0.5 * others;
+        let anywhere = self.anywhere + self.region.log_density(position(state)) - 0.5 * others;
         let mut logs = [[f32::NEG_INFINITY; 2]; MODES];
         let mut largest = anywhere;
         for ((mode, height), logs) in self.modes.iter().zip(self.heights).zip(&mut logs) {

@@ -61,6 +61,31 @@ impl Width {
     }
 }
 
+/// What is computed of a block of states, of one bearing after the other. Side by side, so that one register points at all.
+pub(super) struct Lanes {
+    /// Logarithms of the heights of the densities of errors, and their precisions.
+    pub(super) log_heights: [f32; BLOCK],
+    pub(super) precisions: [f32; BLOCK],
+    /// Squares of the errors, and the logarithms of the odds of none.
+    squares: [f32; BLOCK],
+    levels: [f32; BLOCK],
+    /// Odds that the bearing is no outlier.
+    pub(super) odds: [f32; BLOCK],
+    /// Products of such odds of several bearings.
+    pub(super) products: [f32; BLOCK],
+}
+
+impl Lanes {
+    pub(super) const START: Self = Self {
+        log_heights: [0.0; BLOCK],
+        precisions: [1.0; BLOCK],
+        squares: [0.0; BLOCK],
+        levels: [0.0; BLOCK],
+        odds: [0.0; BLOCK],
+        products: [1.0; BLOCK],
+    };
+}
+
 /// A bearing as a line, seen from a state.
 #[derive(Clone, Copy)]
 pub(super) struct Line {
@@ -211,28 +236,47 @@ impl<const D: usize> Term<D> {
 
     #[inline(always)]
     fn odds(&self, line: Line, log_height: f32, precision: f32) -> f32 {
-        let level = if line.mirrored {
+        // At most some 1e9, for sigmas and rates of a thousandth; next to none are none.
+        let exponent = self.curvature * precision * (line.error * line.error);
+        exp_of_weight(self.level(line) + self.worth * log_height + exponent)
+    }
+
+    #[inline(always)]
+    fn level(&self, line: Line) -> f32 {
+        if line.mirrored {
             self.mirrored
         } else {
             self.direct
-        };
-        // At most some 1e9, for sigmas and rates of a thousandth; next to none are none.
-        let exponent = self.curvature * precision * (line.error * line.error);
-        exp_of_weight(level + self.worth * log_height + exponent)
+        }
     }
 
-    /// Adds the odds at some states.
+    /// The odds at some states.
     #[inline(always)]
-    pub(super) fn add_odds(
-        &self,
-        states: &Block<D>,
-        heights: &[f32; BLOCK],
-        precisions: &[f32; BLOCK],
-        odds: &mut [f32; BLOCK],
-    ) {
+    pub(super) fn odds_of_block(&self, states: &Block<D>, lanes: &mut Lanes) {
+        // A copy, which no store can change: its fields stay in registers. Two loops, for either needs most of them.
+        let term = *self;
+        let Lanes {
+            log_heights,
+            precisions,
+            squares,
+            levels,
+            odds,
+            ..
+        } = lanes;
         for i in 0..BLOCK {
-            let line = self.line_of(&states.each_ref().map(|column| column[i]));
-            odds[i] += self.odds(line, heights[i], precisions[i]);
+            let mut bias = term.features[BIASES] * states[BIASES][i];
+            let mut d = BIASES + 1;
+            while d < D {
+                bias += term.features[d] * states[d][i];
+                d += 1;
+            }
+            let line = term.fold([states[0][i], states[1][i]], bias);
+            squares[i] = line.error * line.error;
+            levels[i] = term.level(line);
+        }
+        for i in 0..BLOCK {
+            let exponent = term.curvature * precisions[i] * squares[i];
+            odds[i] = exp_of_weight(levels[i] + term.worth * log_heights[i] + exponent);
         }
     }
 
@@ -242,7 +286,7 @@ impl<const D: usize> Term<D> {
     }
 
     #[inline(always)]
-    fn line_of(&self, state: &State<D>) -> Line {
+    pub(super) fn line_of(&self, state: &State<D>) -> Line {
         self.fold([state[0], state[1]], self.bias(state))
     }
 
@@ -263,21 +307,27 @@ impl<const D: usize> Term<D> {
 
     #[inline(never)]
     pub(super) fn read(&self, line: &Line, width: &Width) -> Reading {
+        self.reading(*line, width)
+    }
+
+    #[inline(always)]
+    pub(super) fn reading(&self, line: Line, width: &Width) -> Reading {
         Reading {
-            line: *line,
-            odds: self.odds(*line, width.log_height, width.precision),
+            line,
+            odds: self.odds(line, width.log_height, width.precision),
             precision: self.precision() * width.precision,
             worth: self.worth,
         }
     }
 
     /// Derivative of the error by the position, in radians a metre.
+    #[inline(always)]
     pub(super) fn gradient(&self, state: &State<D>) -> [f32; 2] {
         /// Closer to the receiver, in square metres, the direction turns with every step.
         const NEAREST: f32 = 1e-6;
         let (dx, dy) = (state[0] - self.position[0], state[1] - self.position[1]);
-        let square = dx * dx + dy * dy + NEAREST;
-        [-dy / square, dx / square]
+        let inverse = 1.0 / (dx * dx + dy * dy + NEAREST);
+        [-dy * inverse, dx * inverse]
     }
 }
 
