@@ -65,7 +65,7 @@ pub struct Config<C> {
     /// Rate of turn of the course, in degrees a second, above which it is not taken for the heading.
     pub max_turn_rate_deg_s: f32,
     /// Speed that the vehicle never exceeds: a position that is further away, or the first one after a start or an outage,
-    /// waits for a later one that agrees. Infinity believes every position.
+    /// waits for a later one that agrees, and so do bearings that were taken there. Infinity believes every position.
     pub max_speed_m_s: f32,
     /// Variation of magnetic north from true north, in degrees clockwise (east), in place of what sentences state of it;
     /// magnetic headings need one or the other.

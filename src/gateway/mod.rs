@@ -30,7 +30,8 @@
 //!
 //! A position is believed if the vehicle can have got there from the last one by [`Config::max_speed_m_s`]. The first after
 //! a start or an outage and one that is too far away wait for the next of another time that agrees: a checksum of eight bits
-//! lets one in 256 damaged sentences pass. A sentence that states no time has that of the last one that does; after one
+//! lets one in 256 damaged sentences pass. Bearings that are taken where the vehicle cannot be wait likewise, and begin
+//! another search if they go on: see [`Vehicle::plane`]. A sentence that states no time has that of the last one that does; after one
 //! that was refused it has none. Magnetic headings need a variation: [`Config::variation_deg`], else that which HDG, RMC or
 //! `NAV-PVT` states.
 //!

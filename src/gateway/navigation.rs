@@ -7,7 +7,7 @@ use super::history::{Aged, Compass, History};
 use super::outcome::Rejected;
 use super::sentence::turned;
 use crate::aoa::Bearing;
-use crate::aoa::geodesy::Geodetic;
+use crate::aoa::geodesy::{Geodetic, LocalPlane};
 
 /// What the navigation receiver has stated last.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,6 +53,8 @@ pub(super) struct Frame {
     /// Lines without a time that were taken at this time before.
     pub lent: u8,
     pub place: Geodetic,
+    /// Whether the place is the vehicle's, which moves no faster than it can, and not that of one of several stations.
+    pub is_vehicle: bool,
     /// Heading that is added to a bearing, in degrees; `None` where bearings count from north.
     heading: Option<f32>,
 }
@@ -75,6 +77,13 @@ pub(super) fn was_set(elapsed_ms: i32, max_age_ms: u32) -> bool {
 
 /// Metres that positions of a receiver may jump by: more lets wrong ones pass, less has right ones wait among houses.
 const POSITION_NOISE_M: f32 = 50.0;
+
+/// How far a vehicle of a speed may seem to have got in so many milliseconds, or have come from, in metres.
+pub(super) fn reach_m(elapsed_ms: i32, max_speed_m_s: f32) -> f32 {
+    // No speed limits that of no time, either.
+    let reach = POSITION_NOISE_M + max_speed_m_s * (1e-3 * elapsed_ms.unsigned_abs() as f32);
+    reach.min(LocalPlane::MAX_RANGE_M)
+}
 
 impl Navigation {
     pub const EMPTY: Self = Self {
@@ -180,7 +189,7 @@ impl Navigation {
         }
         let is_near = |(then, there): (TimeOfDay, Geodetic), longest_ms: i32| {
             let elapsed = time.since(then);
-            let way = POSITION_NOISE_M + config.max_speed_m_s * (1e-3 * elapsed as f32);
+            let way = reach_m(elapsed, config.max_speed_m_s);
             (0..=longest_ms).contains(&elapsed) && there.is_within(place, way)
         };
         let longest_ms = config.max_age_ms as i32;
@@ -197,7 +206,11 @@ impl Navigation {
         });
         match (is_believed, confirming) {
             (true, _) => {}
-            (false, Some((then, there))) => self.places.push(then, there),
+            (false, Some((then, there))) => {
+                // What was before is not on the way to here.
+                self.places.clear();
+                self.places.push(then, there);
+            }
             (false, None) => {
                 self.is_lost = true;
                 return Err(Rejected::Unconfirmed);
@@ -248,10 +261,12 @@ impl Navigation {
                 Some(told.map_or_else(|| self.heading_at(time, config), Ok)?)
             }
         };
+        let is_of_one = reading.station.is_none() && reading.reference != Reference::North;
         Ok(Frame {
             time,
             lent,
             place,
+            is_vehicle: config.station.is_none() && is_of_one,
             heading,
         })
     }

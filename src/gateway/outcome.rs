@@ -46,7 +46,7 @@ pub enum Rejected {
     /// A coordinate, angle or quality outside its range, or a place too far from [`super::Vehicle::plane`].
     OutOfRange,
     /// A bearing before any position was believed, which is about a second after the receiver states its first: that waits,
-    /// as [`Self::Unconfirmed`]. Bearings before then are not kept. Without a receiver, a direction finder needs
+    /// as [`Self::Unconfirmed`]. Bearings before then are not kept: a line has one event. Without a receiver, a direction finder needs
     /// lines that state a time, and a place or [`Config::station`](super::Config::station).
     NoPosition,
     /// A bearing whose nearest position is older than [`Config::max_age_ms`](super::Config::max_age_ms), or as much
@@ -76,7 +76,9 @@ pub enum Rejected {
     /// [`formats::Config::simulated`](super::formats::Config::simulated).
     Simulated,
     /// The first position after a start or an outage, or one to which no vehicle can have got so soon: it waits for a
-    /// later one that agrees. See [`Config::max_speed_m_s`](super::Config::max_speed_m_s).
+    /// later one that agrees. See [`Config::max_speed_m_s`](super::Config::max_speed_m_s). Or a bearing that was taken at
+    /// such a place, while it is not known whether this or the one before was wrong: see
+    /// [`Vehicle::plane`](super::Vehicle::plane).
     Unconfirmed,
     /// A heading from magnetic north, where neither a sentence nor
     /// [`Config::variation_deg`](super::Config::variation_deg) says how far that is from true north.

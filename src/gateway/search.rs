@@ -2,13 +2,14 @@
 
 use super::clock::TimeOfDay;
 use super::config::Config;
-use super::navigation::was_set;
+use super::navigation::{Frame, reach_m, was_set};
 use super::outcome::Rejected;
 use super::report::Context;
 use crate::aoa::geodesy::{Geodetic, LocalPlane};
 use crate::aoa::{Alternative, Answer, Locate, Observation, PushError};
+use crate::math::sqrt;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
-use crate::snapshot::Persist;
+use crate::snapshot::{Persist, value};
 
 /// A locator with the plane that it works in and the time that it counts by.
 #[derive(Debug)]
@@ -24,12 +25,29 @@ pub(super) struct Search<L> {
     generator: Option<Xoshiro128PlusPlus>,
     /// Bearings that were used.
     bearings: u32,
-    /// Consecutive bearings that are near each other but too far from the origin: where the first was taken, and how many
-    /// there are.
-    strays: Option<(Geodetic, u8)>,
+    strays: Option<Strays>,
     /// So many bearings, if they are all, rest on a heading that was none: the next one takes their place.
     pub made_up: u32,
 }
+
+/// Consecutive bearings from places that the vehicle can have got to from each other, but not from where it was before, or
+/// that are too far from the origin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Strays {
+    /// When the first was taken.
+    since: TimeOfDay,
+    /// When and where the last was.
+    time: TimeOfDay,
+    place: Geodetic,
+    count: u8,
+}
+
+value!(Strays {
+    since,
+    time,
+    place,
+    count,
+});
 
 crate::persist!(impl[L: Persist] Search<L> as "Search"() {
     locator,
@@ -43,9 +61,13 @@ crate::persist!(impl[L: Persist] Search<L> as "Search"() {
 } without { made_up });
 
 impl<L: Locate> Search<L> {
-    /// Strays in a row that move the origin: more are slower to leave a wrong first position, fewer let two wrong ones move
-    /// it.
+    /// Strays in a row that begin another search: more are slower to leave a wrong first position, fewer let two wrong ones
+    /// move the origin.
     const STRAYS: u8 = 3;
+
+    /// How long they must have lasted if there is a fix: longer keeps a wrong fix, shorter lets a receiver's lapse cost a
+    /// right one.
+    const LAPSE_MS: i32 = 20_000;
 
     pub const EMPTY: Self = Self {
         locator: L::EMPTY,
@@ -86,28 +108,67 @@ impl<L: Locate> Search<L> {
         }
     }
 
-    /// The plane for a bearing that was taken at `place`: another than before where that was too far away and there is no
-    /// fix.
+    /// The plane for a bearing by a station: another than before where the vehicle has long been elsewhere than it can have
+    /// got to.
     #[inline(never)]
-    pub fn plane_for(&mut self, place: Geodetic) -> Result<LocalPlane, Rejected> {
-        let round = |origin| LocalPlane::new(origin).map_err(|_| Rejected::OutOfRange);
+    pub fn plane_for(
+        &mut self,
+        frame: &Frame,
+        station: u8,
+        config: &Config<L::Config>,
+    ) -> Result<LocalPlane, Rejected> {
+        let (time, place) = (frame.time, frame.place);
+        let round = || LocalPlane::new(place).map_err(|_| Rejected::OutOfRange);
         let Some(plane) = self.plane else {
-            return round(place);
+            return round();
         };
-        if plane.to_local(place).is_ok() {
-            self.strays = None;
-            return Ok(plane);
-        }
-        let is_near = |first| round(first).is_ok_and(|plane| plane.to_local(place).is_ok());
-        let (first, count) = match self.strays {
-            Some((first, count)) if is_near(first) => (first, count.saturating_add(1)),
-            _ => (place, 1),
+        let strays = self.strays.filter(|last| {
+            let reach = reach_m(time.since(last.time), config.max_speed_m_s);
+            last.place.is_within(place, reach)
+        });
+        let reason = match plane.to_local(place) {
+            Err(_) => Rejected::OutOfRange,
+            Ok(here) if self.is_stray(here, frame, station, strays, config) => {
+                Rejected::Unconfirmed
+            }
+            Ok(_) => {
+                self.strays = None;
+                return Ok(plane);
+            }
         };
-        self.strays = Some((first, count));
-        match self.locator.answer() {
-            Answer::NotObservable(_) if count >= Self::STRAYS => round(place),
-            _ => Err(Rejected::OutOfRange),
+        let strays = Strays {
+            since: strays.map_or(time, |strays| strays.since),
+            time,
+            place,
+            count: strays.map_or(1, |strays| strays.count.saturating_add(1)),
+        };
+        self.strays = Some(strays);
+        let is_lapse = self.locator.fix().is_some() && time.since(strays.since) < Self::LAPSE_MS;
+        if strays.count < Self::STRAYS || is_lapse {
+            return Err(reason);
         }
+        round()
+    }
+
+    /// Whether the vehicle cannot have got here from where the station's last bearing was taken, or is nearer to where
+    /// strays led that it can come from.
+    fn is_stray(
+        &self,
+        here: [f32; 2],
+        frame: &Frame,
+        station: u8,
+        strays: Option<Strays>,
+        config: &Config<L::Config>,
+    ) -> bool {
+        let last = self.observation.filter(|last| last.station() == station);
+        let (true, Some(last), Some((newest, _))) = (frame.is_vehicle, last, self.newest) else {
+            return false;
+        };
+        let [x, y] = last.position();
+        let [east, north] = [here[0] - x, here[1] - y];
+        let way = sqrt(east * east + north * north);
+        way > reach_m(frame.time.since(newest), config.max_speed_m_s)
+            || strays.is_some_and(|last| last.place.is_within(frame.place, way))
     }
 
     /// A time of day as the locator counts it: milliseconds that run on over midnight, and one on where a clock was set

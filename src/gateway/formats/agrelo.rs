@@ -1,4 +1,16 @@
-//! Bearings of an Agrelo: `%BBB/Q`.
+//! Bearings of an Agrelo, and of those that send its line, such as PicoDopp: `%BBB/Q`.
+//!
+//! Six characters, ended by CR, up to 15 times a second:
+//!
+//! | place | field | unit, sense | taken as |
+//! |---|---|---|---|
+//! | 1 | `%` | | |
+//! | 2 to 4 | BBB: bearing, 0 to 360 | degrees clockwise from the bow, or from north: see [`BearingReference`](crate::gateway::BearingReference) | bearing |
+//! | 5 | `/` | | |
+//! | 6 | Q: quality, 0 to 9; some sets always send the same | | quality, 0 to 100 |
+//!
+//! The line states no time: a bearing is taken at the receiver's. Sources: APRS Protocol Reference 1.0.1, chapter 5, for the
+//! set, APRS12c, appendix 1, for the line; the manual of WB6EYV's PicoDopp, which sends `%240/7`.
 
 pub use super::format::ByQuality as Config;
 use super::format::{Format, Layout, Reading, Sentence};
@@ -48,6 +60,10 @@ mod tests {
             (line.best.degrees, line.quality, line.time),
             (270.0, 100.0, None)
         );
+        // As PicoDopp's manual has it.
+        let line = read::<Agrelo>("%240/7", &Agrelo::DEFAULT).unwrap();
+        assert_eq!(line.best.degrees, 240.0);
+        assert!((line.quality - 700.0 / 9.0).abs() < 1e-4);
         let quality = read::<Agrelo>("%000/0", &Agrelo::DEFAULT).map(|line| line.quality);
         assert_eq!(quality, Ok(0.0));
     }

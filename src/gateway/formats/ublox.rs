@@ -1,4 +1,22 @@
-//! Events of u-blox direction finders.
+//! Events of u-blox direction finders: boards with an array of antennas that hear Bluetooth tags.
+//!
+//! `+UUDF:6C1DEBA4241B,-65,26,-65,6,37,"CCF9579B21AE","",1129320`
+//!
+//! | field | unit, sense | taken as |
+//! |---|---|---|
+//! | tag: its Eddystone instance | 12 hexadecimal digits | see [`Config::tag`] |
+//! | RSSI | dBm | not used |
+//! | azimuth, -90 to 90 | degrees from straight ahead; see [`Config::sense`] | bearing from where the board faces |
+//! | elevation, -90 to 90 | degrees | not used |
+//! | RSSI of the other polarisation, or reserved | dBm | not used |
+//! | channel, 0 to 39 | | not used |
+//! | anchor: the board | 12 hexadecimal digits, quoted; may be empty | see [`Config::anchors`] |
+//! | text of the user | quoted | not used |
+//! | time since the board was switched on | milliseconds | not used: its clock is not the receiver's |
+//! | counter, in later versions | | not used |
+//!
+//! Sources: u-connectLocate of u-blox, as the project TosiPaikka of the university of Seinajoki describes it, and programs
+//! that read its events, from which the lines of the tests are.
 
 use super::format::{Format, Layout, Reading, Reference, Sense, Sentence, Station};
 use crate::ConfigError;
@@ -9,8 +27,7 @@ use crate::gateway::sigma::{SigmaTable, preset};
 
 pub(super) const EXAMPLE: &str = "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"CCF9579B21AE\",\"\",1129320";
 
-/// The event `+UUDF:` of u-connectLocate: tag, RSSI, azimuth, elevation, RSSI of the other polarisation, channel,
-/// "anchor", "text", milliseconds since the board was switched on, and in later versions a counter.
+/// The event `+UUDF:` of u-connectLocate.
 ///
 /// The board's time is not that of the receiver, so none is taken; it states no quality: see [`Config::quality_by_azimuth`].
 #[derive(Debug)]
@@ -169,6 +186,7 @@ mod tests {
 
     /// In the form of the manual, and of boards in use.
     const NINE: &str = EXAMPLE;
+    const LEFT: &str = "+UUDF:6C1DEBA41845,-56,-11,20,0,39,\"6C1DEBA79D14\",\"\",746675";
     const TEN: &str = "+UUDF:F4CE5FC91A6A,-50,-12,20,0,20,\"CD84C98B935D\",\"a,b\",238777,40871";
 
     fn degrees(line: &str) -> Result<f32, Rejected> {
@@ -178,6 +196,7 @@ mod tests {
     #[test]
     fn reads_nine_fields_and_ten() {
         assert_eq!(degrees(NINE), Ok(26.0));
+        assert_eq!(degrees(LEFT), Ok(349.0));
         assert_eq!(degrees(TEN), Ok(348.0));
         let other_way = Config {
             sense: Sense::CounterClockwise,

@@ -139,8 +139,9 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
     }
 
     /// The plane of the particles and fixes; its origin is where the first bearing was taken. Unless that was a wrong
-    /// position: while there is no fix, three bearings in a row that are too far from it but not from each
-    /// other [restart](Self::restart) the search, with an origin at the third.
+    /// position: three bearings in a row, all taken where the vehicle cannot have got to from where it was before (or too
+    /// far from the origin), but from each other, [restart](Self::restart) the search, with an origin at the third; once
+    /// there is a fix, only if they go on for 20 s.
     pub fn plane(&self) -> Option<&LocalPlane> {
         self.search.plane.as_ref()
     }
@@ -209,14 +210,14 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
             self.search.made_up = reading.retracted;
         }
         let frame = self.navigation.frame(reading, config)?;
-        let plane = self.search.plane_for(frame.place)?;
+        let station = reading.station.unwrap_or(port as u8);
+        let plane = self.search.plane_for(&frame, station, config)?;
         let position = plane
             .to_local(frame.place)
             .map_err(|_| Rejected::OutOfRange)?;
         let time_ms = self.search.time_ms(frame.time, config.max_age_ms);
         // No two undated bearings are of one time.
         let time_ms = time_ms.wrapping_add(u32::from(frame.lent));
-        let station = reading.station.unwrap_or(port as u8);
         let heading = frame.bearing(0.0);
         let observe = |ray: &Ray| {
             let sigma_rad = (ray.sigma_rad).unwrap_or_else(|| config.sigma_rad(reading.quality));

@@ -11,6 +11,7 @@ mod headings;
 mod lines;
 mod positions;
 mod spectrum;
+mod strays;
 mod times;
 
 type Plain = Gateway<Clean<60, 16>>;
