@@ -1,7 +1,17 @@
-//! Drives past a source with a KrakenSDR of every build, some readings of which have a reflection, with default settings.
+//! Drives past a source with a KrakenSDR of every build, some readings of which have a reflection, with default settings, and
+//! where the locator is told that errors depend on the direction.
 
-use foxhunt::aoa::Locate;
-use foxhunt_gateways::robust::{CONFIG, Gateway};
+use foxhunt::{
+    aoa::{
+        Locate, Robust,
+        robust::{self, Biases, Errors},
+    },
+    gateway::{Config, FullReport, Vehicle, formats::All},
+};
+use foxhunt_gateways::{
+    PORTS,
+    robust::{CONFIG, Gateway},
+};
 use rand::RngExt;
 
 use crate::{
@@ -140,6 +150,22 @@ impl Pass {
     }
 }
 
+/// A locator that knows a curve of one harmonic: antennas that are off in phase bend bearings like that.
+type OfDirections = Robust<256, 64, 6>;
+
+/// The standard deviation of the curve, in radians: three degrees of the mounting and as many of antennas that are off by 10
+/// degrees of phase, and some more.
+const CURVE_SIGMA: f32 = 0.1;
+
+/// What the locator is told of errors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Told {
+    /// The logarithm of the scale of the stated sigmas has this standard deviation; zero keeps them as stated.
+    Scale(f32),
+    /// That they depend on the direction: one stationary source, by a locator that learns a curve.
+    Directions,
+}
+
 /// What has become of drives.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Passes {
@@ -156,23 +182,44 @@ pub struct Passes {
 }
 
 impl Passes {
-    /// One drive through the gateway of `vehicle_robust`.
-    ///
-    /// The logarithm of the scale of the stated sigmas has the standard deviation `scale_sigma`; zero keeps them as stated.
+    /// One drive through the gateway of `vehicle_robust`, or of a locator for errors by direction in its place.
     pub fn one(
         build: Build,
         method: Method,
         phase_sigma: f64,
-        scale_sigma: f32,
+        told: Told,
         seed: u64,
         run: u64,
     ) -> Self {
         let pass = Pass::new(build, method, phase_sigma, seed, run);
-        let mut config = CONFIG;
-        config.locator.track.stationary.errors.scale_sigma = scale_sigma;
-        let mut gateway = Box::new(Gateway::EMPTY);
+        match told {
+            Told::Scale(scale_sigma) => {
+                let mut config = CONFIG;
+                config.locator.track.stationary.errors.scale_sigma = scale_sigma;
+                Self::through(Box::new(Gateway::EMPTY), &config, &pass)
+            }
+            Told::Directions => {
+                type Of = Vehicle<OfDirections, All, FullReport, PORTS>;
+                let config = Config::new(robust::Config {
+                    errors: Errors {
+                        biases: Biases::ByDirection,
+                        bias_sigma_rad: CURVE_SIGMA,
+                        ..robust::Config::CITY.errors
+                    },
+                    ..robust::Config::CITY
+                });
+                Self::through(Box::new(Of::EMPTY), &config, &pass)
+            }
+        }
+    }
+
+    fn through<L: Locate>(
+        mut gateway: Box<Vehicle<L, All, FullReport, PORTS>>,
+        config: &Config<L::Config>,
+        pass: &Pass,
+    ) -> Self {
         for byte in &pass.bytes {
-            gateway.push(0, *byte, &config);
+            gateway.push(0, *byte, config);
         }
         let mut passes = Self {
             runs: 1,

@@ -79,6 +79,7 @@ pub(super) fn was_set(elapsed_ms: i32, max_age_ms: u32) -> bool {
 const POSITION_NOISE_M: f32 = 50.0;
 
 /// How far a vehicle of a speed may seem to have got in so many milliseconds, or have come from, in metres.
+#[inline(never)]
 pub(super) fn reach_m(elapsed_ms: i32, max_speed_m_s: f32) -> f32 {
     // No speed limits that of no time, either.
     let reach = POSITION_NOISE_M + max_speed_m_s * (1e-3 * elapsed_ms.unsigned_abs() as f32);

@@ -9,7 +9,7 @@ use crate::aoa::geodesy::{Geodetic, LocalPlane};
 use crate::aoa::{Alternative, Answer, Locate, Observation, PushError};
 use crate::math::sqrt;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
-use crate::snapshot::{Persist, value};
+use crate::snapshot::Persist;
 
 /// A locator with the plane that it works in and the time that it counts by.
 #[derive(Debug)]
@@ -42,13 +42,6 @@ struct Strays {
     count: u8,
 }
 
-value!(Strays {
-    since,
-    time,
-    place,
-    count,
-});
-
 crate::persist!(impl[L: Persist] Search<L> as "Search"() {
     locator,
     plane,
@@ -57,8 +50,7 @@ crate::persist!(impl[L: Persist] Search<L> as "Search"() {
     reported,
     generator,
     bearings,
-    strays,
-} without { made_up });
+} without { strays, made_up });
 
 impl<L: Locate> Search<L> {
     /// Strays in a row that begin another search: more are slower to leave a wrong first position, fewer let two wrong ones
@@ -136,15 +128,16 @@ impl<L: Locate> Search<L> {
                 return Ok(plane);
             }
         };
-        let strays = Strays {
-            since: strays.map_or(time, |strays| strays.since),
+        let (since, before) = strays.map_or((time, 0), |last| (last.since, last.count));
+        let count = before.saturating_add(1);
+        self.strays = Some(Strays {
+            since,
             time,
             place,
-            count: strays.map_or(1, |strays| strays.count.saturating_add(1)),
-        };
-        self.strays = Some(strays);
-        let is_lapse = self.locator.fix().is_some() && time.since(strays.since) < Self::LAPSE_MS;
-        if strays.count < Self::STRAYS || is_lapse {
+            count,
+        });
+        let is_lapse = self.locator.fix().is_some() && time.since(since) < Self::LAPSE_MS;
+        if count < Self::STRAYS || is_lapse {
             return Err(reason);
         }
         round()

@@ -6,7 +6,7 @@ use foxhunt::aoa::robust::Config;
 use foxhunt_host::{
     array::{Method, coverage},
     figures::Figure,
-    passes::{Build, Passes},
+    passes::{Build, Passes, Told},
 };
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
@@ -25,16 +25,19 @@ const LEAST: f64 = 0.9;
 const DRIVES: u32 = 504;
 /// The rates of drives between which those are whose 95 % ellipse holds the source.
 const HELD: [f64; 2] = [0.92, 0.98];
-/// Conditions of drives: a key, the standard deviation of the antennas' phases in degrees, how sure it is that sigmas are as
-/// stated ([`scale_sigma`](foxhunt::aoa::robust::Errors::scale_sigma)), and whether the figures have limits. Sigmas as stated allow for reflections in every
-/// reading, so ellipses are too wide for an ideal array. Errors of phase are a bias by direction: a locator that is not told
-/// of it takes its steadiness for accuracy.
-const CONDITIONS: [(&str, f64, f32, bool); 4] = [
-    ("ideal", 0.0, Config::CITY.errors.scale_sigma, true),
-    ("ideal.stated", 0.0, 0.0, false),
-    ("phase10", 10.0, Config::CITY.errors.scale_sigma, false),
-    ("phase10.stated", 10.0, 0.0, false),
+/// Conditions of drives: a key, the standard deviation of the antennas' phases in degrees, what the locator is told, such as
+/// how sure it is that sigmas are as stated ([`scale_sigma`](foxhunt::aoa::robust::Errors::scale_sigma)), and whether the
+/// figures have limits. Sigmas as stated allow for reflections in every reading, so ellipses are too wide for an ideal
+/// array. Errors of phase are a bias by direction: a locator that is not told of it takes its steadiness for accuracy.
+const CONDITIONS: [(&str, f64, Told, bool); 6] = [
+    ("ideal", 0.0, Told::Scale(SCALE_SIGMA), true),
+    ("ideal.stated", 0.0, Told::Scale(0.0), false),
+    ("ideal.directions", 0.0, Told::Directions, false),
+    ("phase10", 10.0, Told::Scale(SCALE_SIGMA), false),
+    ("phase10.stated", 10.0, Told::Scale(0.0), false),
+    ("phase10.directions", 10.0, Told::Directions, false),
 ];
+const SCALE_SIGMA: f32 = Config::CITY.errors.scale_sigma;
 
 /// Prints the tables, and returns their figures.
 ///
@@ -42,9 +45,9 @@ const CONDITIONS: [(&str, f64, f32, bool); 4] = [
 /// When no progress can be shown.
 pub fn run(study: &Study) -> Result<Vec<Figure>> {
     let mut figures = readings(study);
-    for (key, phase, scale_sigma, limited) in CONDITIONS {
-        let drives = Drives::new(study, phase, scale_sigma)?;
-        drives.print(phase, scale_sigma);
+    for (key, phase, told, limited) in CONDITIONS {
+        let drives = Drives::new(study, phase, told)?;
+        drives.print(phase, told);
         figures.extend(drives.figures(key, limited));
     }
     Ok(figures)
@@ -97,7 +100,7 @@ fn readings(study: &Study) -> Vec<Figure> {
 struct Drives(Vec<(Build, Method, Passes)>);
 
 impl Drives {
-    fn new(study: &Study, phase: f64, scale_sigma: f32) -> Result<Self> {
+    fn new(study: &Study, phase: f64, told: Told) -> Result<Self> {
         let kinds: Vec<(Build, Method)> = Build::ALL
             .into_iter()
             .flat_map(|build| Method::ALL.map(|method| (build, method)))
@@ -106,7 +109,7 @@ impl Drives {
         let all = u64::from(all).next_multiple_of(kinds.len() as u64);
         let one = |run: u64| {
             let (build, method) = kinds[run as usize % kinds.len()];
-            let passes = Passes::one(build, method, phase, scale_sigma, study.seed, run);
+            let passes = Passes::one(build, method, phase, told, study.seed, run);
             (build, method, passes)
         };
         let drives = (0..all)
@@ -137,7 +140,7 @@ impl Drives {
         }
     }
 
-    fn print(&self, phase: f64, scale_sigma: f32) {
+    fn print(&self, phase: f64, told: Told) {
         let header = [
             "build",
             "method",
@@ -155,10 +158,15 @@ impl Drives {
             }
         }
         table.add_row(self.summary(|_, _| true).row("all", "all"));
+        let told = match told {
+            Told::Scale(sigma) => {
+                format!("the logarithm of the scale of sigmas known to {sigma} before")
+            }
+            Told::Directions => "told that errors depend on the direction".to_owned(),
+        };
         println!(
             "Drives past a source, one reading in five with a reflection, antennas off by {phase} degrees of phase, \
-             the logarithm of the scale of sigmas known to {scale_sigma} before:\n\n\
-             {table}\n"
+             {told}:\n\n{table}\n"
         );
     }
 
