@@ -196,7 +196,7 @@ impl Passes {
             Told::Scale(scale_sigma) => {
                 let mut config = CONFIG;
                 config.locator.track.stationary.errors.scale_sigma = scale_sigma;
-                Self::through(Box::new(Gateway::EMPTY), &config, &pass)
+                Self::through(&mut Box::new(Gateway::EMPTY), &config, &pass)
             }
             Told::Directions => {
                 type Of = Vehicle<OfDirections, All, FullReport, PORTS>;
@@ -208,13 +208,13 @@ impl Passes {
                     },
                     ..robust::Config::CITY
                 });
-                Self::through(Box::new(Of::EMPTY), &config, &pass)
+                Self::through(&mut Box::new(Of::EMPTY), &config, &pass)
             }
         }
     }
 
     fn through<L: Locate>(
-        mut gateway: Box<Vehicle<L, All, FullReport, PORTS>>,
+        gateway: &mut Vehicle<L, All, FullReport, PORTS>,
         config: &Config<L::Config>,
         pass: &Pass,
     ) -> Self {
