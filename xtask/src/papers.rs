@@ -38,6 +38,8 @@ enum Paper {
     Finders(Run),
     /// The robust locator as it comes, in rooms, with wrong sigmas, with errors by stop, by station and by direction.
     Field(Field),
+    /// Several sources at rest on one channel, found by default and told apart.
+    Sources(Sources),
     /// The exact posterior of bearings, which others of these compare with, beside uniform grids.
     Reference(Run),
     /// What each method of these is worth beside the bootstrap filter that costs as much.
@@ -66,6 +68,15 @@ struct Field {
     parts: Vec<String>,
 }
 
+#[derive(clap::Args)]
+struct Sources {
+    #[command(flatten)]
+    run: Run,
+    /// Scenarios, by the beginning of their names [default: all].
+    #[arg(value_name = "SCENARIO")]
+    scenarios: Vec<String>,
+}
+
 fn part_names() -> PossibleValuesParser {
     PossibleValuesParser::new(Part::ALL.map(|(name, _)| name))
 }
@@ -92,6 +103,11 @@ pub fn run(options: &Options) -> Result<()> {
         Paper::Finders(run) => (run, papers::finders::run),
         Paper::Reference(run) => (run, papers::reference::run),
         Paper::Cost(run) => (run, papers::cost::run),
+        Paper::Sources(sources) => {
+            let study = study(&sources.run);
+            let figures = papers::sources::run(&study, &sources.scenarios)?;
+            return finish(&sources.run, figures);
+        }
         Paper::Field(field) => {
             let parts = field.parts();
             return finish(&field.run, papers::field::run(&study(&field.run), &parts)?);

@@ -1,0 +1,199 @@
+//! What many runs of a scenario say.
+
+use anyhow::Result;
+use foxhunt::aoa::Fix;
+use foxhunt_host::figures::Figure;
+use indicatif::ParallelProgressIterator;
+use rayon::prelude::*;
+
+use super::{
+    gospa::{Assignment, Gospa},
+    locators::{several, told},
+    scenarios::Scenario,
+};
+use crate::papers::{statistics::root_mean_square, study::progress};
+
+/// One source in one run.
+#[derive(Debug, Clone, Copy)]
+struct Source {
+    /// The error of its estimate, in metres, if it has been found.
+    error: Option<f64>,
+    /// Whether the 95 % ellipse holds it.
+    covered: bool,
+    /// The error of the locator that gets its readings alone, if it has a fix.
+    told: Option<f64>,
+}
+
+/// One run.
+#[derive(Debug, Clone)]
+struct Run {
+    sources: Vec<Source>,
+    ghosts: usize,
+    /// Whether there ever were more than there are.
+    ever: bool,
+    ours: Gospa,
+    told: Gospa,
+}
+
+impl Run {
+    fn new(scenario: &Scenario, seed: u64, run: u64) -> Result<Self> {
+        let channel = scenario.channel(seed, run);
+        let mut rng = foxhunt_host::simulate::generator(seed, run);
+        let readings = channel.readings(&mut rng);
+        let truths = &channel.sources;
+        let seed = seed ^ run;
+        let found = several(&readings, seed)?;
+        let told = told(&readings, truths.len(), seed)?;
+        let places: Vec<[f64; 2]> = found.fixes.iter().map(place).collect();
+        let assigned = Assignment::new(truths, &places, scenario.cutoff_m);
+        let known: Vec<[f64; 2]> = told.iter().flatten().map(place).collect();
+        let sources = truths.iter().zip(&assigned.estimates).zip(&told);
+        let sources: Vec<Source> = sources
+            .map(|((truth, estimate), told)| {
+                let fix = estimate.map(|index| &found.fixes[index]);
+                Source {
+                    error: fix.map(|fix| distance(place(fix), *truth)),
+                    covered: fix
+                        .is_some_and(|fix| fix.ellipse(0.95).contains(truth.map(|v| v as f32))),
+                    told: told.map(|fix| distance(place(&fix), *truth)),
+                }
+            })
+            .collect();
+        Ok(Self {
+            ghosts: places.len() - sources.iter().filter(|one| one.error.is_some()).count(),
+            ever: found.most > truths.len(),
+            sources,
+            ours: assigned.gospa,
+            told: Assignment::new(truths, &known, scenario.cutoff_m).gospa,
+        })
+    }
+
+    fn complete(&self) -> bool {
+        self.sources.iter().all(|one| one.error.is_some())
+    }
+}
+
+fn place(fix: &Fix) -> [f64; 2] {
+    fix.position.map(f64::from)
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+pub const HEADER: [&str; 9] = [
+    "scenario",
+    "all found",
+    "sources found",
+    "ghost at the end, ever",
+    "RMSE m",
+    "RMSE / told",
+    "95 % ellipse holds",
+    "GOSPA m: all (placed, missed, false)",
+    "GOSPA told",
+];
+
+/// All runs of a scenario.
+pub struct Runs<'a> {
+    scenario: &'a Scenario,
+    all: Vec<Run>,
+}
+
+impl<'a> Runs<'a> {
+    /// Runs 0 to `runs`.
+    pub fn new(scenario: &'a Scenario, runs: u32, seed: u64) -> Result<Self> {
+        let all = (0..u64::from(runs))
+            .into_par_iter()
+            .progress_with(progress(runs.into(), scenario.name.clone())?)
+            .map(|run| Run::new(scenario, seed, run))
+            .collect::<Result<_>>()?;
+        Ok(Self { scenario, all })
+    }
+
+    fn fraction(&self, is: impl Fn(&Run) -> bool) -> f64 {
+        self.all.iter().filter(|run| is(run)).count() as f64 / self.all.len() as f64
+    }
+
+    fn sources(&self) -> impl Iterator<Item = &Source> + Clone {
+        self.all.iter().flat_map(|run| &run.sources)
+    }
+
+    /// Of those that have been found, and of the same where their readings are told.
+    fn rmse(&self) -> [f64; 2] {
+        let both = || {
+            let both = |source: &Source| Some([source.error?, source.told?]);
+            self.sources().filter_map(both)
+        };
+        [0, 1].map(|which| root_mean_square(both().map(|errors| errors[which])))
+    }
+
+    fn found(&self) -> f64 {
+        let all = self.sources().count() as f64;
+        self.sources().filter(|one| one.error.is_some()).count() as f64 / all
+    }
+
+    /// Of those that have been found.
+    fn covered(&self) -> f64 {
+        let all = self.sources().count() as f64;
+        let covered = self.sources().filter(|one| one.covered).count() as f64;
+        covered / (self.found() * all)
+    }
+
+    /// Root of the mean of the squares: all, and its parts.
+    fn gospa(&self, of: impl Fn(&Run) -> Gospa) -> [f64; 4] {
+        let sum: Gospa = self.all.iter().map(of).sum();
+        let root = |sum: f64| (sum / self.all.len() as f64).sqrt();
+        [sum.total(), sum.localisation, sum.missed, sum.ghosts].map(root)
+    }
+
+    pub fn row(&self) -> [String; 9] {
+        let percent = |fraction: f64| format!("{:.1} %", 100.0 * fraction);
+        let gospa = |[all, placed, missed, ghosts]: [f64; 4]| {
+            format!("{all:.3} ({placed:.3}, {missed:.3}, {ghosts:.3})")
+        };
+        let [ours, told] = self.rmse();
+        [
+            self.scenario.name.clone(),
+            percent(self.fraction(Run::complete)),
+            percent(self.found()),
+            format!(
+                "{}, {}",
+                percent(self.fraction(|run| run.ghosts > 0)),
+                percent(self.fraction(|run| run.ever))
+            ),
+            format!("{ours:.3}"),
+            format!("{:.3}", ours / told),
+            percent(self.covered()),
+            gospa(self.gospa(|run| run.ours)),
+            gospa(self.gospa(|run| run.told)),
+        ]
+    }
+
+    pub fn figures(&self) -> Vec<Figure> {
+        let figure = |what: &str, value, unit| {
+            Figure::new(
+                format!("sources.{}.{what}", self.scenario.name),
+                value,
+                unit,
+            )
+        };
+        let limits = &self.scenario.limits;
+        let [ours, told] = self.rmse();
+        let covered = self.covered();
+        let [least, most] = limits.covered;
+        let missed = 1.0 - self.fraction(Run::complete);
+        let mut figures = vec![
+            figure("incomplete", missed, "of runs").at_most(1.0 - limits.found),
+            figure("ghosts", self.fraction(|run| run.ghosts > 0), "of runs").at_most(limits.ghosts),
+            figure("ghosts_ever", self.fraction(|run| run.ever), "of runs"),
+            figure("rmse_over_told", ours / told, "").at_most(limits.ratio),
+            figure("covered", covered, "of sources found").at_most(most),
+            figure("uncovered", 1.0 - covered, "of sources found").at_most(1.0 - least),
+        ];
+        let parts = ["gospa", "gospa.placed", "gospa.missed", "gospa.false"];
+        for (part, value) in parts.into_iter().zip(self.gospa(|run| run.ours)) {
+            figures.push(figure(part, value, "m"));
+        }
+        figures
+    }
+}
