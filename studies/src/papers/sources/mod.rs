@@ -1,41 +1,29 @@
 //! Several sources at rest on one channel: found by default, and told apart; beside locators that are told whose each reading
 //! is.
 
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use foxhunt_host::figures::Figure;
 
 use super::{study::Study, table::table};
 
 mod gospa;
 mod locators;
+mod mixture;
 mod runs;
 mod scenarios;
 
+pub use gospa::{Assignment, Gospa};
 use runs::{HEADER, Runs};
-use scenarios::Scenario;
-
-/// The names of all scenarios.
-pub fn names() -> Vec<String> {
-    let all = Scenario::all().into_iter();
-    all.map(|scenario| scenario.name).collect()
-}
+pub use scenarios::Scenario;
 
 /// Prints the table of the scenarios whose names begin like one of these, or of all, and returns their figures.
 ///
 /// # Errors
 /// When no scenario has such a name, or a reading is none.
 pub fn run(study: &Study, asked: &[String]) -> Result<Vec<Figure>> {
-    let is_asked = |scenario: &Scenario| {
-        asked.is_empty() || asked.iter().any(|name| scenario.name.starts_with(name))
-    };
     let mut figures = Vec::new();
     let mut table = table(HEADER, 1);
-    let scenarios: Vec<Scenario> = Scenario::all().into_iter().filter(is_asked).collect();
-    ensure!(
-        !scenarios.is_empty(),
-        "no scenario begins like this: they are {}",
-        names().join(", ")
-    );
+    let scenarios = Scenario::asked(asked)?;
     for scenario in &scenarios {
         let runs = study.runs.unwrap_or(scenario.runs).min(scenario.runs);
         let runs = Runs::new(scenario, runs, study.seed)?;

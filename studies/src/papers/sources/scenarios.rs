@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
+use anyhow::{Result, ensure};
 use foxhunt_host::{
-    channel::{Channel, Heard},
+    channel::{Channel, Heard, Reading},
     simulate::generator,
     tracks::Track,
 };
@@ -31,7 +32,7 @@ pub struct Scenario {
     pub runs: u32,
     /// Distance from which on an estimate is none of the source.
     pub cutoff_m: f64,
-    pub limits: Limits,
+    pub(super) limits: Limits,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -133,6 +134,24 @@ impl Scenario {
         all
     }
 
+    /// Those whose names begin like one of these; all, if nothing is asked for.
+    ///
+    /// # Errors
+    /// When no name does.
+    pub fn asked(asked: &[String]) -> Result<Vec<Self>> {
+        let mut all = Self::all();
+        let names: Vec<String> = all.iter().map(|scenario| scenario.name.clone()).collect();
+        all.retain(|scenario| {
+            asked.is_empty() || asked.iter().any(|name| scenario.name.starts_with(name))
+        });
+        ensure!(
+            !all.is_empty(),
+            "no scenario begins like this: they are {}",
+            names.join(", ")
+        );
+        Ok(all)
+    }
+
     fn square(name: String, kind: Kind) -> Self {
         let (Kind::Stops {
             side_m, outliers, ..
@@ -158,8 +177,14 @@ impl Scenario {
         }
     }
 
-    /// The channel of a run.
-    pub fn channel(&self, seed: u64, run: u64) -> Channel {
+    /// The sources and the readings of a run.
+    pub fn readings(&self, seed: u64, run: u64) -> (Channel, Vec<Reading>) {
+        let channel = self.channel(seed, run);
+        let readings = channel.readings(&mut generator(seed, run));
+        (channel, readings)
+    }
+
+    fn channel(&self, seed: u64, run: u64) -> Channel {
         match self.kind {
             Kind::Stops {
                 side_m,
