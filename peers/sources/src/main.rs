@@ -18,7 +18,7 @@ struct Options {
     /// Seed of all random numbers.
     #[arg(long, default_value_t = 2016)]
     seed: u64,
-    /// Scenarios, by the beginning of their names [default: all].
+    /// Scenarios, by the first dotted words of their names [default: all].
     scenarios: Vec<String>,
 }
 

@@ -12,7 +12,10 @@ use super::{
     mixture,
     scenarios::Scenario,
 };
-use crate::papers::{statistics::root_mean_square, study::progress};
+use crate::papers::{
+    statistics::{Estimate, bootstrap, root_mean_square},
+    study::progress,
+};
 
 /// One source in one run.
 #[derive(Debug, Clone, Copy)]
@@ -23,6 +26,8 @@ struct Source {
     covered: bool,
     /// The error of the locator that gets its readings alone, if it has a fix.
     told: Option<f64>,
+    /// Whether the 95 % ellipse of that holds it.
+    told_covered: bool,
 }
 
 /// One run.
@@ -54,11 +59,12 @@ impl Run {
         let sources: Vec<Source> = sources
             .map(|((truth, estimate), told)| {
                 let fix = estimate.map(|index| &found.fixes[index]);
+                let holds = |fix: &Fix| fix.ellipse(0.95).contains(truth.map(|v| v as f32));
                 Source {
                     error: fix.map(|fix| distance(place(fix), *truth)),
-                    covered: fix
-                        .is_some_and(|fix| fix.ellipse(0.95).contains(truth.map(|v| v as f32))),
+                    covered: fix.is_some_and(holds),
                     told: told.map(|fix| distance(place(&fix), *truth)),
+                    told_covered: told.is_some_and(|fix| holds(&fix)),
                 }
             })
             .collect();
@@ -85,6 +91,9 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
+/// How the figures of the distance end.
+pub const GOSPA: &str = ".gospa";
+
 pub const HEADER: [&str; 10] = [
     "scenario",
     "all found",
@@ -92,7 +101,7 @@ pub const HEADER: [&str; 10] = [
     "ghost at the end, ever",
     "RMSE m",
     "RMSE / told",
-    "95 % ellipse holds",
+    "95 % ellipse holds, the told",
     "GOSPA m: all (placed, missed, false)",
     "by told locators",
     "by expectation maximisation",
@@ -124,12 +133,18 @@ impl<'a> Runs<'a> {
     }
 
     /// Of those that have been found, and of the same where their readings are told.
-    fn rmse(&self) -> [f64; 2] {
-        let both = || {
-            let both = |source: &Source| Some([source.error?, source.told?]);
-            self.sources().filter_map(both)
-        };
-        [0, 1].map(|which| root_mean_square(both().map(|errors| errors[which])))
+    fn rmse<'r>(runs: impl Iterator<Item = &'r Run>) -> [f64; 2] {
+        let both = |source: &Source| Some((source.error?, source.told?));
+        let sources = runs.flat_map(|run| &run.sources);
+        let (ours, told): (Vec<f64>, Vec<f64>) = sources.filter_map(both).unzip();
+        [ours, told].map(|errors| root_mean_square(errors.into_iter()))
+    }
+
+    fn ratio(&self) -> Estimate {
+        bootstrap(self.all.len(), |runs| {
+            let [ours, told] = Self::rmse(runs.map(|run| &self.all[run]));
+            ours / told
+        })
     }
 
     fn found(&self) -> f64 {
@@ -137,11 +152,13 @@ impl<'a> Runs<'a> {
         self.sources().filter(|one| one.error.is_some()).count() as f64 / all
     }
 
-    /// Of those that have been found.
-    fn covered(&self) -> f64 {
-        let all = self.sources().count() as f64;
-        let covered = self.sources().filter(|one| one.covered).count() as f64;
-        covered / (self.found() * all)
+    /// Of those that have been found, and of those that the told locators have.
+    fn covered(&self) -> [f64; 2] {
+        let count = |is: fn(&Source) -> bool| self.sources().filter(|one| is(one)).count() as f64;
+        [
+            count(|one| one.covered) / count(|one| one.error.is_some()),
+            count(|one| one.told_covered) / count(|one| one.told.is_some()),
+        ]
     }
 
     /// Root of the mean of the squares: all, and its parts.
@@ -156,7 +173,8 @@ impl<'a> Runs<'a> {
         let gospa = |[all, placed, missed, ghosts]: [f64; 4]| {
             format!("{all:.3} ({placed:.3}, {missed:.3}, {ghosts:.3})")
         };
-        let [ours, told] = self.rmse();
+        let [rmse, _] = Self::rmse(self.all.iter());
+        let [covered, told_covered] = self.covered();
         [
             self.scenario.name.clone(),
             percent(self.fraction(Run::complete)),
@@ -166,9 +184,9 @@ impl<'a> Runs<'a> {
                 percent(self.fraction(|run| run.ghosts > 0)),
                 percent(self.fraction(|run| run.ever))
             ),
-            format!("{ours:.3}"),
-            format!("{:.3}", ours / told),
-            percent(self.covered()),
+            format!("{rmse:.3}"),
+            self.ratio().to_string(),
+            format!("{}, {}", percent(covered), percent(told_covered)),
             gospa(self.gospa(|run| run.ours)),
             gospa(self.gospa(|run| run.told)),
             gospa(self.gospa(|run| run.mixture)),
@@ -184,25 +202,29 @@ impl<'a> Runs<'a> {
             )
         };
         let limits = &self.scenario.limits;
-        let [ours, told] = self.rmse();
-        let covered = self.covered();
+        let [covered, told_covered] = self.covered();
         let [least, most] = limits.covered;
         let missed = 1.0 - self.fraction(Run::complete);
         let mut figures = vec![
             figure("incomplete", missed, "of runs").at_most(1.0 - limits.found),
             figure("ghosts", self.fraction(|run| run.ghosts > 0), "of runs").at_most(limits.ghosts),
             figure("ghosts_ever", self.fraction(|run| run.ever), "of runs"),
-            figure("rmse_over_told", ours / told, "").at_most(limits.ratio),
+            figure("rmse_over_told", self.ratio().value, "").at_most(limits.ratio),
             figure("covered", covered, "of sources found").at_most(most),
             figure("uncovered", 1.0 - covered, "of sources found").at_most(1.0 - least),
         ];
-        let parts = ["gospa", "gospa.placed", "gospa.missed", "gospa.false"];
-        for (part, value) in parts.into_iter().zip(self.gospa(|run| run.ours)) {
-            figures.push(figure(part, value, "m"));
-        }
         let [mixture, ..] = self.gospa(|run| run.mixture);
-        figures[6].limit = Some(mixture);
-        figures.push(figure("gospa_mixture", mixture, "m"));
+        let [told, ..] = self.gospa(|run| run.told);
+        let [all, placed, missed, ghosts] = self.gospa(|run| run.ours);
+        figures.extend([
+            figure("told.covered", told_covered, "of fixes"),
+            figure(&GOSPA[1..], all, "m").at_most(mixture),
+            figure("gospa.placed", placed, "m"),
+            figure("gospa.missed", missed, "m"),
+            figure("gospa.false", ghosts, "m"),
+            figure("gospa_mixture", mixture, "m"),
+            figure("gospa_told", told, "m"),
+        ]);
         figures
     }
 }

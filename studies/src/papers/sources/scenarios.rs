@@ -134,7 +134,7 @@ impl Scenario {
         all
     }
 
-    /// Those whose names begin like one of these; all, if nothing is asked for.
+    /// Those whose names begin with the dotted words of one of these; all, if nothing is asked for.
     ///
     /// # Errors
     /// When no name does.
@@ -142,11 +142,15 @@ impl Scenario {
         let mut all = Self::all();
         let names: Vec<String> = all.iter().map(|scenario| scenario.name.clone()).collect();
         all.retain(|scenario| {
-            asked.is_empty() || asked.iter().any(|name| scenario.name.starts_with(name))
+            let begins = |name: &String| {
+                let rest = scenario.name.strip_prefix(name.as_str());
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+            };
+            asked.is_empty() || asked.iter().any(begins)
         });
         ensure!(
             !all.is_empty(),
-            "no scenario begins like this: they are {}",
+            "no scenario has such a name: they are {}",
             names.join(", ")
         );
         Ok(all)
@@ -175,6 +179,11 @@ impl Scenario {
             cutoff_m: CUTOFF * side_m,
             limits: Limits { found, ..LIMITS },
         }
+    }
+
+    /// The part of its name that it has in common with those that it is shown with.
+    pub(super) fn group(&self) -> &str {
+        self.name.split(".sigma").next().unwrap_or(&self.name)
     }
 
     /// The sources and the readings of a run.
