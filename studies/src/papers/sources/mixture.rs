@@ -14,7 +14,7 @@ const STARTS: u64 = 20;
 /// Places, of which the one that adds most to the likelihood is where a source starts; and readings by which that is judged.
 const CANDIDATES: usize = 20;
 const JUDGES: usize = 100;
-/// Steps from each: no more than these are needed in the scenarios.
+/// Steps from each.
 const STEPS: usize = 60;
 /// Of the errors and of the outliers at the start.
 const SIGMA: f64 = 0.2;
