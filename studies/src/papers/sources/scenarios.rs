@@ -183,7 +183,9 @@ impl Scenario {
 
     /// The part of its name that it has in common with those that it is shown with.
     pub(super) fn group(&self) -> &str {
-        self.name.split(".sigma").next().unwrap_or(&self.name)
+        let split = self.name.split_once(".sigma");
+        let split = split.or(self.name.split_once('.'));
+        split.map_or(&self.name, |(group, _)| group)
     }
 
     /// The sources and the readings of a run.
