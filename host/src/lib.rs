@@ -15,6 +15,7 @@
 //! - [`passes`]: drives past a source with it;
 //! - [`stops`]: a vehicle that takes many readings at each stop; [`stations`]: arrays round a room, each with a bias;
 //!   [`xplr`]: such arrays, measured; [`curve`]: a bias by direction;
+//! - [`channel`]: several sources on one channel;
 //! - [`scripts`]: drives on which something happens;
 //! - [`measured`]: bearings from the field, turned into such bytes;
 //! - [`replay`]: those bytes through the library's gateway, as the firmware does it;
@@ -26,6 +27,7 @@
 pub mod accuracy;
 pub mod archive;
 pub mod array;
+pub mod channel;
 pub mod curve;
 pub mod damage;
 pub mod density;

@@ -1,8 +1,8 @@
 //! The task `papers`: published experiments, run again and compared with their figures.
 
-use std::{env, path::PathBuf, time::Duration};
+use std::{env, path::PathBuf, process::Command, time::Duration};
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use clap::builder::PossibleValuesParser;
 use foxhunt_host::figures::Figure;
 use foxhunt_studies::papers::{self, Study, field::Part};
@@ -38,6 +38,8 @@ enum Paper {
     Finders(Run),
     /// The robust locator as it comes, in rooms, with wrong sigmas, with errors by stop, by station and by direction.
     Field(Field),
+    /// Several sources at rest on one channel, found by default and told apart.
+    Sources(Sources),
     /// The exact posterior of bearings, which others of these compare with, beside uniform grids.
     Reference(Run),
     /// What each method of these is worth beside the bootstrap filter that costs as much.
@@ -66,6 +68,43 @@ struct Field {
     parts: Vec<String>,
 }
 
+#[derive(clap::Args)]
+struct Sources {
+    #[command(flatten)]
+    run: Run,
+    /// Scenarios, by the first dotted words of their names, such as stops.s12.n1 [default: all].
+    #[arg(value_name = "SCENARIO")]
+    scenarios: Vec<String>,
+    /// Run the filter of another crate beside it, too, which is built in a workspace of its own.
+    #[arg(long)]
+    peers: bool,
+}
+
+impl Sources {
+    fn figures(&self) -> Result<Vec<Figure>> {
+        let mut figures = papers::sources::run(&study(&self.run), &self.scenarios)?;
+        if self.peers {
+            let peers = self.peers()?;
+            papers::sources::limit_by(&mut figures, &peers);
+            figures.extend(peers);
+        }
+        Ok(figures)
+    }
+
+    /// The figures of another filter on the same readings.
+    fn peers(&self) -> Result<Vec<Figure>> {
+        let directory = project::root().join("peers/sources");
+        let mut command = Command::new(project::executable_in(&directory, &[])?);
+        command.args(["--seed", &self.run.seed.to_string()]);
+        if let Some(runs) = self.run.runs {
+            command.args(["--runs", &runs.to_string()]);
+        }
+        let output = command.args(&self.scenarios).output()?;
+        ensure!(output.status.success(), "the other filter failed");
+        Ok(serde_json::from_slice(&output.stdout)?)
+    }
+}
+
 fn part_names() -> PossibleValuesParser {
     PossibleValuesParser::new(Part::ALL.map(|(name, _)| name))
 }
@@ -92,6 +131,9 @@ pub fn run(options: &Options) -> Result<()> {
         Paper::Finders(run) => (run, papers::finders::run),
         Paper::Reference(run) => (run, papers::reference::run),
         Paper::Cost(run) => (run, papers::cost::run),
+        Paper::Sources(sources) => {
+            return finish(&sources.run, sources.figures()?);
+        }
         Paper::Field(field) => {
             let parts = field.parts();
             return finish(&field.run, papers::field::run(&study(&field.run), &parts)?);

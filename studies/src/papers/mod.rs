@@ -16,6 +16,7 @@ mod outcome;
 pub mod outliers;
 pub mod reference;
 mod scalar;
+pub mod sources;
 mod statistics;
 mod study;
 mod table;
