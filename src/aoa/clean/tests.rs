@@ -210,8 +210,10 @@ fn a_source_among_the_bearings_of_two_is_taken_over() {
         }
     }
     let mut near = [0; 2];
-    for mode in candidates.found(5.0, &beliefs).into_iter().take(2) {
-        let candidate = candidates.candidate(mode, &beliefs).unwrap();
+    candidates.find(5.0, &beliefs);
+    assert_eq!(candidates.found(), 2);
+    for rank in 0..2 {
+        let candidate = candidates.candidate(rank, &beliefs).unwrap();
         let mut track = Clean::<100>::EMPTY;
         let fix = track.initiate(&candidate, &config, &mut rng).fix().unwrap();
         for (near, source) in near.iter_mut().zip([SOURCE, [400.0, -700.0]]) {

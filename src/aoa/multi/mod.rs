@@ -1,32 +1,36 @@
 //! Several sources on one channel.
 //!
-//! * Data association: a bearing goes to the track that explains it best, if it is likelier to be of that source, direct or
-//!   mirrored, than an outlier.
-//! * Track initiation: all others are kept together. Each mode of their posterior that would make a fix on its own is a
-//!   candidate, weighed by a Bayes factor: one more source there against nothing but outliers. If that is large enough a
-//!   track starts from the bearings that the candidate explains; the others stay. So sources are told apart however
-//!   their bearings alternate.
-//! * Track deletion: a track ends when its fraction of the latest bearings has faded, or when its source turns out to be that
-//!   of another track.
+//! * Data association: a bearing goes to the track or the candidate that explains it best, if it is likelier to be of that
+//!   source, direct or mirrored, than an outlier. If others explain it, too, it counts for the probability that it is of none
+//!   of them.
+//! * Track initiation: all other bearings are kept together. The modes of their posterior that would each make a fix are
+//!   weighed together, as a mixture of sources and outliers: those are candidates whose Bayes factors beside the others are
+//!   large enough. One after the other becomes a track of the bearings that it explains best; the others stay. So sources are
+//!   told apart however their bearings alternate, and wherever the vehicle stops.
+//! * Track deletion: a track ends when its source has been silent for longer than its own rate and its earlier pauses make
+//!   likely (a cumulative sum test: Page 1954), or when it turns out to be that of another track. The track of a silent source
+//!   is kept while there is room, so that the source has its number when it is heard again.
 //!
-//! A bearing is associated once, when it comes. While two sources are seen in the same direction each takes some bearings of
-//! the other; and each track learns the bias of the array for itself.
+//! A bearing is associated once, when it comes. Each track learns the scale of the errors and the bias of the array for itself.
 
 mod config;
+mod slot;
 
 use super::robust::{self, Candidates};
 use super::track::Track;
 use super::{
-    Advice, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable, Observation,
-    PushError, Retract, Retracted, SigmaScale, Source,
+    Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
+    Observation, PushError, Retract, Retracted, SigmaScale, Source,
 };
-use crate::math::{exp, ln};
+use crate::math::ln;
 use crate::random::Rng;
-use crate::snapshot::{Persist, value};
+use crate::snapshot::Persist;
 use crate::{ConfigError, persist};
 pub use config::Config;
+use slot::{FREE, Slot};
 
-/// Tracks up to `K` sources, each by an `L`, and keeps up to `B` bearings that none of them explains.
+/// Tracks up to `K` sources, each by an `L`, and keeps up to `B` bearings that none of them explains: 64 are enough for two or
+/// three sources on a drive; for four that are heard from stops, beside outliers, 128 find more.
 ///
 /// It takes `K` times what a track does, and 3.3 kB with `B` = 64; three robust locators of 256 particles and 64 bearings
 /// make 31.4 kB. A bearing moves the particles of one track at most, or takes one search among the unassociated bearings
@@ -62,11 +66,7 @@ pub struct MultiTarget<const K: usize, L, const B: usize = 64> {
     /// Of the tracks.
     slots: [Slot; K],
     candidates: Candidates<B>,
-    /// Of the latest bearing, if any is recent.
-    latest_ms: u32,
-    /// How many bearings are recent.
-    recent: f32,
-    /// How many of the recent bearings no track explained.
+    /// Bearings that no track explained, without those of which tracks have started since.
     outliers: f32,
     /// Of the next source, unless a source still has it.
     next_identity: u16,
@@ -75,28 +75,8 @@ pub struct MultiTarget<const K: usize, L, const B: usize = 64> {
 }
 
 persist!(impl[const K: usize, L: Persist, const B: usize] MultiTarget<K, L, B> as "MultiTarget"(K, B) {
-    tracks, slots, candidates, latest_ms, recent, outliers, next_identity, reason
+    tracks, slots, candidates, outliers, next_identity, reason
 });
-
-/// What is kept of a track.
-#[derive(Debug, Clone, Copy)]
-struct Slot {
-    /// `None` while it is free.
-    identity: Option<u16>,
-    /// How many of the recent bearings were of this source.
-    recent: f32,
-}
-
-value!(Slot { identity, recent });
-
-const FREE: Slot = Slot {
-    identity: None,
-    recent: 0.0,
-};
-
-/// Recent bearings from which on a fraction of them says anything: fewer delete new tracks in a row of outliers, more keep
-/// false ones.
-const ENOUGH: f32 = 8.0;
 
 /// Sigmas of their distance within which two sources are one: more join neighbours, fewer keep two tracks on one source.
 const SAME: f32 = 2.0;
@@ -107,22 +87,34 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
     /// The tracks, with the identity of each source, in no particular order.
     pub fn tracks(&self) -> impl Iterator<Item = (u16, &L)> {
         let all = self.slots.iter().zip(&self.tracks);
-        all.filter_map(|(slot, track)| Some((slot.identity?, track)))
+        let live = all.filter(|(slot, _)| slot.is_live());
+        live.filter_map(|(slot, track)| Some((slot.identity?, track)))
     }
 
-    /// The track that explains a bearing best, if any does.
-    fn associate(&self, observation: &Observation, config: &Config<L::Config>) -> Option<usize> {
-        let mut best = None;
-        let mut most = 1.0;
+    /// The track that explains a bearing best, if any does; and the bearing as one that may be of another source or an outlier.
+    fn associate(
+        &self,
+        observation: &Observation,
+        config: &Config<L::Config>,
+    ) -> Option<(usize, Alternative)> {
+        let (mut best, mut most) = (None, 1.0);
+        let mut sum = self
+            .candidates
+            .odds(observation, &L::beliefs(&config.track));
+        if sum > most {
+            most = sum;
+        }
         for (place, (slot, track)) in self.slots.iter().zip(&self.tracks).enumerate() {
             if slot.identity.is_some() {
                 let odds = track.odds(observation, &config.track);
+                sum += odds;
                 if odds > most {
                     (best, most) = (Some(place), odds);
                 }
             }
         }
-        best
+        let alone = 1.0 / (1.0 + (sum - most));
+        Some((best?, Alternative::new(*observation, alone).ok()?))
     }
 
     /// Starts a track, if there is a free one and a source among the unassociated bearings.
@@ -133,31 +125,36 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
         rng: &mut R,
     ) {
         self.reason = NotObservable::NoIntersection;
-        let free = self.slots.iter().position(|slot| slot.identity.is_none());
-        let Some(place) = free else { return };
+        let Some(place) = self.free() else { return };
         let identity = self.unused_identity();
+        let live = self.slots.iter().filter(|slot| slot.is_live());
+        let explained: f32 = live.map(|slot| slot.heard / slot.of).sum();
         let Some((slot, track)) = self.slots.get_mut(place).zip(self.tracks.get_mut(place)) else {
             return;
         };
+        let explained = explained.clamp(0.0, 0.9);
         let log_odds = -ln(config.false_initiation);
-        let found = self.candidates.found(log_odds, beliefs);
-        for mode in &found {
-            let Some(candidate) = self.candidates.candidate(*mode, beliefs) else {
+        self.candidates.find(log_odds, beliefs);
+        for rank in 0..self.candidates.found() {
+            let Some(candidate) = self.candidates.candidate(rank, beliefs) else {
                 continue;
             };
-            let own = candidate.observations().count() as f32;
+            let own = candidate.readings();
             match track.initiate(&candidate, &config.track, rng) {
                 Answer::Fix(_) => {
-                    self.candidates.release(*mode, beliefs);
-                    let recent = if own < self.outliers {
+                    self.candidates.release(rank, beliefs);
+                    let heard = if own < self.outliers {
                         own
                     } else {
                         self.outliers
                     };
-                    self.outliers -= recent;
+                    let of = self.outliers / (1.0 - explained);
+                    self.outliers -= heard;
                     *slot = Slot {
                         identity: Some(identity),
-                        recent,
+                        heard,
+                        of,
+                        ..FREE
                     };
                     self.next_identity = identity.wrapping_add(1);
                     self.delete_twin(place);
@@ -170,7 +167,7 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
                 Answer::NotObservable(_) => {}
             }
         }
-        if self.slots.iter().all(|slot| slot.identity.is_none()) {
+        if !self.slots.iter().any(Slot::is_live) {
             self.reason = self.candidates.reason(beliefs);
         }
     }
@@ -210,14 +207,22 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
         }
     }
 
-    /// Deletes the tracks that have less than a fraction of the recent bearings.
-    fn delete_faded(&mut self, least_rate: f32) {
-        let least = least_rate * self.recent;
-        for slot in &mut self.slots {
-            if self.recent > ENOUGH && slot.recent < least {
-                *slot = FREE;
+    /// A free place for a track, or that of the source that has been silent for longest.
+    fn free(&self) -> Option<usize> {
+        let silence = |slot: &Slot| {
+            if slot.identity.is_none() {
+                f32::INFINITY
+            } else {
+                slot.silence
             }
-        }
+        };
+        let all = self
+            .slots
+            .iter()
+            .enumerate()
+            .filter(|(_, slot)| !slot.is_live());
+        let longest = all.max_by(|(_, a), (_, b)| silence(a).total_cmp(&silence(b)));
+        longest.map(|(place, _)| place)
     }
 
     fn at(&mut self, place: Option<usize>) -> Option<(&mut Slot, &mut L)> {
@@ -225,7 +230,7 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
     }
 
     fn fix_at(&self, place: usize) -> Option<Fix> {
-        self.slots.get(place)?.identity?;
+        self.slots.get(place).filter(|slot| slot.is_live())?;
         self.tracks.get(place)?.fix()
     }
 
@@ -254,9 +259,9 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
             return self.tracks.get(place);
         }
         let all = self.slots.iter().zip(&self.tracks);
-        let taken = all.filter(|(slot, _)| slot.identity.is_some());
+        let taken = all.filter(|(slot, _)| slot.is_live());
         taken
-            .max_by(|(a, _), (b, _)| a.recent.total_cmp(&b.recent))
+            .max_by(|(a, _), (b, _)| a.heard.total_cmp(&b.heard))
             .map(|(_, track)| track)
     }
 }
@@ -273,8 +278,6 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
             tracks: [const { L::EMPTY }; K],
             slots: [FREE; K],
             candidates: Candidates::EMPTY,
-            latest_ms: 0,
-            recent: 0.0,
             outliers: 0.0,
             next_identity: 0,
             reason: NOTHING,
@@ -294,39 +297,25 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
         rng: &mut R,
     ) -> Result<Answer, PushError> {
         let beliefs = L::beliefs(&config.track);
-        let elapsed_ms = if self.recent > 0.0 {
-            observation.since_ms(self.latest_ms)
-        } else {
-            0
-        };
-        let seconds = elapsed_ms.max(0) as f32 / 1000.0;
-        let kept = exp(-(1.0 / config.memory_bearings + seconds / config.memory_s));
-        let place = self.associate(observation, config);
-        let outliers = kept * self.outliers;
-        if let Some((slot, track)) = self.at(place) {
-            track.set_outliers_removed(outliers / (kept * slot.recent + 1.0));
-            track.push(observation, &config.track, rng)?;
+        let associated = self.associate(observation, config);
+        let place = associated.map(|(place, _)| place);
+        let outliers = self.outliers;
+        if let (Some((slot, track)), Some((_, bearing))) = (self.at(place), associated) {
+            track.set_outliers_removed(outliers / (slot.heard + 1.0));
+            track.push_alternatives(&[bearing], &config.track, rng)?;
         } else {
             self.candidates.push(observation, &beliefs, rng)?;
         }
-        if elapsed_ms >= 0 {
-            self.latest_ms = observation.time_ms();
-        }
-        self.recent = kept * self.recent + 1.0;
-        self.outliers = outliers;
-        for slot in &mut self.slots {
-            slot.recent *= kept;
+        let most = -ln(config.false_deletion);
+        for (other, slot) in self.slots.iter_mut().enumerate() {
+            slot.count(Some(other) == place, most);
         }
         if let Some(place) = place {
-            if let Some(slot) = self.slots.get_mut(place) {
-                slot.recent += 1.0;
-            }
             self.delete_twin(place);
         } else {
             self.outliers += 1.0;
             self.initiate(config, &beliefs, rng);
         }
-        self.delete_faded(config.least_rate);
         Ok(self.answer())
     }
 
@@ -361,7 +350,7 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
         }
         self.slots = [FREE; K];
         self.candidates.clear();
-        (self.recent, self.outliers) = (0.0, 0.0);
+        self.outliers = 0.0;
         self.reason = NOTHING;
     }
 
@@ -408,7 +397,7 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
     /// By the source that explains it best.
     fn classify(&self, observation: &Observation, config: &Self::Config) -> Option<Mixture> {
         let associated = self.associate(observation, config);
-        let track = associated.and_then(|place| self.tracks.get(place));
+        let track = associated.and_then(|(place, _)| self.tracks.get(place));
         track.or(self.best())?.classify(observation, &config.track)
     }
 

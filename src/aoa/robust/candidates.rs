@@ -1,21 +1,19 @@
 //! Unassigned bearings, and the sources that may be found among them.
 
 use super::config::Config;
-use core::f32::consts::TAU;
-
-use heapless::Vec;
-
-use super::density::Density;
+use super::errors::Errors;
 use super::evidence::{Candidate, Evidence};
+use super::joint::Joint;
 use super::mode::{MODES, Mode, Modes, best, hypotheses, plane, position};
 use super::search::search;
 use super::term::{PLAIN, Width};
 use crate::aoa::core::is_narrow;
+use crate::aoa::track::odds_by_moments;
 use crate::aoa::words::Belief;
 use crate::aoa::{
-    Advice, Answer, Hypothesis, Mixture, NotObservable, Observation, PushError, Retract, Retracted,
+    Advice, Answer, Hypothesis, NotObservable, Observation, PushError, Retract, Retracted,
 };
-use crate::math::ln;
+use crate::math::exp;
 use crate::persist;
 use crate::random::Rng;
 
@@ -26,20 +24,25 @@ use crate::random::Rng;
 #[derive(Debug, Clone)]
 pub(in crate::aoa) struct Candidates<const B: usize> {
     evidence: Evidence<B, PLAIN>,
+    /// Those that are likely to be sources come first.
     modes: Modes<PLAIN>,
+    /// How many these are.
+    found: u32,
 }
 
-persist!(impl[const B: usize] Candidates<B> as "Candidates"(B) { evidence, modes });
+persist!(impl[const B: usize] Candidates<B> as "Candidates"(B) { evidence, modes, found });
 
 impl<const B: usize> Candidates<B> {
     pub(in crate::aoa) const EMPTY: Self = Self {
         evidence: Evidence::EMPTY,
         modes: Modes::new(),
+        found: 0,
     };
 
     pub(in crate::aoa) fn clear(&mut self) {
         self.evidence.clear();
         self.modes.clear();
+        self.found = 0;
     }
 
     /// Takes a bearing, and looks for modes.
@@ -52,7 +55,7 @@ impl<const B: usize> Candidates<B> {
     ) -> Result<(), PushError> {
         let errors = &config.errors;
         self.evidence.bearings.admit(observation)?;
-        self.evidence.push(&(*observation).into(), errors);
+        self.evidence.push(&(*observation).into(), errors, true);
         if self.evidence.entries().len() > 1 {
             let terms = self.evidence.terms(errors);
             self.modes = search(&self.evidence, &terms, config, &self.modes, rng);
@@ -68,55 +71,104 @@ impl<const B: usize> Candidates<B> {
         self.evidence.bearings.retract(what)
     }
 
-    /// Where the modes are that alone would make a fix and are as likely as `log_odds` says to be a source's: those with more
-    /// mass first.
+    /// Finds the modes that alone would make a fix, and are as likely as `log_odds` says to be a source's beside the others.
     #[inline(never)]
-    pub(in crate::aoa) fn found(&self, log_odds: f32, config: &Config) -> Vec<usize, MODES> {
-        let terms = self.evidence.terms(&config.errors);
+    pub(in crate::aoa) fn find(&mut self, log_odds: f32, config: &Config) {
+        let terms = self.evidence.terms_of_several(&config.errors);
         let density = self.evidence.density(&terms, config);
         let log_volume = self.evidence.region(config).log_volume();
-        let is_found = |mode: &Mode<PLAIN>| {
+        let mut joint = Joint::<B>::new(&terms);
+        // Relative variances of the range.
+        let mut widths = [None; MODES];
+        for (place, (mode, width)) in self.modes.iter().zip(&mut widths).enumerate() {
             let range = (self.evidence.bearings).range_squared(position(&mode.mean));
             let variance = plane(&mode.covariance.matrix()).largest_eigenvalue();
-            let prior = density.log_prior(&mode.mean) - log_volume;
-            is_narrow(variance, range, config.relative_range_sigma)
-                && log_odds_of_source(&density, prior, mode, &config.errors.rates) > log_odds
-        };
-        let mut found = Vec::new();
-        let mut above = f32::INFINITY;
-        // By falling mass.
-        while let Some((place, mode)) = heaviest_below(&self.modes, above) {
-            above = mode.log_mass;
-            if is_found(mode) {
-                let _ = found.push(place);
+            *width = Some(variance / range);
+            if is_narrow(variance, range, config.relative_range_sigma) {
+                joint.add(place, &density, mode, log_volume, &config.errors.rates);
             }
         }
-        found
+        let found = joint.found(log_odds);
+        for width in widths.iter_mut().zip(found).filter(|(_, found)| !found) {
+            *width.0 = width.0.map(|_| f32::INFINITY);
+        }
+        // The narrowest of them first, then the others.
+        let mut modes = Modes::new();
+        while let Some(place) = take_least(&mut widths) {
+            if let Some(mode) = self.modes.get(place) {
+                let _ = modes.push(*mode);
+            }
+        }
+        self.modes = modes;
+        self.found = found.iter().filter(|found| **found).count() as u32;
     }
 
-    /// The bearings of a mode.
+    /// How many are likely to be sources.
+    pub(in crate::aoa) fn found(&self) -> usize {
+        self.found as usize
+    }
+
+    fn sources(&self) -> &[Mode<PLAIN>] {
+        self.modes.get(..self.found()).unwrap_or_default()
+    }
+
+    /// The largest odds that a bearing is that of one of them, rather than an outlier.
+    pub(in crate::aoa) fn odds(&self, observation: &Observation, config: &Config) -> f32 {
+        let mut most = 0.0;
+        for mode in self.sources() {
+            let [x, y, _, bias] = mode.mean;
+            let without_scale = |[x, y, _, bias]: [f32; PLAIN]| [x, y, bias];
+            let [a, b, _, c] = mode.covariance.matrix();
+            let scale = exp(-Width::new(config.errors.scale_sigma, &mode.mean).log_height);
+            let errors = Errors {
+                sigma_scale: scale * config.errors.sigma_scale,
+                ..config.errors
+            };
+            let moments = ([x, y, bias], [a, b, c].map(without_scale));
+            let odds = odds_by_moments(observation, &errors, &moments);
+            if odds > most {
+                most = odds;
+            }
+        }
+        most
+    }
+
+    /// The bearings of one of those.
     pub(in crate::aoa) fn candidate<'a>(
         &'a self,
-        place: usize,
+        rank: usize,
         config: &'a Config,
     ) -> Option<Candidate<'a>> {
         Some(Candidate {
             entries: self.evidence.entries(),
             latest: self.evidence.bearings.latest(),
             source: self.evidence.source,
-            mode: self.modes.get(place)?,
             modes: &self.modes,
+            found: self.first(rank)?,
             errors: &config.errors,
         })
     }
 
-    /// Forgets the bearings of a candidate.
+    /// Those that are likely to be sources, this one first.
+    fn first(&self, rank: usize) -> Option<Modes<PLAIN>> {
+        let mut first = Modes::new();
+        let _ = first.push(*self.sources().get(rank)?);
+        for (place, mode) in self.sources().iter().enumerate() {
+            if place != rank {
+                let _ = first.push(*mode);
+            }
+        }
+        Some(first)
+    }
+
+    /// Forgets the bearings of one of those.
     #[inline(never)]
-    pub(in crate::aoa) fn release(&mut self, place: usize, config: &Config) {
-        if let Some(mode) = self.modes.get(place).copied() {
-            self.evidence.release(&mode, &config.errors);
+    pub(in crate::aoa) fn release(&mut self, rank: usize, config: &Config) {
+        if let Some(first) = self.first(rank) {
+            self.evidence.release(&first, &config.errors);
             let mut places = 0..;
-            self.modes.retain(|_| places.next() != Some(place));
+            self.modes.retain(|_| places.next() != Some(rank));
+            self.found -= 1;
         }
     }
 
@@ -149,36 +201,11 @@ impl<const B: usize> Candidates<B> {
     }
 }
 
-/// The mode with the most mass below some, and its place.
-fn heaviest_below(modes: &Modes<PLAIN>, above: f32) -> Option<(usize, &Mode<PLAIN>)> {
-    let below = (modes.iter().enumerate()).filter(|(_, mode)| mode.log_mass < above);
-    below.max_by(|(_, a), (_, b)| a.log_mass.total_cmp(&b.log_mass))
-}
-
-/// Logarithm of how many times as likely the bearings are if some are those of a source, which is about a mode, as if
-/// all of them were outliers.
-///
-/// This is a Bayes factor: over all places, by Laplace's approximation, and over all rates of the source's bearings. So
-/// outliers, however many there are, hardly ever push it above c: with a probability of less than 1/c (Ville's
-/// inequality).
-fn log_odds_of_source(
-    density: &Density<'_, PLAIN>,
-    log_prior: f32,
-    mode: &Mode<PLAIN>,
-    rates: &Mixture,
-) -> f32 {
-    let width = Width::new(density.scale_sigma, &mode.mean);
-    let count = density.places().count() as f32;
-    let odds = || (density.places()).map(|place| density.odds(place, &mode.mean, &width));
-    let fitted: f32 = odds().map(|odds| odds / (1.0 + odds)).sum();
-    // The rate that makes the most of it has more than 1 / (count + 1) of the mass of all rates about it.
-    let rate = fitted / (count + 1.0);
-    let scale = rates.outlier / (1.0 - rates.outlier);
-    let gain: f32 = odds()
-        .map(|odds| ln(1.0 - rate + rate * scale * odds))
-        .sum();
-    gain - ln(1.0 + count)
-        + log_prior
-        + const { ln(TAU) + ln(0.766) }
-        + mode.covariance.half_ln_determinant()
+/// The place of the least of some numbers, which is taken away.
+fn take_least(numbers: &mut [Option<f32>]) -> Option<usize> {
+    let known = |(place, number): (usize, &Option<f32>)| Some((place, (*number)?));
+    let all = numbers.iter().enumerate().filter_map(known);
+    let (place, _) = all.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    *numbers.get_mut(place)? = None;
+    Some(place)
 }

@@ -38,8 +38,17 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     /// sum of its covariances: n that have all of it in common for one, and those of an autoregression for what one more
     /// tells on its own. Those of one place that do not say the same exclude each other: not more than one of them points at the
     /// source, whatever the scale of the errors is.
-    #[inline(never)]
     pub(super) fn terms(&self, errors: &Errors) -> Terms<D, B> {
+        self.terms_of(errors, false)
+    }
+
+    /// The same, if those of one place may be of several sources.
+    pub(super) fn terms_of_several(&self, errors: &Errors) -> Terms<D, B> {
+        self.terms_of(errors, true)
+    }
+
+    #[inline(never)]
+    fn terms_of(&self, errors: &Errors, several: bool) -> Terms<D, B> {
         let all = self.in_common(errors);
         let mut terms = Terms::new();
         for (i, one) in all.iter().enumerate() {
@@ -50,7 +59,11 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
                 let rest = self.entries().iter().zip(&all).skip(i);
                 rest.filter(|(_, other)| usize::from(other.first) == i)
             };
-            let readings: f32 = of_place().map(|(entry, _)| entry.weight()).sum();
+            let readings: f32 = if several {
+                0.0
+            } else {
+                of_place().map(|(entry, _)| entry.weight()).sum()
+            };
             for (entry, other) in of_place() {
                 let _ = terms.push(self.term(entry, errors, other.covariance, readings));
             }

@@ -262,7 +262,7 @@ impl<'a, const D: usize> Density<'a, D> {
 /// That of the scale is a hyperbolic density (Barndorff-Nielsen 1977): normal about what is stated, but far from it it falls
 /// as slowly as an exponential, for where sigmas are wrong, they may be wrong by any factor.
 #[inline(never)]
-fn log_prior_of_errors<const D: usize>(state: &State<D>) -> f32 {
+pub(super) fn log_prior_of_errors<const D: usize>(state: &State<D>) -> f32 {
     let squares = state.iter().skip(BIASES).map(|z| z * z);
     1.0 - sqrt(1.0 + state[SCALE] * state[SCALE]) - 0.5 * squares.sum::<f32>()
 }

@@ -6,7 +6,7 @@ use super::biases::Known;
 use super::config::Config;
 use super::density::{Density, Region, Space};
 use super::errors::Errors;
-use super::mode::{Mode, Modes, best, plane, position};
+use super::mode::{MODES, Mode, Modes, best, plane, position};
 use super::term::{PLAIN, State, Term, Width, fold_angle};
 use crate::aoa::core::{Buffer, Comparison, Crossing, Entry};
 use crate::aoa::{Alternative, Mixture, NotObservable, Observation};
@@ -162,24 +162,33 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
             source: self.source,
             extent_m: self.source.map_or_else(|| 2.0 * self.bounds().1, |_| 0.0),
             errors,
+            of_several: false,
         }
     }
 
-    /// Forgets the bearings that a mode explains.
-    pub(super) fn release(&mut self, mode: &Mode<D>, errors: &Errors) {
+    /// Forgets the bearings that the first of some modes explains best.
+    pub(super) fn release(&mut self, modes: &[Mode<D>], errors: &Errors) {
         let source = self.source;
         self.bearings
-            .retain(|entry| !explains(mode, entry, source, errors));
+            .retain(|entry| !explains(modes, entry, source, errors));
     }
 
-    /// Takes a bearing. The source is thought to be where it was last [set](Self::set_source).
+    /// Takes a bearing, that of several sources or of one, which is thought to be where it was last [set](Self::set_source).
     #[inline(never)]
-    pub(super) fn push(&mut self, bearing: &Alternative, errors: &Errors) -> Change<D> {
+    pub(super) fn push(
+        &mut self,
+        bearing: &Alternative,
+        errors: &Errors,
+        of_several: bool,
+    ) -> Change<D> {
         let (observation, probability) = (*bearing.observation(), bearing.probability());
         self.bearings.note(&observation, probability);
         let likely = probability > 0.5;
         let new = Entry::new(observation, probability);
-        let lines = self.lines(errors);
+        let lines = Lines {
+            of_several,
+            ..self.lines(errors)
+        };
         if let Some(place) = self.entry_to_join(&new, &lines)
             && let Some(before) = self.entries().get(place).copied()
         {
@@ -265,7 +274,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
 impl<const B: usize> Evidence<B, PLAIN> {
     /// Forgets its own bearings, and takes those of a candidate.
     pub(super) fn adopt(&mut self, candidate: &Candidate<'_>, errors: &Errors) {
-        let (latest, mean) = (candidate.latest, candidate.mode.mean);
+        let (latest, mean) = (candidate.latest, candidate.mean());
         self.clear();
         self.set_source(&mean, errors.scale_sigma);
         let lines = self.lines(errors);
@@ -274,14 +283,15 @@ impl<const B: usize> Evidence<B, PLAIN> {
 }
 
 /// Bearings that are likely to be one source's, and where it may be: what a track of it starts from.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Candidate<'a> {
     pub(super) entries: &'a [Entry],
     pub(super) latest: Option<&'a Observation>,
     /// What the range of errors of places is counted by.
     pub(super) source: Option<[f32; 2]>,
-    pub(super) mode: &'a Mode<PLAIN>,
     pub(super) modes: &'a Modes<PLAIN>,
+    /// The modes that are sources, first that of this one.
+    pub(super) found: Vec<Mode<PLAIN>, MODES>,
     pub(super) errors: &'a Errors,
 }
 
@@ -291,9 +301,18 @@ impl Candidate<'_> {
         self.entries().map(|entry| &entry.observation)
     }
 
+    /// How many readings these stand for.
+    pub(in crate::aoa) fn readings(&self) -> f32 {
+        self.entries().map(Entry::weight).sum()
+    }
+
     /// Where the source may be.
     pub(in crate::aoa) fn position(&self) -> [f32; 2] {
-        position(&self.mode.mean)
+        position(&self.mean())
+    }
+
+    pub(super) fn mean(&self) -> State<PLAIN> {
+        self.found.first().map_or([0.0; PLAIN], |mode| mode.mean)
     }
 
     /// The latest bearing by time, whatever source it is of.
@@ -303,14 +322,15 @@ impl Candidate<'_> {
 
     /// The bearings as they stand in the buffer.
     pub(in crate::aoa) fn entries(&self) -> impl Iterator<Item = &Entry> {
-        let explained = |entry: &&Entry| explains(self.mode, entry, self.source, self.errors);
+        let explained = |entry: &&Entry| explains(&self.found, entry, self.source, self.errors);
         self.entries.iter().filter(explained)
     }
 }
 
-/// Whether a bearing is likelier direct or mirrored than an outlier if the source is at a mode.
+/// Whether a bearing is likelier direct or mirrored of a source at the first of some modes than an outlier, or of a source at
+/// another one.
 fn explains<const D: usize>(
-    mode: &Mode<D>,
+    modes: &[Mode<D>],
     entry: &Entry,
     source: Option<[f32; 2]>,
     errors: &Errors,
@@ -321,8 +341,12 @@ fn explains<const D: usize>(
     let term = Term::new(&entry.observation, &errors.rates, variance)
         .with_biases(features, 0.0)
         .with_probability(entry.probability);
-    let width = Width::new(errors.scale_sigma, &mode.mean);
-    term.read(&term.line(&mode.mean), &width).odds > 1.0
+    let mut odds = modes.iter().map(|mode| {
+        let width = Width::new(errors.scale_sigma, &mode.mean);
+        term.read(&term.line(&mode.mean), &width).odds
+    });
+    let own = odds.next().unwrap_or(0.0);
+    own > 1.0 && odds.all(|other| other <= own)
 }
 
 /// Bearings that may be mirrored or outliers: they are compared as lines.
@@ -332,6 +356,8 @@ pub(super) struct Lines {
     pub(super) extent_m: f32,
     /// With the scale that is thought to be.
     pub(super) errors: Errors,
+    /// They may be of several sources.
+    pub(super) of_several: bool,
 }
 
 impl Lines {
@@ -364,8 +390,12 @@ impl Comparison for Lines {
         self.is_within([a, b], a.turn(b, self), 0.0)
     }
 
-    /// The likelier one; as long as nothing is known of the source, the sharper one.
+    /// The likelier one. Of several sources, that with more readings; as long as nothing is known of a single one, the sharper
+    /// one.
     fn prefers(&self, a: &Entry, b: &Entry) -> bool {
+        if self.of_several {
+            return a.readings >= b.readings;
+        }
         let doubt = |entry: &Entry| match self.source {
             Some([x, y]) => {
                 let variance = self.errors.variance(&entry.observation, self.source);

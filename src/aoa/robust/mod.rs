@@ -33,6 +33,7 @@ mod config;
 mod density;
 mod errors;
 mod evidence;
+mod joint;
 mod mode;
 pub(super) mod outside;
 mod proposal;
@@ -161,7 +162,7 @@ impl<const N: usize, const B: usize, const D: usize> Locate for Robust<N, B, D> 
         let fixed = matches!(self.answer, Answer::Fix(_));
         let mut surprising = false;
         for alternative in alternatives {
-            let change = self.evidence.push(alternative, &believed.errors);
+            let change = self.evidence.push(alternative, &believed.errors, false);
             if fixed {
                 surprising |= self.weigh(&change, believed.errors.scale_sigma);
             }

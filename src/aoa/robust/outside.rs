@@ -22,6 +22,7 @@ pub(in crate::aoa) fn independent<'a>(
         source: None,
         extent_m: 0.0,
         errors: *errors,
+        of_several: false,
     };
     let mut least = f32::INFINITY;
     for (old, seconds) in earlier {

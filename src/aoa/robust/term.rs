@@ -173,6 +173,11 @@ impl<const D: usize> Term<D> {
         self
     }
 
+    /// What it counts for, and the bearing as if it counted in full.
+    pub(super) fn in_full(&self) -> (f32, Self) {
+        (self.worth, self.with_worth(1.0 / self.worth))
+    }
+
     /// With its part in the biases, of which it is off by `known` radians for certain.
     #[inline(never)]
     pub(super) fn with_biases(mut self, features: State<D>, known: f32) -> Self {

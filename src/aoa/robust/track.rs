@@ -83,6 +83,6 @@ impl<const N: usize, const B: usize> Stationary for Robust<N, B, PLAIN> {
 
     fn recall(&mut self, observation: &Observation, config: &Config) {
         let errors = self.errors(config);
-        self.evidence.push(&(*observation).into(), &errors);
+        self.evidence.push(&(*observation).into(), &errors, false);
     }
 }

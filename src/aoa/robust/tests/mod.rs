@@ -81,7 +81,7 @@ fn push<const B: usize>(
     if let Some([x, y]) = source {
         evidence.set_source(&[x, y, 0.0, 0.0], errors.scale_sigma);
     }
-    evidence.push(&at(time_ms, &observation).into(), errors)
+    evidence.push(&at(time_ms, &observation).into(), errors, false)
 }
 
 /// The default with other errors.
@@ -96,7 +96,7 @@ fn with(errors: Errors) -> Config {
 fn evidence(errors: &Errors, observations: &[Observation]) -> Evidence<64, PLAIN> {
     let mut evidence = Evidence::EMPTY;
     for observation in observations {
-        evidence.push(&(*observation).into(), errors);
+        evidence.push(&(*observation).into(), errors, false);
     }
     evidence
 }

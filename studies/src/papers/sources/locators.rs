@@ -9,7 +9,7 @@ use foxhunt_host::channel::Reading;
 
 /// More tracks than there are sources: a user does not know how many there are.
 pub const TRACKS: usize = 6;
-type Several = MultiTarget<TRACKS, Robust<256>>;
+type Several = MultiTarget<TRACKS, Robust<256>, 128>;
 type One = Robust<256>;
 
 const SEVERAL: multi::Config = multi::Config::DEFAULT;

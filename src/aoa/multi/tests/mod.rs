@@ -1,5 +1,7 @@
 extern crate std;
 
+mod stops;
+
 use std::vec::Vec;
 
 use super::*;
@@ -333,8 +335,8 @@ fn an_initiated_track_has_forgotten_how_many_outliers_were_removed() {
     for observation in &sights[..60] {
         (candidates.push(observation, &config, &mut rng)).unwrap();
     }
-    let found = candidates.found(0.0, &config);
-    let candidate = candidates.candidate(found[0], &config).unwrap();
+    candidates.find(0.0, &config);
+    let candidate = candidates.candidate(0, &config).unwrap();
     let follow = |before: f32, after: f32| {
         let (mut track, mut rng) = (One::EMPTY, generator(3));
         track.set_outliers_removed(before);
@@ -458,17 +460,10 @@ fn configurations_are_checked() {
         let field = of(|c, v| c.false_initiation = v, wrong);
         assert_eq!(field, Some("false_initiation"));
     }
-    for wrong in [7.0, 2e6, f32::NAN] {
-        let field = of(|c, v| c.memory_bearings = v, wrong);
-        assert_eq!(field, Some("memory_bearings"));
-    }
-    for wrong in [0.5, f32::NAN] {
-        assert_eq!(of(|c, v| c.memory_s = v, wrong), Some("memory_s"));
-    }
-    for wrong in [-0.1, 0.6, f32::NAN] {
-        assert_eq!(of(|c, v| c.least_rate = v, wrong), Some("least_rate"));
+    for wrong in [0.0, 0.6, f32::NAN] {
+        let field = of(|c, v| c.false_deletion = v, wrong);
+        assert_eq!(field, Some("false_deletion"));
     }
     assert_eq!(of(|c, v| c.track.range_m = v, 0.0), Some("range_m"));
-    assert_eq!(of(|c, v| c.memory_s = v, f32::INFINITY), None);
     assert!(crate::aoa::presets::CITY.check().is_ok());
 }

@@ -1,0 +1,155 @@
+//! Which of some modes are sources, weighed together.
+
+use core::f32::consts::TAU;
+
+use super::density::{Density, log_prior_of_errors};
+use super::mode::{MODES, Mode};
+use super::term::{PLAIN, Term, Width};
+use crate::aoa::Mixture;
+use crate::math::ln;
+
+/// Which of the modes are taken for sources.
+pub(super) type Taken = [bool; MODES];
+
+/// A mixture of sources and outliers, and what it says of some bearings.
+pub(super) struct Joint<const B: usize> {
+    /// The modes that may be sources.
+    all: Taken,
+    /// Of each mode and bearing: how many times as likely it is from there as if it was an outlier.
+    odds: [[f32; B]; MODES],
+    /// Of each mode: logarithms of the mass of its place, and of the density of its errors before any bearing.
+    masses: [f32; MODES],
+    errors: [f32; MODES],
+    /// What each bearing counts for; nothing, beyond the last.
+    worths: [f32; B],
+    /// All of that.
+    count: f32,
+}
+
+impl<const B: usize> Joint<B> {
+    pub(super) fn new(terms: &[Term<PLAIN>]) -> Self {
+        let mut worths = [0.0; B];
+        for (worth, term) in worths.iter_mut().zip(terms) {
+            *worth = term.in_full().0;
+        }
+        Self {
+            all: [false; MODES],
+            odds: [[0.0; B]; MODES],
+            masses: [0.0; MODES],
+            errors: [0.0; MODES],
+            count: worths.iter().sum(),
+            worths,
+        }
+    }
+
+    /// Adds what a source at a mode says of the bearings, by Laplace's approximation.
+    #[inline(never)]
+    pub(super) fn add(
+        &mut self,
+        place: usize,
+        density: &Density<'_, PLAIN>,
+        mode: &Mode<PLAIN>,
+        log_volume: f32,
+        rates: &Mixture,
+    ) {
+        let masses = self.masses.iter_mut().zip(&mut self.errors);
+        let odds = self.odds.iter_mut().zip(&mut self.all);
+        let Some(((mass, errors), (odds, may_be))) = masses.zip(odds).nth(place) else {
+            return;
+        };
+        *may_be = true;
+        let width = Width::new(density.scale_sigma, &mode.mean);
+        let scale = rates.outlier / (1.0 - rates.outlier);
+        for (odds, term) in odds.iter_mut().zip(density.terms) {
+            let (_, term) = term.in_full();
+            *odds = scale * term.read(&density.line(&term, &mode.mean), &width).odds;
+        }
+        *errors = log_prior_of_errors(&mode.mean);
+        let log_prior = density.log_prior(&mode.mean) - *errors - log_volume;
+        // The mass of the hyperbolic density of the scale is 1 / 0.766 times that of a normal one of its height.
+        *mass = log_prior + const { ln(TAU) + ln(0.766) } + mode.covariance.half_ln_determinant();
+    }
+
+    /// Those sources of which the Bayes factors, each beside all the others, are large enough: found by leaving out the least
+    /// likely one after the other.
+    #[inline(never)]
+    pub(super) fn found(&self, log_odds: f32) -> Taken {
+        let mut taken = self.all;
+        while let Some(worst) = self.worst(&taken, log_odds) {
+            taken = without(&taken, worst);
+        }
+        taken
+    }
+
+    /// The source that is least likely, if it is not likely enough.
+    fn worst(&self, taken: &Taken, log_odds: f32) -> Option<usize> {
+        let all = self.log_evidence(taken);
+        let (mut worst, mut least) = (None, log_odds);
+        for (place, _) in taken.iter().enumerate().filter(|(_, taken)| **taken) {
+            let gain = all - self.log_evidence(&without(taken, place));
+            if gain < least {
+                (worst, least) = (Some(place), gain);
+            }
+        }
+        worst
+    }
+
+    /// Logarithm of how many times as likely all bearings are with these sources as if they were outliers: over all places and
+    /// rates of each, by Laplace's approximation. Their errors are those of one array, so what these cost counts once.
+    #[inline(never)]
+    fn log_evidence(&self, taken: &Taken) -> f32 {
+        /// Steps of expectation maximisation over the rates: enough to come near, for time.
+        const STEPS: usize = 6;
+        let start = |taken: bool| if taken { 1.0 / (MODES + 1) as f32 } else { 0.0 };
+        let mut sums = Sums::default();
+        let mut rates = taken.map(start);
+        for _ in 0..=STEPS {
+            sums = self.sums(&rates);
+            rates = sums.counts.map(|count| count / (self.count + 1.0));
+        }
+        let mut errors = 0.0;
+        let costs = self.masses.iter().zip(&self.errors).zip(sums.information);
+        for (((mass, own), information), _) in costs.zip(taken).filter(|(_, taken)| **taken) {
+            let rate = 0.5 * ln(TAU / (1.0 + information));
+            sums.log_likelihood += mass + if rate < 0.0 { rate } else { 0.0 };
+            errors = if *own < errors { *own } else { errors };
+        }
+        sums.log_likelihood + errors
+    }
+
+    fn sums(&self, rates: &[f32; MODES]) -> Sums {
+        let outliers = 1.0 - rates.iter().sum::<f32>();
+        let mut sums = Sums::default();
+        let counted = |(_, worth): &(usize, &f32)| **worth > 0.0;
+        for (i, worth) in self.worths.iter().enumerate().take_while(counted) {
+            let odds = self.odds.each_ref().map(|odds| odds[i]);
+            let fitted: f32 = odds.iter().zip(rates).map(|(odds, rate)| rate * odds).sum();
+            let total = outliers + fitted;
+            for (place, (odds, rate)) in odds.iter().zip(rates).enumerate() {
+                let slope = (odds - 1.0) / total;
+                sums.information[place] += worth * slope * slope;
+                sums.counts[place] += worth * rate * odds / total;
+            }
+            sums.log_likelihood += worth * ln(total);
+        }
+        sums
+    }
+}
+
+/// Sums over all bearings.
+#[derive(Default)]
+struct Sums {
+    log_likelihood: f32,
+    /// Bearings of each source.
+    counts: [f32; MODES],
+    /// What they tell of the rate of each.
+    information: [f32; MODES],
+}
+
+fn without(taken: &Taken, place: usize) -> Taken {
+    let mut others = *taken;
+    if let Some(other) = others.get_mut(place) {
+        *other = false;
+    }
+    others
+}
