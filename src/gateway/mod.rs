@@ -21,8 +21,8 @@
 //! | that of a direction finder | its own | see [`Finder`](formats::Finder): bearing and quality; time, place and heading if the line has them |
 //!
 //! [`formats::All`] reads them all. Firmware that names fewer, such as `Vehicle<L, (Nmea, Agrelo)>`, links no others.
-//! What a format can be told is in its `Config`: of several frequencies or tags one may be the source's. What the builds
-//! of the KrakenSDR's software do not agree on is recognised, or told.
+//! The settings of a format are in its `Config`: of several frequencies or tags one may be the source's. What the builds
+//! of the KrakenSDR's software do not agree on is recognised, or configured.
 //!
 //! Every NMEA sentence must carry its checksum. `$` begins one anywhere, so that what comes before costs none; blanks at the
 //! end of a line do not count. Correct sentences of other kinds are left to others, by [`Event::Other`];
@@ -50,9 +50,9 @@
 //!
 //! # Lines out
 //!
-//! Sentences with a checksum, ended by CR and LF. One `$PFOXF` or `$PFOXN` after an accepted bearing, if the
-//! last is at least [`Config::report_interval_ms`] old; one of them and a `$PFOXS` for a query, which thus
-//! also tells that all bytes before it were processed; a `$PFOXN` for a restart. This is a [`ShortReport`]. A
+//! Sentences with a checksum, ended by CR and LF. One `$PFOXF` or `$PFOXN` after an accepted bearing, if the last is at
+//! least [`Config::report_interval_ms`] old; one of them and a `$PFOXS` for a query: when they come, all bytes that were
+//! sent before the query on that port have been processed; a `$PFOXN` for a restart. This is a [`ShortReport`]. A
 //! [`FullReport`] says all that a locator knows, in sentences that follow, of up to four sources and four hypotheses.
 //!
 //! **`$PFOXF,hhmmss.sss,ddmm.mmmmmm,N,dddmm.mmmmmm,E,major,minor,orientation,bearings,ess*hh`**, a fix:
@@ -62,18 +62,28 @@
 //! on; the effective sample size of the particles.
 //!
 //! **`$PFOXN,hhmmss.sss,reason,bearings,has,needs*hh`**, no fix yet: the time of the last bearing, empty if
-//! there was none; the reason: `FEW` fewer than two bearings, `ANGLE` the bearings are too nearly
-//! parallel, `APART` their lines do not meet, `RANGE` the source is further from the origin than
-//! [`MAX_RANGE_M`](crate::aoa::geodesy::LocalPlane::MAX_RANGE_M), which stands in the place of that source's `$PFOXF`; how
-//! many bearings there were since the last restart, for `RANGE` of that source; for `ANGLE` the angle in degrees at which they cross and the least that is needed.
+//! there was none; the reason; how many bearings there were since the last restart, for `RANGE` those of that source; what
+//! there is and what is needed, both empty for most reasons. The reasons are those of
+//! [`NotObservable`](crate::aoa::NotObservable), and `RANGE`:
+//!
+//! | reason | means | has | needs |
+//! |---|---|---|---|
+//! | `FEW` | fewer than two bearings | | |
+//! | `ANGLE` | the bearings are too nearly parallel | the angle at which they cross, in degrees | the least that makes a fix |
+//! | `APART` | the bearings do not meet in front of their receivers | | |
+//! | `PLACES` | several places fit | | |
+//! | `WIDE` | the range is not known well enough | standard deviation of the place, in percent of the range | the largest that makes a fix |
+//! | `CONTRARY` | most bearings are outliers at the best place | | |
+//! | `RANGE` | in the place of a source's `$PFOXF`: it is further from the origin than [`MAX_RANGE_M`](crate::aoa::geodesy::LocalPlane::MAX_RANGE_M) | | |
 //!
 //! **`$PFOXM,source,moving,speed,course,sigma*hh`** after a `$PFOXF` of a source that may move, or of one of several,
 //! each of which has a `$PFOXF` of its own, the best known first: the number of the source; the probability, in percent,
 //! that it moves; and if so its speed in metres a second, its course in degrees clockwise from north, and the standard
 //! deviation of either component of its velocity. Without a `$PFOXM` it is source 0.
 //!
-//! **`$PFOXH,ddmm.mmmmmm,N,dddmm.mmmmmm,E,major,minor,orientation,probability*hh`** after a `$PFOXN`: a place where the source may
-//! be, as that of a fix, and its probability in percent among all such places, of which there are up to four.
+//! **`$PFOXH,ddmm.mmmmmm,N,dddmm.mmmmmm,E,major,minor,orientation,probability*hh`** after a `$PFOXN`: a place where the
+//! source may be, as that of a fix, and its probability in percent among all such places, of which there are up to four.
+//! Before the bearings cross (`FEW`, `ANGLE`), the range of such a place means nothing, only its direction does.
 //!
 //! **`$PFOXA,course,metres,information*hh`** after these, advice to the driver: the course, in degrees clockwise from
 //! north, on which the next bearings are expected to tell most; how far to go there until they cross at a sufficient angle,
