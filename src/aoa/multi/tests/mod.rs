@@ -236,6 +236,13 @@ fn two_sources_are_told_apart() {
     }
 }
 
+/// There and back along the corner.
+fn to_and_fro(i: usize) -> [f32; 2] {
+    let along = i % 120;
+    let is_back = (i / 120) % 2 == 1;
+    corner(if is_back { 119 - along } else { along })
+}
+
 #[test]
 fn the_track_of_a_silent_source_is_deleted_and_a_new_one_starts() {
     let truths = [[900.0, 900.0], [2300.0, 500.0], [600.0, -800.0]];
@@ -243,13 +250,7 @@ fn the_track_of_a_silent_source_is_deleted_and_a_new_one_starts() {
     const RUNS: u64 = 40;
     for seed in 0..RUNS {
         // There and back twice, and the second of two sources gives way to a third after the first time.
-        let places = (0..480).map(|i| {
-            corner(if i / 120 % 2 == 0 {
-                i % 120
-            } else {
-                119 - i % 120
-            })
-        });
+        let places = (0..480).map(to_and_fro);
         let whose = |kind: f32, i: usize| match (kind, i) {
             (0.0..0.1, _) => None,
             (0.1..0.5, _) => Some(0),

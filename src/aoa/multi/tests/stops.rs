@@ -31,13 +31,7 @@ fn a_source_that_pauses_keeps_its_number() {
     let truths = [[900.0, 900.0], [2300.0, 500.0]];
     let mut kept = 0;
     for seed in 0..20 {
-        let places = (0..480).map(|i| {
-            corner(if i / 120 % 2 == 0 {
-                i % 120
-            } else {
-                119 - i % 120
-            })
-        });
+        let places = (0..480).map(to_and_fro);
         // The second source pauses for half of the time.
         let whose = |kind: f32, i: usize| match (kind, i) {
             (0.0..0.1, _) => None,
