@@ -140,6 +140,7 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
                 continue;
             };
             let own = candidate.readings();
+            *slot = FREE;
             match track.initiate(&candidate, &config.track, rng) {
                 Answer::Fix(_) => {
                     self.candidates.release(rank, beliefs);

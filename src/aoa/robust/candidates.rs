@@ -6,14 +6,13 @@ use super::evidence::{Candidate, Evidence};
 use super::joint::Joint;
 use super::mode::{MODES, Mode, Modes, best, hypotheses, plane, position};
 use super::search::search;
-use super::term::{PLAIN, Width};
+use super::term::{PLAIN, Width, without_scale};
 use crate::aoa::core::is_narrow;
 use crate::aoa::track::odds_by_moments;
 use crate::aoa::words::Belief;
 use crate::aoa::{
     Advice, Answer, Hypothesis, NotObservable, Observation, PushError, Retract, Retracted,
 };
-use crate::math::exp;
 use crate::persist;
 use crate::random::Rng;
 
@@ -59,6 +58,7 @@ impl<const B: usize> Candidates<B> {
         if self.evidence.entries().len() > 1 {
             let terms = self.evidence.terms(errors);
             self.modes = search(&self.evidence, &terms, config, &self.modes, rng);
+            self.found = 0;
             if let Some(best) = best(&self.modes) {
                 self.evidence.set_source(&best.mean, errors.scale_sigma);
             }
@@ -74,10 +74,10 @@ impl<const B: usize> Candidates<B> {
     /// Finds the modes that alone would make a fix, and are as likely as `log_odds` says to be a source's beside the others.
     #[inline(never)]
     pub(in crate::aoa) fn find(&mut self, log_odds: f32, config: &Config) {
-        let terms = self.evidence.terms_of_several(&config.errors);
+        let mut terms = self.evidence.terms_of_several(&config.errors);
+        let mut joint = Joint::<B>::new(&mut terms);
         let density = self.evidence.density(&terms, config);
         let log_volume = self.evidence.region(config).log_volume();
-        let mut joint = Joint::<B>::new(&terms);
         // Relative variances of the range.
         let mut widths = [None; MODES];
         for (place, (mode, width)) in self.modes.iter().zip(&mut widths).enumerate() {
@@ -116,15 +116,12 @@ impl<const B: usize> Candidates<B> {
     pub(in crate::aoa) fn odds(&self, observation: &Observation, config: &Config) -> f32 {
         let mut most = 0.0;
         for mode in self.sources() {
-            let [x, y, _, bias] = mode.mean;
-            let without_scale = |[x, y, _, bias]: [f32; PLAIN]| [x, y, bias];
-            let [a, b, _, c] = mode.covariance.matrix();
-            let scale = exp(-Width::new(config.errors.scale_sigma, &mode.mean).log_height);
+            let scale = Width::new(config.errors.scale_sigma, &mode.mean).scale();
             let errors = Errors {
                 sigma_scale: scale * config.errors.sigma_scale,
                 ..config.errors
             };
-            let moments = ([x, y, bias], [a, b, c].map(without_scale));
+            let moments = without_scale(&mode.mean, &mode.covariance.matrix());
             let odds = odds_by_moments(observation, &errors, &moments);
             if odds > most {
                 most = odds;

@@ -10,7 +10,6 @@ use super::mode::{MODES, Mode, Modes, best, plane, position};
 use super::term::{PLAIN, State, Term, Width, fold_angle};
 use crate::aoa::core::{Buffer, Comparison, Crossing, Entry};
 use crate::aoa::{Alternative, Mixture, NotObservable, Observation};
-use crate::math::exp;
 use crate::persist;
 
 /// Gain of the best mode over infinity from which on particles are started, whose cloud then says how far away the source may
@@ -84,7 +83,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     /// The source is thought to be here, and errors of this scale.
     pub(super) fn set_source(&mut self, state: &State<D>, scale_sigma: f32) {
         self.source = Some(position(state));
-        self.scale = exp(-Width::new(scale_sigma, state).log_height);
+        self.scale = Width::new(scale_sigma, state).scale();
     }
 
     /// The scale of the errors that is thought to be, as a multiple of what was expected.

@@ -27,10 +27,11 @@ pub(super) struct Joint<const B: usize> {
 }
 
 impl<const B: usize> Joint<B> {
-    pub(super) fn new(terms: &[Term<PLAIN>]) -> Self {
+    /// For these bearings, which from now on count in full each.
+    pub(super) fn new(terms: &mut [Term<PLAIN>]) -> Self {
         let mut worths = [0.0; B];
         for (worth, term) in worths.iter_mut().zip(terms) {
-            *worth = term.in_full().0;
+            (*worth, *term) = term.in_full();
         }
         Self {
             all: [false; MODES],
@@ -61,8 +62,7 @@ impl<const B: usize> Joint<B> {
         let width = Width::new(density.scale_sigma, &mode.mean);
         let scale = rates.outlier / (1.0 - rates.outlier);
         for (odds, term) in odds.iter_mut().zip(density.terms) {
-            let (_, term) = term.in_full();
-            *odds = scale * term.read(&density.line(&term, &mode.mean), &width).odds;
+            *odds = scale * term.read(&density.line(term, &mode.mean), &width).odds;
         }
         *errors = log_prior_of_errors(&mode.mean);
         let log_prior = density.log_prior(&mode.mean) - *errors - log_volume;

@@ -41,6 +41,15 @@ pub(super) struct Term<const D: usize> {
     features: State<D>,
 }
 
+/// Mean and covariance of place and bias, of those of a state with one bias.
+pub(super) fn without_scale(
+    mean: &State<PLAIN>,
+    [x, y, _, bias]: &[State<PLAIN>; PLAIN],
+) -> ([f32; 3], [[f32; 3]; 3]) {
+    let of = |[x, y, _, bias]: &State<PLAIN>| [*x, *y, *bias];
+    (of(mean), [x, y, bias].map(of))
+}
+
 /// What the scale of a state does to the errors of bearings.
 #[derive(Clone, Copy)]
 pub(super) struct Width {
@@ -58,6 +67,11 @@ impl Width {
             log_height,
             precision: exp(2.0 * log_height),
         }
+    }
+
+    /// How many times as large as expected the errors are.
+    pub(super) fn scale(&self) -> f32 {
+        exp(-self.log_height)
     }
 }
 

@@ -6,7 +6,7 @@ use super::errors::{Errors, Learned};
 use super::evidence::Candidate;
 use super::mode::weigh;
 use super::search::climb_again;
-use super::term::PLAIN;
+use super::term::{PLAIN, without_scale};
 use crate::aoa::track::{Stationary, Track, odds_by_moments};
 use crate::aoa::{Answer, Locate, Observation};
 use crate::random::Rng;
@@ -63,9 +63,7 @@ impl<const N: usize, const B: usize> Track for Robust<N, B, PLAIN> {
 
 impl<const N: usize, const B: usize> Stationary for Robust<N, B, PLAIN> {
     fn moments(&self) -> ([f32; 3], [[f32; 3]; 3]) {
-        let without_scale = |[x, y, _, bias]: [f32; 4]| [x, y, bias];
-        let (mean, [x, y, _, bias]) = self.moments;
-        (without_scale(mean), [x, y, bias].map(without_scale))
+        without_scale(&self.moments.0, &self.moments.1)
     }
 
     fn learned(&self) -> Learned {
