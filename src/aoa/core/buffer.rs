@@ -160,7 +160,9 @@ impl<const B: usize> Buffer<B> {
             return;
         };
         // What does not say the same makes no sense as an average.
-        if similar {
+        if similar && comparison.are_of_one_place(a, b) {
+            a.join(b, comparison);
+        } else if similar {
             a.average(b, comparison);
         } else if !comparison.prefers(a, b) {
             *a = *b;
@@ -202,7 +204,8 @@ impl<const B: usize> Buffer<B> {
                         difference
                     } else {
                         let both = a.is_one_of_several() && b.is_one_of_several();
-                        PENALTY * (difference + if both { exclusive } else { APART })
+                        let stake = if both { 1.0 } else { comparison.stake(a, b) };
+                        PENALTY * (difference + APART + stake * exclusive)
                     };
                     if difference < least {
                         least = difference;
@@ -255,9 +258,19 @@ pub(in crate::aoa) trait Comparison {
         angle
     }
 
+    /// Whether two bearings are of one place, where an error that they have in common is one.
+    fn are_of_one_place(&self, _a: &Entry, _b: &Entry) -> bool {
+        false
+    }
+
     /// Whether two bearings may well be of the same direction.
     fn is_similar(&self, _a: &Entry, _b: &Entry) -> bool {
         true
+    }
+
+    /// How much would be lost with the one of two that contradict each other that is not kept, from nothing to one.
+    fn stake(&self, _a: &Entry, _b: &Entry) -> f32 {
+        0.0
     }
 
     /// Whether `a` is kept rather than `b`, which contradicts it.
@@ -370,16 +383,18 @@ impl Entry {
         1e-3 * self.observation.since_ms(self.first_ms) as f32
     }
 
-    /// Takes one more reading of the same place into the mean, in which every reading counts the same. It tells as much as
+    /// Takes other readings of the same place into the mean, in which every reading counts the same. They tell as much as
     /// one reading, in the mean: how much less their own errors are is for the caller to say, by the number of readings.
-    pub(in crate::aoa) fn join(&mut self, new: &Self, comparison: &impl Comparison) {
-        let (old, fresh) = (
-            self.observation.information(),
-            new.observation.information(),
+    pub(in crate::aoa) fn join(&mut self, other: &Self, comparison: &impl Comparison) {
+        let [old, fresh] =
+            [&*self, other].map(|entry| entry.readings * entry.observation.information());
+        let readings = self.readings + other.readings;
+        self.blend(
+            other,
+            fresh / (old + fresh),
+            (old + fresh) / readings,
+            comparison,
         );
-        let n = self.readings;
-        let part = fresh / (n * old + fresh);
-        self.blend(new, part, (n * old + fresh) / (n + 1.0), comparison);
     }
 
     /// Takes another in, each counting by its information.

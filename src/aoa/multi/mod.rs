@@ -11,12 +11,13 @@
 //!   likely (a cumulative sum test: Page 1954), or when it turns out to be that of another track. The track of a silent source
 //!   is kept while there is room, so that the source has its number when it is heard again.
 //!
-//! A bearing is associated once, when it comes. Each track learns the scale of the errors and the bias of the array for itself.
+//! A bearing is associated once, when it comes. The scale of the errors and the bias of the array are those of all sources:
+//! each track is told what the bearings of the others say of them (expectation propagation: Minka 2001).
 
 mod config;
 mod slot;
 
-use super::robust::{self, Candidates};
+use super::robust::{self, Candidates, Shared};
 use super::track::Track;
 use super::{
     Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
@@ -226,6 +227,17 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
         longest.map(|(place, _)| place)
     }
 
+    /// What the bearings of all sources but one say of the errors that all have in common.
+    fn shared(&self, but: Option<usize>) -> Shared {
+        let mut sum = Shared::NOTHING;
+        for (place, (slot, track)) in self.slots.iter().zip(&self.tracks).enumerate() {
+            if slot.is_live() && but != Some(place) {
+                sum = sum.plus(&track.shared());
+            }
+        }
+        sum
+    }
+
     fn at(&mut self, place: Option<usize>) -> Option<(&mut Slot, &mut L)> {
         (self.slots.get_mut(place?)).zip(self.tracks.get_mut(place?))
     }
@@ -301,11 +313,13 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
         let associated = self.associate(observation, config);
         let place = associated.map(|(place, _)| place);
         let outliers = self.outliers;
+        let shared = self.shared(place);
         if let (Some((slot, track)), Some((_, bearing))) = (self.at(place), associated) {
+            track.share(&shared, observation)?;
             track.set_outliers_removed(outliers / (slot.heard + 1.0));
             track.push_alternatives(&[bearing], &config.track, rng)?;
         } else {
-            self.candidates.push(observation, &beliefs, rng)?;
+            self.candidates.push(observation, &shared, &beliefs, rng)?;
         }
         let most = -ln(config.false_deletion);
         for (other, slot) in self.slots.iter_mut().enumerate() {

@@ -6,6 +6,7 @@ use super::evidence::{Candidate, Evidence};
 use super::joint::Joint;
 use super::mode::{MODES, Mode, Modes, best, hypotheses, plane, position};
 use super::search::search;
+use super::shared::Shared;
 use super::term::{PLAIN, Width, without_scale};
 use crate::aoa::core::is_narrow;
 use crate::aoa::track::odds_by_moments;
@@ -42,18 +43,21 @@ impl<const B: usize> Candidates<B> {
         self.evidence.clear();
         self.modes.clear();
         self.found = 0;
+        self.evidence.shared = Shared::NOTHING;
     }
 
-    /// Takes a bearing, and looks for modes.
+    /// Takes a bearing, and looks for modes beside the sources that are tracked, of which the bearings say this of the errors.
     #[inline(never)]
     pub(in crate::aoa) fn push<R: Rng + ?Sized>(
         &mut self,
         observation: &Observation,
+        shared: &Shared,
         config: &Config,
         rng: &mut R,
     ) -> Result<(), PushError> {
         let errors = &config.errors;
         self.evidence.bearings.admit(observation)?;
+        self.evidence.shared = *shared;
         self.evidence.push(&(*observation).into(), errors, true);
         if self.evidence.entries().len() > 1 {
             let terms = self.evidence.terms(errors);
@@ -143,6 +147,7 @@ impl<const B: usize> Candidates<B> {
             modes: &self.modes,
             found: self.first(rank)?,
             errors: &config.errors,
+            shared: &self.evidence.shared,
         })
     }
 

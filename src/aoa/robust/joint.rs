@@ -2,7 +2,7 @@
 
 use core::f32::consts::TAU;
 
-use super::density::{Density, log_prior_of_errors};
+use super::density::Density;
 use super::mode::{MODES, Mode};
 use super::term::{PLAIN, Term, Width};
 use crate::aoa::Mixture;
@@ -64,7 +64,7 @@ impl<const B: usize> Joint<B> {
         for (odds, term) in odds.iter_mut().zip(density.terms) {
             *odds = scale * term.read(&density.line(term, &mode.mean), &width).odds;
         }
-        *errors = log_prior_of_errors(&mode.mean);
+        *errors = density.log_prior_of_errors(&mode.mean);
         let log_prior = density.log_prior(&mode.mean) - *errors - log_volume;
         // The mass of the hyperbolic density of the scale is 1 / 0.766 times that of a normal one of its height.
         *mass = log_prior + const { ln(TAU) + ln(0.766) } + mode.covariance.half_ln_determinant();
