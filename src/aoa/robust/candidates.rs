@@ -14,6 +14,7 @@ use crate::aoa::words::Belief;
 use crate::aoa::{
     Advice, Answer, Hypothesis, NotObservable, Observation, PushError, Retract, Retracted,
 };
+use crate::math::{exp, ln};
 use crate::persist;
 use crate::random::Rng;
 
@@ -28,15 +29,18 @@ pub(in crate::aoa) struct Candidates<const B: usize> {
     modes: Modes<PLAIN>,
     /// How many these are.
     found: u32,
+    /// Logarithms of the Bayes factors of the modes, each beside those that are likely to be sources.
+    gains: [f32; MODES],
 }
 
-persist!(impl[const B: usize] Candidates<B> as "Candidates"(B) { evidence, modes, found });
+persist!(impl[const B: usize] Candidates<B> as "Candidates"(B) { evidence, modes, found, gains });
 
 impl<const B: usize> Candidates<B> {
     pub(in crate::aoa) const EMPTY: Self = Self {
         evidence: Evidence::EMPTY,
         modes: Modes::new(),
         found: 0,
+        gains: [0.0; MODES],
     };
 
     pub(in crate::aoa) fn clear(&mut self) {
@@ -63,6 +67,7 @@ impl<const B: usize> Candidates<B> {
             let terms = self.evidence.terms(errors);
             self.modes = search(&self.evidence, &terms, config, &self.modes, rng);
             self.found = 0;
+            self.gains = [f32::NEG_INFINITY; MODES];
             if let Some(best) = best(&self.modes) {
                 self.evidence.set_source(&best.mean, errors.scale_sigma);
             }
@@ -93,18 +98,42 @@ impl<const B: usize> Candidates<B> {
             }
         }
         let found = joint.found(log_odds);
+        let gains = joint.gains(&found);
         for width in widths.iter_mut().zip(found).filter(|(_, found)| !found) {
             *width.0 = width.0.map(|_| f32::INFINITY);
         }
         // The narrowest of them first, then the others.
         let mut modes = Modes::new();
-        while let Some(place) = take_least(&mut widths) {
-            if let Some(mode) = self.modes.get(place) {
+        for sorted in &mut self.gains {
+            let Some(place) = take_least(&mut widths) else {
+                break;
+            };
+            if let Some((mode, gain)) = self.modes.get(place).zip(gains.get(place)) {
                 let _ = modes.push(*mode);
+                *sorted = *gain;
             }
         }
         self.modes = modes;
         self.found = found.iter().filter(|found| **found).count() as u32;
+    }
+
+    /// The mode of this rank by the probability that it is a source.
+    pub(in crate::aoa) fn ranked(&self, rank: usize) -> Option<Hypothesis> {
+        let all = || self.modes.iter().zip(&self.gains);
+        let is_rank = |(_, one): &(&Mode<PLAIN>, &f32)| {
+            one.is_finite() && all().filter(|(_, other)| *other > *one).count() == rank
+        };
+        let (mode, gain) = all().find(is_rank)?;
+        Some(Hypothesis {
+            position: position(&mode.mean),
+            covariance: plane(&mode.covariance.matrix()),
+            probability: probability(*gain),
+        })
+    }
+
+    /// Logarithm of the Bayes factor of one of those that are likely to be sources.
+    pub(in crate::aoa) fn log_factor(&self, rank: usize) -> f32 {
+        self.gains.get(rank).copied().unwrap_or(0.0)
     }
 
     /// How many are likely to be sources.
@@ -201,6 +230,13 @@ impl<const B: usize> Candidates<B> {
             },
         }
     }
+}
+
+/// The probability of one more source, from the logarithm of the Bayes factor of it.
+pub(in crate::aoa) fn probability(log_factor: f32) -> f32 {
+    /// Logarithm of its odds before any bearing.
+    const BEFORE: f32 = ln(0.1);
+    1.0 / (1.0 + exp(-(log_factor + BEFORE)))
 }
 
 /// The place of the least of some numbers, which is taken away.

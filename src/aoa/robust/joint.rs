@@ -70,6 +70,16 @@ impl<const B: usize> Joint<B> {
         *mass = log_prior + const { ln(TAU) + ln(0.766) } + mode.covariance.half_ln_determinant();
     }
 
+    /// Logarithms of the Bayes factors of each, beside those that are taken for sources.
+    pub(super) fn gains(&self, taken: &Taken) -> [f32; MODES] {
+        let all = self.log_evidence(taken);
+        core::array::from_fn(|place| match (self.all[place], taken[place]) {
+            (false, _) => f32::NEG_INFINITY,
+            (true, true) => all - self.log_evidence(&without(taken, place)),
+            (true, false) => self.log_evidence(&with(taken, place)) - all,
+        })
+    }
+
     /// Those sources of which the Bayes factors, each beside all the others, are large enough: found by leaving out the least
     /// likely one after the other.
     #[inline(never)]
@@ -147,9 +157,17 @@ struct Sums {
 }
 
 fn without(taken: &Taken, place: usize) -> Taken {
-    let mut others = *taken;
-    if let Some(other) = others.get_mut(place) {
-        *other = false;
+    set(taken, place, false)
+}
+
+fn with(taken: &Taken, place: usize) -> Taken {
+    set(taken, place, true)
+}
+
+fn set(taken: &Taken, place: usize, to: bool) -> Taken {
+    let mut all = *taken;
+    if let Some(one) = all.get_mut(place) {
+        *one = to;
     }
-    others
+    all
 }

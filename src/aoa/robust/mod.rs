@@ -59,7 +59,7 @@ use crate::random::Rng;
 use crate::resample::Scheme;
 pub use biases::Biases;
 use biases::Known;
-pub(super) use candidates::Candidates;
+pub(super) use candidates::{Candidates, probability};
 pub use config::Config;
 pub use errors::{Correlation, Errors, Learned};
 pub(super) use evidence::Candidate;
