@@ -200,6 +200,10 @@ impl<const B: usize> Candidates<B> {
             let mut places = 0..;
             self.modes.retain(|_| places.next() != Some(rank));
             self.found -= 1;
+            let places = self.gains.into_iter().enumerate();
+            let mut kept = places.filter(|(place, _)| *place != rank);
+            self.gains =
+                core::array::from_fn(|_| kept.next().map_or(f32::NEG_INFINITY, |one| one.1));
         }
     }
 
