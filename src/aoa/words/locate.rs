@@ -27,6 +27,9 @@ pub trait Locate {
     /// may leave the others out.
     const ALTERNATIVES: bool = false;
 
+    /// Whether it keeps bearings of different [channels](Observation::channel) apart.
+    const CHANNELS: bool = false;
+
     /// Checks a configuration.
     ///
     /// # Errors
