@@ -31,7 +31,8 @@ pub use config::Config;
 use slot::{FREE, Slot};
 
 /// Tracks up to `K` sources, each by an `L`, and keeps up to `B` bearings that none of them explains: 128 are enough for
-/// four sources that are heard from stops, beside outliers, and 64 for two or three on a drive.
+/// four sources that are heard from stops, beside outliers, and 64 for two or three on a drive. As many as a track keeps share
+/// its code, which saves 6 kB of flash.
 ///
 /// It takes `K` times what a track does, and 5.9 kB with `B` = 128; three robust locators of 256 particles and 64 bearings
 /// make 34.0 kB. A bearing moves the particles of one track at most, or takes one search among the unassociated bearings

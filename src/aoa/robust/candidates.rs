@@ -97,8 +97,7 @@ impl<const B: usize> Candidates<B> {
                 joint.add(place, &density, mode, log_volume, &config.errors.rates);
             }
         }
-        let found = joint.found(log_odds);
-        let gains = joint.gains(&found);
+        let (found, gains) = joint.found(log_odds);
         for width in widths.iter_mut().zip(found).filter(|(_, found)| !found) {
             *width.0 = width.0.map(|_| f32::INFINITY);
         }

@@ -70,38 +70,36 @@ impl<const B: usize> Joint<B> {
         *mass = log_prior + const { ln(TAU) + ln(0.766) } + mode.covariance.half_ln_determinant();
     }
 
-    /// Logarithms of the Bayes factors of each, beside those that are taken for sources.
-    pub(super) fn gains(&self, taken: &Taken) -> [f32; MODES] {
-        let all = self.log_evidence(taken);
-        core::array::from_fn(|place| match (self.all[place], taken[place]) {
-            (false, _) => f32::NEG_INFINITY,
-            (true, true) => all - self.log_evidence(&without(taken, place)),
-            (true, false) => self.log_evidence(&with(taken, place)) - all,
-        })
-    }
-
     /// Those sources of which the Bayes factors, each beside all the others, are large enough: found by leaving out the least
-    /// likely one after the other.
+    /// likely one after the other. And the logarithms of the Bayes factors of all, beside these.
     #[inline(never)]
-    pub(super) fn found(&self, log_odds: f32) -> Taken {
+    pub(super) fn found(&self, log_odds: f32) -> (Taken, [f32; MODES]) {
         let mut taken = self.all;
-        while let Some(worst) = self.worst(&taken, log_odds) {
-            taken = without(&taken, worst);
-        }
-        taken
-    }
-
-    /// The source that is least likely, if it is not likely enough.
-    fn worst(&self, taken: &Taken, log_odds: f32) -> Option<usize> {
-        let all = self.log_evidence(taken);
-        let (mut worst, mut least) = (None, log_odds);
-        for (place, _) in taken.iter().enumerate().filter(|(_, taken)| **taken) {
-            let gain = all - self.log_evidence(&without(taken, place));
-            if gain < least {
-                (worst, least) = (Some(place), gain);
+        let mut evidence = self.log_evidence(&taken);
+        loop {
+            let mut gains = [f32::NEG_INFINITY; MODES];
+            let (mut worst, mut least) = (None, log_odds);
+            for (place, gain) in gains.iter_mut().enumerate() {
+                if taken.get(place) == Some(&true) {
+                    *gain = evidence - self.log_evidence(&with(&taken, place, false));
+                    if *gain < least {
+                        (worst, least) = (Some(place), *gain);
+                    }
+                }
             }
+            if let Some(worst) = worst {
+                taken = with(&taken, worst, false);
+                evidence -= least;
+                continue;
+            }
+            let others = self.all.iter().zip(&taken).zip(&mut gains).enumerate();
+            for (place, ((may_be, is), gain)) in others {
+                if *may_be && !is {
+                    *gain = self.log_evidence(&with(&taken, place, true)) - evidence;
+                }
+            }
+            return (taken, gains);
         }
-        worst
     }
 
     /// Logarithm of how many times as likely all bearings are with these sources as if they were outliers: over all places and
@@ -156,18 +154,10 @@ struct Sums {
     information: [f32; MODES],
 }
 
-fn without(taken: &Taken, place: usize) -> Taken {
-    set(taken, place, false)
-}
-
-fn with(taken: &Taken, place: usize) -> Taken {
-    set(taken, place, true)
-}
-
-fn set(taken: &Taken, place: usize, to: bool) -> Taken {
+fn with(taken: &Taken, place: usize, is: bool) -> Taken {
     let mut all = *taken;
     if let Some(one) = all.get_mut(place) {
-        *one = to;
+        *one = is;
     }
     all
 }
