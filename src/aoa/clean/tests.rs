@@ -208,12 +208,11 @@ fn a_source_among_the_bearings_of_two_is_taken_over() {
         for (k, observation) in [(0, own), (1, other)] {
             let clocked = crate::aoa::testing::at(1000 * i + 500 * k, &observation);
             candidates
-                .push(&clocked, &Shared::NOTHING, &beliefs, &mut rng)
+                .push(&clocked, &Shared::NOTHING, 5.0, &beliefs, &mut rng)
                 .unwrap();
         }
     }
     let mut near = [0; 2];
-    candidates.find(5.0, &beliefs);
     assert_eq!(candidates.found(), 2);
     for rank in 0..2 {
         let candidate = candidates.candidate(rank, &beliefs).unwrap();

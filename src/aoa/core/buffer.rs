@@ -98,18 +98,33 @@ impl<const B: usize> Buffer<B> {
         self.count += probability;
     }
 
-    /// Takes the `wanted` bearings of another buffer, and its latest observation.
+    /// Takes the `wanted` bearings of another buffer, and its latest observation. Of more than there is room for, those that
+    /// follow each other and say the same become one, the first ones first.
     pub(in crate::aoa) fn adopt<'a>(
         &mut self,
-        wanted: impl Iterator<Item = &'a Entry>,
+        wanted: impl Iterator<Item = &'a Entry> + Clone,
         latest: Option<&Observation>,
         comparison: &impl Comparison,
     ) {
         self.clear();
         self.latest = latest.copied();
+        let mut excess = wanted.clone().count().saturating_sub(B);
+        let mut is_alone = false;
         for entry in wanted {
             self.count += entry.readings * entry.probability;
-            self.add(*entry, comparison);
+            let last = self.entries.last_mut().filter(|last| {
+                excess > 0
+                    && is_alone
+                    && last.is_of_station_of(entry)
+                    && comparison.is_similar(last, entry)
+            });
+            is_alone = last.is_none();
+            if let Some(last) = last {
+                last.merge(entry, comparison);
+                excess -= 1;
+            } else {
+                self.add(*entry, comparison);
+            }
         }
     }
 
@@ -160,10 +175,8 @@ impl<const B: usize> Buffer<B> {
             return;
         };
         // What does not say the same makes no sense as an average.
-        if similar && comparison.are_of_one_place(a, b) {
-            a.join(b, comparison);
-        } else if similar {
-            a.average(b, comparison);
+        if similar {
+            a.merge(b, comparison);
         } else if !comparison.prefers(a, b) {
             *a = *b;
         }
@@ -395,6 +408,15 @@ impl Entry {
             (old + fresh) / readings,
             comparison,
         );
+    }
+
+    /// Takes another in that says the same.
+    fn merge(&mut self, other: &Self, comparison: &impl Comparison) {
+        if comparison.are_of_one_place(self, other) {
+            self.join(other, comparison);
+        } else {
+            self.average(other, comparison);
+        }
     }
 
     /// Takes another in, each counting by its information.

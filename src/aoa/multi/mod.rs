@@ -63,7 +63,7 @@ use slot::{FREE, Slot};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct MultiTarget<const K: usize, L, const B: usize = 128> {
+pub struct MultiTarget<const K: usize, L, const B: usize = 96> {
     tracks: [L; K],
     /// Of the tracks.
     slots: [Slot; K],
@@ -156,7 +156,6 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
         rng: &mut R,
     ) {
         self.reason = NotObservable::NoIntersection;
-        self.candidates.find(-ln(config.false_initiation), beliefs);
         let Some(place) = self.free() else { return };
         let identity = self.unused_identity();
         let live = self.slots.iter().filter(|slot| slot.is_live());
@@ -351,7 +350,8 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
             track.set_outliers_removed(outliers / (slot.heard + 1.0));
             track.push_alternatives(&[bearing], &config.track, rng)?;
         } else {
-            self.candidates.push(observation, &shared, &beliefs, rng)?;
+            let log_odds = -ln(config.false_initiation);
+            (self.candidates).push(observation, &shared, log_odds, &beliefs, rng)?;
         }
         self.weigh(&odds, config);
         let most = -ln(config.false_deletion);

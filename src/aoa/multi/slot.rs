@@ -1,7 +1,6 @@
 //! What is known of the source of a track, beside where it is.
 
-use crate::aoa::robust::probability;
-use crate::math::exp;
+use crate::aoa::robust::{of_log_odds, probability};
 use crate::snapshot::value;
 
 /// What is kept of a track.
@@ -80,7 +79,7 @@ impl Slot {
 
     /// The probability that there is such a source, and that it is still heard.
     pub(super) fn probability(&self) -> f32 {
-        probability(self.log_factor) / (1.0 + exp(self.silence - self.limit))
+        probability(self.log_factor) * of_log_odds(self.limit - self.silence)
     }
 
     /// Counts a bearing of the channel. The source has gone if its silence exceeds `most` and what it was before; it is back

@@ -7,7 +7,7 @@ use super::joint::Joint;
 use super::mode::{MODES, Mode, Modes, best, hypotheses, plane, position};
 use super::search::search;
 use super::shared::Shared;
-use super::term::{PLAIN, Width, without_scale};
+use super::term::{PLAIN, Term, Width, without_scale};
 use crate::aoa::core::is_narrow;
 use crate::aoa::track::odds_by_moments;
 use crate::aoa::words::Belief;
@@ -50,12 +50,15 @@ impl<const B: usize> Candidates<B> {
         self.evidence.shared = Shared::NOTHING;
     }
 
-    /// Takes a bearing, and looks for modes beside the sources that are tracked, of which the bearings say this of the errors.
+    /// Takes a bearing, and looks for modes beside the sources that are tracked, of which the bearings say this of the errors;
+    /// and for those among them that alone would make a fix, and are as likely as `log_odds` says to be a source's beside the
+    /// others.
     #[inline(never)]
     pub(in crate::aoa) fn push<R: Rng + ?Sized>(
         &mut self,
         observation: &Observation,
         shared: &Shared,
+        log_odds: f32,
         config: &Config,
         rng: &mut R,
     ) -> Result<(), PushError> {
@@ -64,10 +67,9 @@ impl<const B: usize> Candidates<B> {
         self.evidence.shared = *shared;
         self.evidence.push(&(*observation).into(), errors, true);
         if self.evidence.entries().len() > 1 {
-            let terms = self.evidence.terms(errors);
+            let mut terms = self.evidence.terms_of_several(errors);
             self.modes = search(&self.evidence, &terms, config, &self.modes, rng);
-            self.found = 0;
-            self.gains = [f32::NEG_INFINITY; MODES];
+            self.find(&mut terms, log_odds, config);
             if let Some(best) = best(&self.modes) {
                 self.evidence.set_source(&best.mean, errors.scale_sigma);
             }
@@ -80,12 +82,11 @@ impl<const B: usize> Candidates<B> {
         self.evidence.bearings.retract(what)
     }
 
-    /// Finds the modes that alone would make a fix, and are as likely as `log_odds` says to be a source's beside the others.
+    /// Finds the modes that are likely to be sources.
     #[inline(never)]
-    pub(in crate::aoa) fn find(&mut self, log_odds: f32, config: &Config) {
-        let mut terms = self.evidence.terms_of_several(&config.errors);
-        let mut joint = Joint::<B>::new(&mut terms);
-        let density = self.evidence.density(&terms, config);
+    fn find(&mut self, terms: &mut [Term<PLAIN>], log_odds: f32, config: &Config) {
+        let mut joint = Joint::<B>::new(terms);
+        let density = self.evidence.density(terms, config);
         let log_volume = self.evidence.region(config).log_volume();
         // Relative variances of the range.
         let mut widths = [None; MODES];
@@ -103,6 +104,7 @@ impl<const B: usize> Candidates<B> {
         }
         // The narrowest of them first, then the others.
         let mut modes = Modes::new();
+        self.gains = [f32::NEG_INFINITY; MODES];
         for sorted in &mut self.gains {
             let Some(place) = take_least(&mut widths) else {
                 break;
@@ -235,11 +237,18 @@ impl<const B: usize> Candidates<B> {
     }
 }
 
+/// Logarithm of the odds of one more source before any bearing.
+const BEFORE: f32 = ln(0.1);
+
 /// The probability of one more source, from the logarithm of the Bayes factor of it.
 pub(in crate::aoa) fn probability(log_factor: f32) -> f32 {
-    /// Logarithm of its odds before any bearing.
-    const BEFORE: f32 = ln(0.1);
-    1.0 / (1.0 + exp(-(log_factor + BEFORE)))
+    of_log_odds(log_factor + BEFORE)
+}
+
+/// A probability from the logarithm of its odds.
+#[inline(never)]
+pub(in crate::aoa) fn of_log_odds(log_odds: f32) -> f32 {
+    1.0 / (1.0 + exp(-log_odds))
 }
 
 /// The place of the least of some numbers, which is taken away.

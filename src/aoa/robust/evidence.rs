@@ -331,7 +331,7 @@ impl Candidate<'_> {
     }
 
     /// The bearings as they stand in the buffer.
-    pub(in crate::aoa) fn entries(&self) -> impl Iterator<Item = &Entry> {
+    pub(in crate::aoa) fn entries(&self) -> impl Iterator<Item = &Entry> + Clone {
         let explained = |entry: &&Entry| explains(&self.found, entry, self.source, self.errors);
         self.entries.iter().filter(explained)
     }
@@ -372,6 +372,7 @@ pub(super) struct Lines {
 
 impl Lines {
     /// Over how many metres the correlation of a bearing's error falls.
+    #[inline(never)]
     pub(super) fn length_m(&self, entry: &Entry) -> f32 {
         let range = match self.source {
             Some(source) => sqrt(square_of_distance(source, entry.position())),

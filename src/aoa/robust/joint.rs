@@ -109,12 +109,12 @@ impl<const B: usize> Joint<B> {
         /// Steps of expectation maximisation over the rates: enough to come near, for time.
         const STEPS: usize = 6;
         let start = |taken: bool| if taken { 1.0 / (MODES + 1) as f32 } else { 0.0 };
-        let mut sums = Sums::default();
         let mut rates = taken.map(start);
-        for _ in 0..=STEPS {
-            sums = self.sums(&rates);
-            rates = sums.counts.map(|count| count / (self.count + 1.0));
+        for _ in 0..STEPS {
+            let counts = self.counts(&rates);
+            rates = counts.map(|count| count / (self.count + 1.0));
         }
+        let mut sums = self.sums(&rates);
         let mut errors = 0.0;
         let costs = self.masses.iter().zip(&self.errors).zip(sums.information);
         for (((mass, own), information), _) in costs.zip(taken).filter(|(_, taken)| **taken) {
@@ -125,18 +125,36 @@ impl<const B: usize> Joint<B> {
         sums.log_likelihood + errors
     }
 
-    fn sums(&self, rates: &[f32; MODES]) -> Sums {
+    /// The bearings, with how much more likely each is than all as outliers.
+    fn bearings(&self, rates: &[f32; MODES]) -> impl Iterator<Item = (f32, [f32; MODES], f32)> {
         let outliers = 1.0 - rates.iter().sum::<f32>();
-        let mut sums = Sums::default();
-        let counted = |(_, worth): &(usize, &f32)| **worth > 0.0;
-        for (i, worth) in self.worths.iter().enumerate().take_while(counted) {
+        let worths = self.worths.iter().take_while(|worth| **worth > 0.0);
+        worths.enumerate().map(move |(i, worth)| {
             let odds = self.odds.each_ref().map(|odds| odds[i]);
-            let fitted: f32 = odds.iter().zip(rates).map(|(odds, rate)| rate * odds).sum();
-            let total = outliers + fitted;
-            for (place, (odds, rate)) in odds.iter().zip(rates).enumerate() {
+            let pairs = odds.iter().zip(rates);
+            let fitted: f32 = pairs.map(|(odds, rate)| rate * odds).sum();
+            (*worth, odds, outliers + fitted)
+        })
+    }
+
+    /// How many bearings are of each source.
+    fn counts(&self, rates: &[f32; MODES]) -> [f32; MODES] {
+        let mut counts = [0.0; MODES];
+        for (worth, odds, total) in self.bearings(rates) {
+            let part = worth / total;
+            for (count, (odds, rate)) in counts.iter_mut().zip(odds.iter().zip(rates)) {
+                *count += part * rate * odds;
+            }
+        }
+        counts
+    }
+
+    fn sums(&self, rates: &[f32; MODES]) -> Sums {
+        let mut sums = Sums::default();
+        for (worth, odds, total) in self.bearings(rates) {
+            for (information, odds) in sums.information.iter_mut().zip(odds) {
                 let slope = (odds - 1.0) / total;
-                sums.information[place] += worth * slope * slope;
-                sums.counts[place] += worth * rate * odds / total;
+                *information += worth * slope * slope;
             }
             sums.log_likelihood += worth * ln(total);
         }
@@ -148,9 +166,7 @@ impl<const B: usize> Joint<B> {
 #[derive(Default)]
 struct Sums {
     log_likelihood: f32,
-    /// Bearings of each source.
-    counts: [f32; MODES],
-    /// What they tell of the rate of each.
+    /// What they tell of the rate of each source.
     information: [f32; MODES],
 }
 

@@ -59,7 +59,7 @@ use crate::random::Rng;
 use crate::resample::Scheme;
 pub use biases::Biases;
 use biases::Known;
-pub(super) use candidates::{Candidates, probability};
+pub(super) use candidates::{Candidates, of_log_odds, probability};
 pub use config::Config;
 pub use errors::{Correlation, Errors, Learned};
 pub(super) use evidence::Candidate;
