@@ -88,43 +88,32 @@ impl<const B: usize> Candidates<B> {
         let mut joint = Joint::<B>::new(terms);
         let density = self.evidence.density(terms, config);
         let log_volume = self.evidence.region(config).log_volume();
-        // Relative variances of the range.
-        let mut widths = [None; MODES];
-        for (place, (mode, width)) in self.modes.iter().zip(&mut widths).enumerate() {
+        for (place, mode) in self.modes.iter().enumerate() {
             let range = (self.evidence.bearings).range_squared(position(&mode.mean));
             let variance = plane(&mode.covariance.matrix()).largest_eigenvalue();
-            *width = Some(variance / range);
             if is_narrow(variance, range, config.relative_range_sigma) {
                 joint.add(place, &density, mode, log_volume, &config.errors.rates);
             }
         }
         let (found, gains) = joint.found(log_odds);
-        for width in widths.iter_mut().zip(found).filter(|(_, found)| !found) {
-            *width.0 = width.0.map(|_| f32::INFINITY);
-        }
-        // The narrowest of them first, then the others.
+        self.found = found.iter().filter(|found| **found).count() as u32;
+        // The likeliest first.
+        let mut gains = gains.map(Some);
         let mut modes = Modes::new();
-        self.gains = [f32::NEG_INFINITY; MODES];
-        for sorted in &mut self.gains {
-            let Some(place) = take_least(&mut widths) else {
-                break;
-            };
-            if let Some((mode, gain)) = self.modes.get(place).zip(gains.get(place)) {
+        while let Some((place, gain)) = take_largest(&mut gains) {
+            if let Some(mode) = self.modes.get(place) {
+                if let Some(sorted) = self.gains.get_mut(modes.len()) {
+                    *sorted = gain;
+                }
                 let _ = modes.push(*mode);
-                *sorted = *gain;
             }
         }
         self.modes = modes;
-        self.found = found.iter().filter(|found| **found).count() as u32;
     }
 
     /// The mode of this rank by the probability that it is a source.
     pub(in crate::aoa) fn ranked(&self, rank: usize) -> Option<Hypothesis> {
-        let all = || self.modes.iter().zip(&self.gains);
-        let is_rank = |(_, one): &(&Mode<PLAIN>, &f32)| {
-            one.is_finite() && all().filter(|(_, other)| *other > *one).count() == rank
-        };
-        let (mode, gain) = all().find(is_rank)?;
+        let (mode, gain) = self.modes.iter().zip(&self.gains).nth(rank)?;
         Some(Hypothesis {
             position: position(&mode.mean),
             covariance: plane(&mode.covariance.matrix()),
@@ -251,11 +240,11 @@ pub(in crate::aoa) fn of_log_odds(log_odds: f32) -> f32 {
     1.0 / (1.0 + exp(-log_odds))
 }
 
-/// The place of the least of some numbers, which is taken away.
-fn take_least(numbers: &mut [Option<f32>]) -> Option<usize> {
+/// The largest of some numbers, which is taken away, and its place.
+fn take_largest(numbers: &mut [Option<f32>]) -> Option<(usize, f32)> {
     let known = |(place, number): (usize, &Option<f32>)| Some((place, (*number)?));
     let all = numbers.iter().enumerate().filter_map(known);
-    let (place, _) = all.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    let (place, largest) = all.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
     *numbers.get_mut(place)? = None;
-    Some(place)
+    Some((place, largest))
 }
