@@ -333,7 +333,7 @@ mod tests {
         let whose = |i: usize| match i {
             0..40 => (i % 3) as u8,
             40..60 => {
-                if i % 2 == 0 {
+                if i.is_multiple_of(2) {
                     0
                 } else {
                     2
