@@ -163,7 +163,7 @@ impl<const C: usize, L: Track> Locate for Channels<C, L> {
         if known.is_none() {
             locator.reset();
         }
-        locator.share(&shared, first)?;
+        locator.assume(&shared, first)?;
         let answer = locator.push_alternatives(alternatives, config, rng)?;
         self.count = self.count.wrapping_add(1);
         self.latest = first.channel();

@@ -38,7 +38,7 @@ pub trait Track: Locate {
     ///
     /// # Errors
     /// If that bearing would be refused: then nothing changes.
-    fn share(&mut self, _others: &Shared, _next: &Observation) -> Result<(), PushError> {
+    fn assume(&mut self, _others: &Shared, _next: &Observation) -> Result<(), PushError> {
         Ok(())
     }
 

@@ -31,8 +31,8 @@ pub use config::Config;
 use slot::{FREE, Slot};
 
 /// Tracks up to `K` sources, each by an `L`, and keeps up to `B` bearings that none of them explains: 128 are enough for
-/// four sources that are heard from stops, beside outliers, and 64 for two or three on a drive. As many as a track keeps share
-/// its code, which saves 6 kB of flash.
+/// four sources that are heard from stops, beside outliers, and 64 for two or three on a drive. With as many as a track keeps,
+/// both use the same code, which saves 6 kB of flash.
 ///
 /// It takes `K` times what a track does, and 5.9 kB with `B` = 128; three robust locators of 256 particles and 64 bearings
 /// make 34.0 kB. A bearing moves the particles of one track at most, or takes one search among the unassociated bearings
@@ -346,7 +346,7 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
         let outliers = self.outliers;
         let shared = self.shared(place);
         if let (Some((slot, track)), Some((_, bearing))) = (self.at(place), associated) {
-            track.share(&shared, observation)?;
+            track.assume(&shared, observation)?;
             track.set_outliers_removed(outliers / (slot.heard + 1.0));
             track.push_alternatives(&[bearing], &config.track, rng)?;
         } else {

@@ -61,7 +61,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
             let most = weights().fold(0.0, |a: f32, b| if b > a { b } else { a });
             for (entry, other) in of_place() {
                 let term = self.term(entry, errors, other.covariance, readings);
-                let _ = terms.push(term.with_share(entry.weight() / most));
+                let _ = terms.push(term.with_fraction(entry.weight() / most));
             }
             if let Some(last) = terms.last_mut() {
                 last.ends_place();

@@ -38,7 +38,7 @@ pub(super) struct Term<const D: usize> {
     /// Number of the array that took it.
     station: u8,
     /// How many readings it has, beside that of its place which has most, of 255.
-    share: u8,
+    fraction: u8,
     /// Derivatives of its error by the numbers of a state, in radians: those that place and scale have are zero.
     features: State<D>,
 }
@@ -150,14 +150,14 @@ impl<const D: usize> Term<D> {
             worth: 1.0,
             is_last_of_place: false,
             station: observation.station(),
-            share: u8::MAX,
+            fraction: u8::MAX,
             features: [0.0; D],
         }
     }
 
     /// Of one with so many readings, as a fraction of those of the one of its place that has most.
-    pub(super) fn with_share(mut self, share: f32) -> Self {
-        self.share = (share * 255.0 + 0.5) as u8;
+    pub(super) fn with_fraction(mut self, fraction: f32) -> Self {
+        self.fraction = (fraction * 255.0 + 0.5) as u8;
         self
     }
 
@@ -198,8 +198,8 @@ impl<const D: usize> Term<D> {
 
     /// What it counts for among those of several sources, and the bearing as if it counted in full.
     pub(super) fn in_full(&self) -> (f32, Self) {
-        let share = f32::from(self.share) / 255.0;
-        (share * self.worth, self.with_worth(1.0 / self.worth))
+        let fraction = f32::from(self.fraction) / 255.0;
+        (fraction * self.worth, self.with_worth(1.0 / self.worth))
     }
 
     /// With its part in the biases, of which it is off by `known` radians for certain.

@@ -66,7 +66,7 @@ impl<const N: usize, const B: usize> Track for Robust<N, B, PLAIN> {
     }
 
     /// Weighs the particles by what is new.
-    fn share(&mut self, others: &Shared, next: &Observation) -> Result<(), PushError> {
+    fn assume(&mut self, others: &Shared, next: &Observation) -> Result<(), PushError> {
         self.evidence.bearings.admit(next)?;
         let before = self.evidence.shared;
         self.evidence.shared = *others;
