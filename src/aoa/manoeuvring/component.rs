@@ -1,5 +1,6 @@
 //! A normal distribution of where a source is and how fast it moves, given what it has done so far.
 
+use super::biases::{Gain, StationBiases, at};
 use crate::aoa::Observation;
 use crate::aoa::robust::Errors;
 use crate::aoa::robust::outside::{Line, read};
@@ -20,9 +21,9 @@ const ITERATIONS: u32 = 2;
 /// keep two explanations of one stop.
 const SAME_PLACE: f32 = 3.0;
 
-/// One component of the mixture, in metres east and north and metres a second.
+/// One component of the mixture, in metres east and north and metres a second, with the biases of `K` stations.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Component {
+pub(super) struct Component<const K: usize> {
     pub(super) position: [f32; 2],
     pub(super) velocity: [f32; 2],
     /// Covariance of the position.
@@ -31,17 +32,21 @@ pub(super) struct Component {
     pub(super) cross_covariance: [[f32; 2]; 2],
     /// Covariance of the velocity.
     pub(super) velocity_covariance: Symmetric2,
-    /// For how many seconds it has been stationary; negative while it moves.
+    /// For how many seconds it has been stationary; while it moves, how fast it may be as a fraction of the fastest, less
+    /// than zero.
     pub(super) stationary_s: f32,
+    /// What is known of the stations' biases.
+    pub(super) biases: StationBiases<K>,
 }
 
-value!(Component {
+value!(impl[const K: usize] Component<K> as "Component", {
     position,
     velocity,
     position_covariance,
     cross_covariance,
     velocity_covariance,
     stationary_s,
+    biases,
 });
 
 /// The common bias of all bearings, in its prior sigmas, as known when the source departed. A bearing on a source that moves
@@ -54,7 +59,15 @@ pub(super) struct KnownBias {
 
 value!(KnownBias { mean, variance });
 
-impl Component {
+/// A bearing, and what is believed of its error.
+#[derive(Clone, Copy)]
+pub(super) struct Heard<'a> {
+    pub(super) observation: &'a Observation,
+    pub(super) errors: &'a Errors,
+    pub(super) bias: KnownBias,
+}
+
+impl<const K: usize> Component<K> {
     /// A component that has just stopped at a place.
     pub(super) const fn stationary(position: [f32; 2], covariance: Symmetric2) -> Self {
         Self {
@@ -64,11 +77,17 @@ impl Component {
             cross_covariance: [[0.0; 2]; 2],
             velocity_covariance: Symmetric2::ZERO,
             stationary_s: 0.0,
+            biases: StationBiases::NONE,
         }
     }
 
     pub(super) fn is_stationary(&self) -> bool {
         self.stationary_s >= 0.0
+    }
+
+    /// How fast it may be while it moves, as a fraction of the fastest.
+    pub(super) fn pace(&self) -> f32 {
+        -self.stationary_s
     }
 
     /// Moves by `seconds` of the velocity, of which the fraction `keep` is left at the end.
@@ -94,6 +113,7 @@ impl Component {
         *yy += seconds * (yv + sv);
         self.cross_covariance = [[ru, rv], [su, sv]].map(|row| row.map(|entry| keep * entry));
         self.velocity_covariance = self.velocity_covariance.scaled(keep * keep);
+        self.biases.travel(seconds, keep);
     }
 
     /// Adds noise on either axis: to the position, to position and velocity together, to the velocity.
@@ -110,6 +130,7 @@ impl Component {
         self.velocity = mean;
         self.cross_covariance = [[0.0; 2]; 2];
         self.velocity_covariance = Symmetric2::isotropic(variance);
+        self.biases.forget_velocity();
     }
 
     /// Makes it one that stopped `seconds` ago.
@@ -130,36 +151,44 @@ impl Component {
     fn predict_bearing(
         &self,
         about: [f32; 2],
-        observation: &Observation,
-        errors: &Errors,
-        bias: KnownBias,
-    ) -> Prediction {
+        heard: &Heard<'_>,
+    ) -> Prediction<K> {
         let [x, y] = about;
-        let line = read(observation, errors, &[x, y, bias.mean]);
+        let Heard {
+            observation, bias, ..
+        } = heard;
+        let line = read(observation, heard.errors, &[x, y, bias.mean]);
         let [gx, gy, gb] = line.gradient;
-        let gain = self.gain(&line.gradient).position;
-        let spread = gx * gain[0] + gy * gain[1];
+        let station = StationBiases::<K>::index(observation);
+        let gain = self.gain([gx, gy], station);
+        let own = station.map_or(0.0, |station| at(&gain.biases, station));
+        let spread = gx * gain.position[0] + gy * gain.position[1] + own;
         let spread = if spread > 0.0 { spread } else { 0.0 };
         let back = gx * (self.position[0] - x) + gy * (self.position[1] - y);
         Prediction {
             gain,
             variance: line.variance + gb * gb * bias.variance + spread,
-            error: line.error + back,
+            error: line.error + self.biases.mean_of(station) + back,
             line,
         }
     }
 
-    /// Covariance of position and velocity with a measurement of the position.
-    fn gain(&self, &[gx, gy, ..]: &[f32; 3]) -> Gain {
+    /// Covariance of everything with a measurement of the position, and of the bias of a station.
+    fn gain(&self, [gx, gy]: [f32; 2], station: Option<usize>) -> Gain<K> {
         let [[xu, xv], [yu, yv]] = self.cross_covariance;
-        Gain {
+        let mut gain = Gain {
             position: self.position_covariance.times([gx, gy]),
             velocity: [gx * xu + gy * yu, gx * xv + gy * yv],
+            biases: self.biases.position.map(|[x, y]| gx * x + gy * y),
+        };
+        if let Some(station) = station {
+            self.biases.add_to(&mut gain, station);
         }
+        gain
     }
 
     /// Adds `step` gains to the mean, and `factor` squares of the gain to the covariance.
-    fn shift(&mut self, gain: &Gain, step: f32, factor: f32) {
+    fn shift(&mut self, gain: &Gain<K>, step: f32, factor: f32) {
         let ([px, py], [pu, pv]) = (gain.position, gain.velocity);
         let ([x, y], [u, v]) = (self.position, self.velocity);
         self.position = [x + step * px, y + step * py];
@@ -171,15 +200,22 @@ impl Component {
             [xu + factor * px * pu, xv + factor * px * pv],
             [yu + factor * py * pu, yv + factor * py * pv],
         ];
+        self.biases.shift(gain, step, factor);
     }
 
     /// Draws the distance from a place, up to a standard deviation that is small beside it: a bearing from elsewhere is no
     /// linear measurement of a long distribution. All draws together have the distribution from before.
+    ///
+    /// Not where stations have biases: what they have in common with the place would be drawn with it, and a few components
+    /// would have to hold what all bearings have taught of them.
     pub(super) fn divide<R: Rng + ?Sized>(&mut self, from: [f32; 2], rng: &mut R) {
+        if K > 0 {
+            return;
+        }
         let (dx, dy) = (self.position[0] - from[0], self.position[1] - from[1]);
         // Everything times the distance.
         let square = dx * dx + dy * dy + 1.0;
-        let gain = self.gain(&[dx, dy, 0.0]);
+        let gain = self.gain([dx, dy], None);
         let variance = dx * gain.position[0] + dy * gain.position[1];
         let left = LEFT * LEFT * square * square;
         if variance > left {
@@ -191,12 +227,10 @@ impl Component {
     /// Odds that a bearing is no outlier, and whether it is mirrored then.
     pub(super) fn odds(
         &self,
-        observation: &Observation,
-        errors: &Errors,
-        bias: KnownBias,
+        heard: &Heard<'_>,
     ) -> (f32, bool) {
-        let prediction = self.predict_bearing(self.position, observation, errors, bias);
-        (prediction.odds(errors), prediction.line.mirrored)
+        let prediction = self.predict_bearing(self.position, heard);
+        (prediction.odds(heard.errors), prediction.line.mirrored)
     }
 
     /// Takes a bearing, by a Kalman filter that counts it for as much as it is no outlier, and returns one plus its odds.
@@ -205,46 +239,38 @@ impl Component {
     /// iterated filter: Bell and Cathey 1993).
     pub(super) fn update(
         &mut self,
-        observation: &Observation,
-        errors: &Errors,
-        bias: KnownBias,
+        heard: &Heard<'_>,
     ) -> f32 {
-        let mut prediction = self.predict_bearing(self.position, observation, errors, bias);
-        let odds = prediction.odds(errors);
+        let mut prediction = self.predict_bearing(self.position, heard);
+        let odds = prediction.odds(heard.errors);
         let fit = odds / (1.0 + odds);
         if fit >= 0.5 {
             for _ in 0..ITERATIONS {
                 let shift = prediction.error / prediction.variance;
-                let ([x, y], [gx, gy]) = (self.position, prediction.gain);
+                let ([x, y], [gx, gy]) = (self.position, prediction.gain.position);
                 let about = [x - gx * shift, y - gy * shift];
-                prediction = self.predict_bearing(about, observation, errors, bias);
+                prediction = self.predict_bearing(about, heard);
             }
         }
         let shift = prediction.error / prediction.variance;
-        let gain = self.gain(&prediction.line.gradient);
         // The moments of both possibilities together: less variance if it was no outlier, more for what lies between them.
         let factor = fit * (1.0 - fit) * shift * shift - fit / prediction.variance;
-        self.shift(&gain, -fit * shift, factor);
+        self.shift(&prediction.gain, -fit * shift, factor);
         1.0 + odds
     }
 }
 
-struct Gain {
-    position: [f32; 2],
-    velocity: [f32; 2],
-}
-
 /// The error of a bearing as a component predicts it.
-struct Prediction {
+struct Prediction<const K: usize> {
     line: Line,
-    /// Covariance of the position with it.
-    gain: [f32; 2],
+    /// Covariance of everything with it.
+    gain: Gain<K>,
     variance: f32,
     /// The error at the mean, by the linearisation.
     error: f32,
 }
 
-impl Prediction {
+impl<const K: usize> Prediction<K> {
     fn odds(&self, errors: &Errors) -> f32 {
         self.line.odds(self.error, self.variance, errors)
     }

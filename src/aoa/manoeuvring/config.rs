@@ -2,7 +2,7 @@
 
 use crate::ConfigError;
 use crate::aoa::{clean, robust};
-use crate::config::require_within;
+use crate::config::{require, require_within};
 
 /// The configuration of a [`Manoeuvring`](super::Manoeuvring) locator, with that of the stationary locator inside.
 ///
@@ -13,6 +13,7 @@ use crate::config::require_within;
 /// const CYCLIST: Config = foxhunt::config!(Config {
 ///     stationary: robust::Config::CITY,
 ///     speed_m_s: 5.0,
+///     slowest_m_s: 3.0,
 ///     straight_s: 30.0,
 ///     ..Config::DEFAULT
 /// });
@@ -24,8 +25,11 @@ use crate::config::require_within;
 pub struct Config<C = robust::Config> {
     /// Configuration of the stationary locator.
     pub stationary: C,
-    /// Root mean square of the source's speed while it moves, in metres a second, 0.05 to 100.
+    /// Root mean square of the source's speed while it moves, in metres a second, 0.05 to 100: of the fastest source that is
+    /// thought of.
     pub speed_m_s: f32,
+    /// The same of the slowest, at least 0.05 and at most as large. Between the two all orders of magnitude are as likely.
+    pub slowest_m_s: f32,
     /// Mean time for which the source is stationary, in seconds, 1 to 1e6. The longer, the more evidence it takes to
     /// believe that the source moves.
     pub stationary_s: f32,
@@ -42,6 +46,7 @@ impl<C> Config<C> {
         Self {
             stationary,
             speed_m_s: 10.0,
+            slowest_m_s: 1.0,
             stationary_s: 600.0,
             moving_s: 180.0,
             straight_s: 20.0,
@@ -52,9 +57,14 @@ impl<C> Config<C> {
     pub(super) const fn check_own(&self) -> Result<(), ConfigError> {
         require_within!(self:
             speed_m_s 0.05..=100.0,
+            slowest_m_s 0.05..=100.0,
             stationary_s 1.0..=1e6,
             moving_s 1.0..=1e6,
             straight_s 1.0..=1e5,
+        );
+        require!(
+            self.slowest_m_s <= self.speed_m_s,
+            "slowest_m_s is larger than speed_m_s"
         );
         Ok(())
     }
@@ -67,6 +77,7 @@ impl Config {
     /// Somebody on foot, who stops as often as not.
     pub const WALKER: Self = Self {
         speed_m_s: 1.4,
+        slowest_m_s: 0.7,
         stationary_s: 120.0,
         moving_s: 120.0,
         straight_s: 30.0,

@@ -2,7 +2,7 @@
 
 use super::component::Component;
 use super::config::Config;
-use crate::math::{ln, one_minus_exp, sqrt};
+use crate::math::{exp, ln, one_minus_exp, sqrt};
 use crate::random::{Rng, normal, uniform, uniform_open};
 
 /// On a straight road the velocity is remembered for so many times the time until a turn: the larger, the straighter a
@@ -46,11 +46,13 @@ impl Leg {
         }
     }
 
-    fn apply(&self, component: &mut Component) {
-        let square = self.kick * self.kick;
+    fn apply<const K: usize>(&self, component: &mut Component<K>) {
+        let pace = component.pace();
+        let (kick, scatter) = (pace * self.kick, pace * self.scatter);
+        let square = kick * kick;
         component.travel(self.reach * (1.0 + self.keep), self.keep);
         component.disturb(
-            self.reach * self.reach * square + self.scatter * self.scatter,
+            self.reach * self.reach * square + scatter * scatter,
             self.reach * square,
             square,
         );
@@ -81,8 +83,10 @@ impl Event {
 /// What may happen to a source in a certain time.
 pub(super) struct Drive {
     pub(super) seconds: f32,
-    /// Of either component of the velocity.
+    /// Of either component of the velocity of the fastest source.
     sigma_m_s: f32,
+    /// Logarithm of how many times as slow the slowest is.
+    slowness: f32,
     straight: Leg,
     turn: Event,
     stop: Event,
@@ -95,6 +99,7 @@ impl Drive {
         Self {
             seconds,
             sigma_m_s,
+            slowness: ln(habits.speed_m_s / habits.slowest_m_s),
             straight: Leg::new(seconds, STRAIGHTNESS * habits.straight_s, sigma_m_s),
             turn: Event::new(seconds, habits.straight_s),
             stop: Event::new(seconds, habits.moving_s),
@@ -108,17 +113,31 @@ impl Drive {
     }
 
     /// Gives it any velocity: drawn for the most part, because what has any velocity is soon anywhere, where a bearing is
-    /// no linear measurement.
-    pub(super) fn accelerate<R: Rng + ?Sized>(&self, component: &mut Component, rng: &mut R) {
-        let drawn = self.sigma_m_s * sqrt(DRAWN);
+    /// no linear measurement. One that departs may be of any kind, as likely slow as fast; one that turns stays what it is.
+    pub(super) fn accelerate<const K: usize, R: Rng + ?Sized>(
+        &self,
+        component: &mut Component<K>,
+        rng: &mut R,
+    ) {
+        let pace = if component.is_stationary() {
+            exp(-self.slowness * uniform(rng))
+        } else {
+            component.pace()
+        };
+        let sigma_m_s = pace * self.sigma_m_s;
+        let drawn = sigma_m_s * sqrt(DRAWN);
         let velocity = [drawn * normal(rng), drawn * normal(rng)];
-        let variance = (1.0 - DRAWN) * self.sigma_m_s * self.sigma_m_s;
+        let variance = (1.0 - DRAWN) * sigma_m_s * sigma_m_s;
         component.set_velocity(velocity, variance);
-        component.stationary_s = -1.0;
+        component.stationary_s = -pace;
     }
 
     /// Moves one that was stationary and has departed since.
-    pub(super) fn depart<R: Rng + ?Sized>(&self, component: &mut Component, rng: &mut R) {
+    pub(super) fn depart<const K: usize, R: Rng + ?Sized>(
+        &self,
+        component: &mut Component<K>,
+        rng: &mut R,
+    ) {
         self.accelerate(component, rng);
         let left = self.seconds - self.departure.after(rng);
         let way = -self.stop.mean_s * ln(uniform_open(rng));
@@ -131,7 +150,11 @@ impl Drive {
     }
 
     /// Lets the time pass.
-    pub(super) fn step<R: Rng + ?Sized>(&self, component: &mut Component, rng: &mut R) {
+    pub(super) fn step<const K: usize, R: Rng + ?Sized>(
+        &self,
+        component: &mut Component<K>,
+        rng: &mut R,
+    ) {
         let stationary = component.is_stationary();
         let event = if stationary {
             &self.departure

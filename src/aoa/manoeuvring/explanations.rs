@@ -45,7 +45,7 @@ const PROBABLY_STOPPED: f32 = 0.3;
 const BEARINGS_TO_STOP: u32 = 30;
 
 /// Bearings on a lost source after which everything starts again: fewer give up sources that would be found again.
-const BEARINGS_TO_START_OVER: u32 = 40;
+pub(super) const BEARINGS_TO_START_OVER: u32 = 40;
 
 /// The latest bearings that everything starts again with: fewer take longer to a fix, more are from before the loss.
 const BEARINGS_KEPT: usize = 12;
@@ -69,12 +69,14 @@ const LENGTH: f32 = 0.3;
 pub(super) type Moments = ([f32; 3], [[f32; 3]; 3]);
 
 /// A stationary component at the place that the stationary locator has found.
-pub(super) fn stationary_there(([x, y, _], covariance): &Moments) -> Component {
+pub(super) fn stationary_there<const K: usize>(
+    ([x, y, _], covariance): &Moments,
+) -> Component<K> {
     let [[xx, xy, _], [_, yy, _], _] = *covariance;
     Component::stationary([*x, *y], Symmetric2 { xx, xy, yy })
 }
 
-impl<L: Stationary> Manoeuvring<L> {
+impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
     /// Lets time pass: the cloud moves on, and some components depart from the stationary source at `place`.
     pub(super) fn let_time_pass<R: Rng + ?Sized>(
         &mut self,
@@ -198,7 +200,7 @@ impl<L: Stationary> Manoeuvring<L> {
     }
 
     /// Starts again with the latest bearings alone.
-    fn start_over(&mut self, config: &Config<L::Config>) {
+    pub(super) fn start_over(&mut self, config: &Config<L::Config>) {
         self.cloud.clear();
         self.moved = 0.0;
         self.phase = Phase::Stationary;
@@ -258,7 +260,7 @@ struct SearchRay<'a> {
 }
 
 impl SearchRay<'_> {
-    fn draw<R: Rng + ?Sized>(&self, rng: &mut R) -> Component {
+    fn draw<const K: usize, R: Rng + ?Sized>(&self, rng: &mut R) -> Component<K> {
         let [px, py] = self.observation.position();
         let (sin, cos) = sin_cos(self.observation.bearing().radians());
         let middle = (self.about[0] - px) * cos + (self.about[1] - py) * sin;

@@ -22,12 +22,14 @@
 //! Time is what tells a stationary source from a moving one: where all bearings have the same time, nothing ever moves. A
 //! bearing that is older than the latest goes to the stationary explanation only, for as long as that takes it.
 
+mod biases;
 mod component;
 mod conclusions;
 mod config;
 mod drive;
 mod explanations;
 mod moved;
+mod stations;
 mod track;
 
 use heapless::Deque;
@@ -123,13 +125,13 @@ fn seconds(milliseconds: i32) -> f32 {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct Manoeuvring<L> {
+pub struct Manoeuvring<L, const K: usize = 0> {
     /// The explanation that it is stationary, if it has a fix.
     stationary: L,
     /// What was learned of the errors of bearings while the source was stationary.
     learned: Learned,
     /// The explanation that it has moved.
-    cloud: Moved,
+    cloud: Moved<K>,
     /// Probability of the cloud's explanation.
     moved: f32,
     phase: Phase,
@@ -146,11 +148,11 @@ pub struct Manoeuvring<L> {
     answer: Answer,
 }
 
-persist!(impl[L: Persist] Manoeuvring<L> as "Manoeuvring"() {
+persist!(impl[L: Persist, const K: usize] Manoeuvring<L, K> as "Manoeuvring"(K) {
     stationary, learned, cloud, moved, phase, recent, outlier_fraction, tries, lost, seen, bearings, answer
 });
 
-impl<L: Stationary> Locate for Manoeuvring<L> {
+impl<L: Stationary, const K: usize> Locate for Manoeuvring<L, K> {
     type Config = Config<L::Config>;
 
     const EMPTY: Self = Self {
@@ -181,22 +183,12 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
         config: &Self::Config,
         rng: &mut R,
     ) -> Result<Answer, PushError> {
-        let elapsed_ms =
-            (self.stationary.latest()).map_or(0, |latest| observation.since_ms(latest.time_ms()));
-        let (place, had_fix) = (self.stationary.moments(), self.stationary.fix().is_some());
-        self.stationary.push(observation, &config.stationary, rng)?;
-        self.bearings = self.bearings.saturating_add(1);
-        if elapsed_ms >= 0 {
-            let errors = self.errors(config);
-            let fresh = self.remember(observation, &errors);
-            if had_fix || self.cloud.is_alive() {
-                let drive = Drive::new(config, seconds(elapsed_ms));
-                self.let_time_pass(&drive, &place, rng);
-                self.weigh(&fresh, &place, &errors);
-                self.search(&fresh, &drive, config, rng);
-            }
+        if K > 0 && self.cloud.is_alive() {
+            self.follow(observation, config, rng)?;
+            self.bearings = self.bearings.saturating_add(1);
+        } else {
+            self.weigh_explanations(observation, config, rng)?;
         }
-        self.update_phase(config);
         self.answer = self.conclude(config);
         if let Answer::Fix(fix) = self.answer
             && self.lost.bearings == 0
@@ -321,7 +313,39 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
     }
 }
 
-impl<L: Stationary> Manoeuvring<L> {
+impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
+    /// Takes a bearing into both explanations.
+    fn weigh_explanations<R: Rng + ?Sized>(
+        &mut self,
+        observation: &Observation,
+        config: &Config<L::Config>,
+        rng: &mut R,
+    ) -> Result<(), PushError> {
+        let elapsed_ms =
+            (self.stationary.latest()).map_or(0, |latest| observation.since_ms(latest.time_ms()));
+        let (place, had_fix) = (self.stationary.moments(), self.stationary.fix().is_some());
+        self.stationary.push(observation, &config.stationary, rng)?;
+        self.bearings = self.bearings.saturating_add(1);
+        if elapsed_ms >= 0 {
+            let errors = self.errors(config);
+            let fresh = self.remember(observation, &errors);
+            if K > 0 {
+                if self.stationary.fix().is_some() {
+                    self.start_to_follow(config, rng);
+                }
+            } else if had_fix || self.cloud.is_alive() {
+                let drive = Drive::new(config, seconds(elapsed_ms));
+                self.let_time_pass(&drive, &place, rng);
+                self.weigh(&fresh, &place, &errors);
+                self.search(&fresh, &drive, config, rng);
+            }
+        }
+        if K == 0 {
+            self.update_phase(config);
+        }
+        Ok(())
+    }
+
     /// Keeps a bearing, and returns it with a sigma by which it counts for no more than it tells beside the earlier ones.
     fn remember(&mut self, observation: &Observation, errors: &Errors) -> Observation {
         let earlier =
@@ -330,11 +354,15 @@ impl<L: Stationary> Manoeuvring<L> {
             sqrt(square_of_distance(fix.position, observation.position()))
         });
         let fresh = independent(observation, earlier, errors, range_m);
+        self.keep(observation);
+        fresh
+    }
+
+    fn keep(&mut self, observation: &Observation) {
         if self.recent.is_full() {
             self.recent.pop_front();
         }
         let _ = self.recent.push_back(*observation);
-        fresh
     }
 
     /// Where the latest bearing was taken.

@@ -1,6 +1,6 @@
 //! The explanation that the source has moved: a mixture over what it may have done.
 
-use super::component::{Component, KnownBias};
+use super::component::{Component, Heard, KnownBias};
 use super::drive::Drive;
 use crate::aoa::robust::Errors;
 use crate::aoa::{Mixture, Observation};
@@ -23,19 +23,14 @@ const ALL: f32 = 0.999;
 /// Normal distributions with weights: a mixture Kalman filter (Chen and Liu 2000), whose samples are the times at which
 /// the source departed, turned and stopped.
 #[derive(Debug, Clone)]
-pub(super) struct Moved {
-    components: [Component; COMPONENTS],
+pub(super) struct Moved<const K: usize> {
+    components: [Component<K>; COMPONENTS],
     weights: Weights<COMPONENTS>,
     pub(super) bias: KnownBias,
     alive: bool,
 }
 
-persist!(Moved {
-    components,
-    weights,
-    bias,
-    alive
-});
+persist!(impl[const K: usize] Moved<K> as "Moved"() { components, weights, bias, alive });
 
 /// The stationary components.
 #[derive(Clone, Copy)]
@@ -48,7 +43,7 @@ pub(super) struct Stopped {
     pub(super) variance: f32,
 }
 
-impl Moved {
+impl<const K: usize> Moved<K> {
     pub(super) const EMPTY: Self = Self {
         components: [Component::stationary([0.0; 2], Symmetric2::ZERO); COMPONENTS],
         weights: Weights::EMPTY,
@@ -78,7 +73,7 @@ impl Moved {
         mass: f32,
         count: f32,
         rng: &mut R,
-        mut draw: impl FnMut(&mut R) -> Component,
+        mut draw: impl FnMut(&mut R) -> Component<K>,
     ) {
         let all = COMPONENTS as f32;
         let (mass, count) = if self.alive {
@@ -121,11 +116,20 @@ impl Moved {
 
     /// Takes a bearing into all components, and returns the mean of one plus its odds.
     pub(super) fn update(&mut self, observation: &Observation, errors: &Errors) -> f32 {
+        let heard = self.heard(observation, errors);
         let log_likelihoods = self.weights.log_likelihoods_mut();
         for (component, value) in self.components.iter_mut().zip(log_likelihoods) {
-            *value = ln(component.update(observation, errors, self.bias));
+            *value = ln(component.update(&heard));
         }
         self.weights.update().map_or(1.0, exp)
+    }
+
+    const fn heard<'a>(&self, observation: &'a Observation, errors: &'a Errors) -> Heard<'a> {
+        Heard {
+            observation,
+            errors,
+            bias: self.bias,
+        }
     }
 
     /// Mean odds that a bearing is no outlier, if everything goes straight on for `seconds` until it is taken; zero if
@@ -134,10 +138,11 @@ impl Moved {
         if !self.alive {
             return 0.0;
         }
+        let heard = self.heard(observation, errors);
         let odds = self.iter().map(|(component, weight)| {
             let mut component = *component;
             component.travel(seconds, 1.0);
-            weight * component.odds(observation, errors, self.bias).0
+            weight * component.odds(&heard).0
         });
         odds.sum()
     }
@@ -145,8 +150,9 @@ impl Moved {
     /// The probabilities that a bearing is direct, mirrored or an outlier.
     pub(super) fn classify(&self, observation: &Observation, errors: &Errors) -> Mixture {
         let [mut direct, mut mirrored, mut outlier] = [0.0; 3];
+        let heard = self.heard(observation, errors);
         for (component, weight) in self.iter() {
-            let (odds, is_mirrored) = component.odds(observation, errors, self.bias);
+            let (odds, is_mirrored) = component.odds(&heard);
             let rest = weight / (1.0 + odds);
             outlier += rest;
             *(if is_mirrored {
@@ -187,7 +193,7 @@ impl Moved {
     }
 
     /// Removes some components, and returns the sum of their weights.
-    pub(super) fn remove(&mut self, which: impl Fn(&Component) -> bool) -> f32 {
+    pub(super) fn remove(&mut self, which: impl Fn(&Component<K>) -> bool) -> f32 {
         let mut mass = 0.0;
         let (log_weights, weights) = self.weights.columns_mut();
         let weights = log_weights.iter_mut().zip(weights);
@@ -206,7 +212,7 @@ impl Moved {
         mass
     }
 
-    fn iter(&self) -> impl Iterator<Item = (&Component, f32)> {
+    fn iter(&self) -> impl Iterator<Item = (&Component<K>, f32)> {
         (self.components.iter()).zip(self.weights.weights().iter().copied())
     }
 
@@ -227,7 +233,7 @@ impl Moved {
     /// Mean and covariance of the mixture of what is normally distributed in some of the components.
     fn moments(
         &self,
-        of: impl Fn(&Component) -> Option<([f32; 2], Symmetric2)>,
+        of: impl Fn(&Component<K>) -> Option<([f32; 2], Symmetric2)>,
     ) -> ([f32; 2], Symmetric2) {
         let parts =
             || (self.iter()).filter_map(|(component, weight)| Some((of(component)?, weight)));

@@ -6,7 +6,7 @@ use crate::aoa::track::{Stationary, Track};
 use crate::aoa::{Answer, Locate, Observation};
 use crate::random::Rng;
 
-impl<L: Stationary> Track for Manoeuvring<L> {
+impl<L: Stationary, const K: usize> Track for Manoeuvring<L, K> {
     fn beliefs(config: &Self::Config) -> robust::Config {
         L::beliefs(&config.stationary)
     }

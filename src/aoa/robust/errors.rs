@@ -88,7 +88,7 @@ impl Learned {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Correlation {
-    /// Correlation of two bearings that are taken one after the other at one place, 0 to 0.99. Zero is none.
+    /// Correlation of two bearings that are taken one after the other at one place, 0 to 0.999. Zero is none.
     pub at_rest: f32,
     /// It falls by a factor of e over this fraction of the range to the source, 0 to 1; as long as that is not known, of
     /// the extent of the places where bearings were taken.
@@ -120,7 +120,7 @@ impl Correlation {
     /// # Errors
     /// Names the field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
-        require_within!(self: at_rest 0.0..=0.99, distance 0.0..=1.0, distance_m 0.0..=1e6);
+        require_within!(self: at_rest 0.0..=0.999, distance 0.0..=1.0, distance_m 0.0..=1e6);
         require!(self.time_s >= 0.001, "time_s is less than 0.001");
         Ok(())
     }

@@ -36,6 +36,19 @@ pub(in crate::aoa) fn independent<'a>(
     tempered(*observation, errors.correlation.worth(least))
 }
 
+/// A bearing that comes `seconds` after the latest of its place, with the sigma of all of its error on a source thought to be
+/// at a place: so large that it counts for no more than it tells beside that one.
+pub(in crate::aoa) fn successive(
+    observation: &Observation,
+    seconds: f32,
+    errors: &Errors,
+    source: [f32; 2],
+) -> Observation {
+    let sigma = sqrt(errors.variance(observation, Some(source)));
+    let worth = errors.correlation.worth(seconds / errors.correlation.time_s);
+    tempered(within(*observation, sigma), worth)
+}
+
 /// The line of a bearing, as it is seen from a state.
 pub(in crate::aoa) struct Line {
     /// How far off the bearing is, in radians.
@@ -82,7 +95,11 @@ pub(in crate::aoa) fn read(
 
 /// A bearing that counts for `worth` of its information.
 fn tempered(observation: Observation, worth: f32) -> Observation {
-    let sigma = observation.sigma_rad() / sqrt(worth);
+    within(observation, observation.sigma_rad() / sqrt(worth))
+}
+
+/// A bearing of that sigma, if that is none too large.
+fn within(observation: Observation, sigma: f32) -> Observation {
     let most = Observation::MAX_SIGMA_RAD;
     observation.with_sigma(if sigma < most { sigma } else { most })
 }

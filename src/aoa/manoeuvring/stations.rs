@@ -1,0 +1,120 @@
+//! A source among fixed stations: what is learned of their biases is kept whether it moves or not, so the cloud is the only
+//! explanation from the first fix on.
+
+use super::biases::StationBiases;
+use super::component::{Component, Heard, KnownBias};
+use super::drive::Drive;
+use super::explanations::{BEARINGS_TO_START_OVER, stationary_there};
+use super::moved::COMPONENTS;
+use super::{Config, MEMORY, Manoeuvring, Phase, seconds};
+use crate::aoa::robust::Errors;
+use crate::aoa::robust::outside::successive;
+use crate::aoa::track::{Stationary, Track};
+use crate::aoa::{Observation, PushError};
+use crate::random::{Rng, uniform};
+
+/// The first fix says again what its bearings say, by a covariance that is so many times as large as its own: less counts them
+/// twice, more is linearised farther from where the source is.
+const WIDER: f32 = 16.0;
+
+impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
+    /// The errors of a bearing beside the bias of its station.
+    pub(super) fn errors_beside_biases(&self, config: &Config<L::Config>) -> Errors {
+        let mut errors = self.errors(config);
+        if K > 0 {
+            errors.stop_sigma_rad = 0.0;
+        }
+        errors
+    }
+
+    /// Whether a bearing can be taken.
+    fn admit(&self, observation: &Observation) -> Result<(), PushError> {
+        let Some(latest) = self.recent.back() else {
+            return Ok(());
+        };
+        let same = |old: &Observation| {
+            (old.time_ms(), old.station()) == (observation.time_ms(), observation.station())
+        };
+        if self.recent.iter().any(same) {
+            Err(PushError::Duplicate)
+        } else if observation.since_ms(latest.time_ms()) < 0 {
+            Err(PushError::TooOld)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Takes a bearing into the cloud alone.
+    pub(super) fn follow<R: Rng + ?Sized>(
+        &mut self,
+        observation: &Observation,
+        config: &Config<L::Config>,
+        rng: &mut R,
+    ) -> Result<(), PushError> {
+        self.admit(observation)?;
+        let elapsed_ms =
+            (self.recent.back()).map_or(0, |latest| observation.since_ms(latest.time_ms()));
+        let mut errors = self.errors_beside_biases(config);
+        let since = self.since_station_heard(observation);
+        // Of all components alike: what differs among them would count with every reading, however much repeats.
+        let fresh = successive(observation, since, &errors, self.cloud.position().0);
+        (errors.sigma_scale, errors.position_sigma_m) = (1.0, 0.0);
+        self.keep(observation);
+        let drive = Drive::new(config, seconds(elapsed_ms));
+        self.cloud.predict(&drive, observation.position(), rng);
+        let total = self.cloud.update(&fresh, &errors);
+        self.outlier_fraction += (1.0 / total - self.outlier_fraction) / MEMORY;
+        self.search(observation, &drive, config, rng);
+        if self.lost.bearings > BEARINGS_TO_START_OVER {
+            self.start_over(config);
+        }
+        Ok(())
+    }
+
+    /// Seconds since the latest bearing of the same station. What that says is no matter: stations hear many readings a second,
+    /// of which those that differ repeat, too.
+    fn since_station_heard(&self, observation: &Observation) -> f32 {
+        let is_of_it = |old: &&Observation| old.station() == observation.station();
+        let latest = self.recent.iter().rev().find(is_of_it);
+        latest.map_or(f32::INFINITY, |old| {
+            seconds(observation.since_ms(old.time_ms()))
+        })
+    }
+
+    /// Starts the cloud from the first fix: at rest or not, as it is at any time.
+    pub(super) fn start_to_follow<R: Rng + ?Sized>(
+        &mut self,
+        config: &Config<L::Config>,
+        rng: &mut R,
+    ) {
+        let moments = self.stationary.moments();
+        let mut there: Component<K> = stationary_there(&moments);
+        let errors = self.errors_beside_biases(config);
+        let sigma = errors.sigma_scale * self.errors(config).stop_sigma_rad;
+        there.biases = StationBiases::new(sigma);
+        there.position_covariance = there.position_covariance.scaled(WIDER);
+        for station in 0..K {
+            let is_of = |old: &&Observation| StationBiases::<K>::index(old) == Some(station);
+            if let Some(latest) = self.recent.iter().rev().find(is_of) {
+                there.update(&Heard {
+                    observation: latest,
+                    errors: &errors,
+                    bias: KnownBias {
+                        mean: 0.0,
+                        variance: 0.0,
+                    },
+                });
+            }
+        }
+        let drive = Drive::new(config, 0.0);
+        let moving = config.moving_s / (config.moving_s + config.stationary_s);
+        (self.cloud).insert(1.0, COMPONENTS as f32, rng, |rng| {
+            let mut component = there;
+            if uniform(rng) < moving {
+                drive.accelerate(&mut component, rng);
+            }
+            component
+        });
+        (self.moved, self.phase) = (1.0, Phase::Moving);
+    }
+}
