@@ -28,7 +28,7 @@ pub struct Config<C = robust::Config> {
     /// Root mean square of the source's speed while it moves, in metres a second, 0.05 to 100: of the fastest source that is
     /// thought of.
     pub speed_m_s: f32,
-    /// The same of the slowest, at least 0.05 and at most as large. Between the two all orders of magnitude are as likely.
+    /// The same of the slowest, at least 0.05 and at most as large. A quarter of all are slow.
     pub slowest_m_s: f32,
     /// Mean time for which the source is stationary, in seconds, 1 to 1e6. The longer, the more evidence it takes to
     /// believe that the source moves.
@@ -46,7 +46,7 @@ impl<C> Config<C> {
         Self {
             stationary,
             speed_m_s: 10.0,
-            slowest_m_s: 1.0,
+            slowest_m_s: 1.4,
             stationary_s: 600.0,
             moving_s: 180.0,
             straight_s: 20.0,
@@ -71,7 +71,7 @@ impl<C> Config<C> {
 }
 
 impl Config {
-    /// A car that is hunted by a car, with the default robust locator.
+    /// A car, or somebody on foot, hunted by a car, with the default robust locator.
     pub const DEFAULT: Self = Self::new(robust::Config::DEFAULT);
 
     /// Somebody on foot, who stops as often as not.
@@ -82,6 +82,17 @@ impl Config {
         moving_s: 120.0,
         straight_s: 30.0,
         ..Self::DEFAULT
+    };
+
+    /// Somebody who walks among fixed arrays in a room, for a locator with as many biases as there are stations: stands for
+    /// moments, and turns every few metres.
+    pub const ROOM: Self = Self {
+        stationary: robust::Config::ROOM,
+        speed_m_s: 1.4,
+        slowest_m_s: 0.7,
+        stationary_s: 3.0,
+        moving_s: 60.0,
+        straight_s: 5.0,
     };
 }
 

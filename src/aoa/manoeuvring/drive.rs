@@ -2,7 +2,7 @@
 
 use super::component::Component;
 use super::config::Config;
-use crate::math::{exp, ln, one_minus_exp, sqrt};
+use crate::math::{ln, one_minus_exp, sqrt};
 use crate::random::{Rng, normal, uniform, uniform_open};
 
 /// On a straight road the velocity is remembered for so many times the time until a turn: the larger, the straighter a
@@ -12,6 +12,10 @@ const STRAIGHTNESS: f32 = 20.0;
 /// Fraction of the variance of a new velocity that is drawn, rather than left to the Kalman filter: the smaller, the sooner
 /// a component is so long that a bearing is no linear measurement of it; the larger, the fewer velocities are covered.
 const DRAWN: f32 = 0.8;
+
+/// Fraction of new velocities that are those of the slowest source: more follow somebody on foot sooner and leave fewer
+/// components for a car.
+const SLOW: f32 = 0.25;
 
 /// A velocity that follows an Ornstein-Uhlenbeck process, and the way meanwhile: exact for any time.
 #[derive(Clone, Copy)]
@@ -85,8 +89,8 @@ pub(super) struct Drive {
     pub(super) seconds: f32,
     /// Of either component of the velocity of the fastest source.
     sigma_m_s: f32,
-    /// Logarithm of how many times as slow the slowest is.
-    slowness: f32,
+    /// How fast the slowest is, as a fraction of that.
+    slowest: f32,
     straight: Leg,
     turn: Event,
     stop: Event,
@@ -99,7 +103,7 @@ impl Drive {
         Self {
             seconds,
             sigma_m_s,
-            slowness: ln(habits.speed_m_s / habits.slowest_m_s),
+            slowest: habits.slowest_m_s / habits.speed_m_s,
             straight: Leg::new(seconds, STRAIGHTNESS * habits.straight_s, sigma_m_s),
             turn: Event::new(seconds, habits.straight_s),
             stop: Event::new(seconds, habits.moving_s),
@@ -113,16 +117,18 @@ impl Drive {
     }
 
     /// Gives it any velocity: drawn for the most part, because what has any velocity is soon anywhere, where a bearing is
-    /// no linear measurement. One that departs may be of any kind, as likely slow as fast; one that turns stays what it is.
+    /// no linear measurement. Whether it is a slow one is drawn, too.
     pub(super) fn accelerate<const K: usize, R: Rng + ?Sized>(
         &self,
         component: &mut Component<K>,
         rng: &mut R,
     ) {
-        let pace = if component.is_stationary() {
-            exp(-self.slowness * uniform(rng))
-        } else {
+        let pace = if !component.is_stationary() {
             component.pace()
+        } else if uniform(rng) < SLOW {
+            self.slowest
+        } else {
+            1.0
         };
         let sigma_m_s = pace * self.sigma_m_s;
         let drawn = sigma_m_s * sqrt(DRAWN);

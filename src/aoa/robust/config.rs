@@ -2,6 +2,7 @@
 
 use super::errors::{Correlation, Errors};
 use crate::ConfigError;
+use crate::aoa::Mixture;
 use crate::config::{require, require_all, require_within};
 
 /// What a [`Robust`](super::Robust) locator can be told.
@@ -49,6 +50,29 @@ impl Config {
             },
             ..Errors::DEFAULT
         },
+        ..Self::DEFAULT
+    };
+
+    /// For fixed arrays round a room that hear a tag many times a second: each is off by some ten degrees, as the walls reflect,
+    /// alike while the tag is at rest, and what else is wrong with a reading lasts for some seconds. Any place is a fix, with
+    /// the sigma that it has.
+    ///
+    /// What an array is off by counts as that of a place, for the array is at one: it is not estimated, and costs nothing.
+    pub const ROOM: Self = Self {
+        errors: Errors {
+            rates: Mixture::new(0.0, 0.02),
+            prior_bearings: f32::INFINITY,
+            stop_sigma_rad: 0.175,
+            bias_sigma_rad: 0.0,
+            correlation: Correlation {
+                at_rest: 0.99,
+                time_s: 2.0,
+                ..Correlation::DEFAULT
+            },
+            ..Errors::DEFAULT
+        },
+        range_m: 20.0,
+        relative_range_sigma: 1.0,
         ..Self::DEFAULT
     };
 
