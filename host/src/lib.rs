@@ -50,6 +50,7 @@ pub mod survey;
 pub mod tetam;
 pub mod tracks;
 pub mod tunnel;
+pub mod walker;
 pub mod walks;
 pub mod xplr;
 

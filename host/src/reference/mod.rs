@@ -17,6 +17,7 @@ mod posterior;
 mod scales;
 mod sums;
 mod von_mises;
+mod walker;
 
 #[cfg(test)]
 mod tests;
@@ -28,6 +29,7 @@ pub use kalman::Kalman;
 pub use model::{Biases, ByDirection, Model, Prior, biases_by_station, turns};
 pub use posterior::{Posterior, Square};
 pub use von_mises::von_mises;
+pub use walker::Walkers;
 
 use nalgebra::{Matrix2, Vector2};
 

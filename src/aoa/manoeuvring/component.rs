@@ -167,10 +167,23 @@ impl<const K: usize> Component<K> {
         let back = gx * (self.position[0] - x) + gy * (self.position[1] - y);
         Prediction {
             gain,
-            variance: line.variance + gb * gb * bias.variance + spread,
+            variance: line.variance + gb * gb * bias.variance + spread + self.bend([gx, gy]),
             error: line.error + self.biases.mean_of(station) + back,
             line,
         }
+    }
+
+    /// Variance of what a bearing of this gradient has beside the linear part: the second-order term of the filter (Jazwinski
+    /// 1970, section 9.3). Only among stations, where the distance is not divided; zero elsewhere.
+    fn bend(&self, [gx, gy]: [f32; 2]) -> f32 {
+        if K == 0 {
+            return 0.0;
+        }
+        let dot = |[a, b]: [f32; 2], [x, y]: [f32; 2]| a * x + b * y;
+        let (across, along) = ([gx, gy], [gy, -gx]);
+        let [pa, pl] = [across, along].map(|direction| self.position_covariance.times(direction));
+        let both = dot(along, pa);
+        dot(across, pa) * dot(along, pl) + both * both
     }
 
     /// Covariance of everything with a measurement of the position, and of the bias of a station.
@@ -222,6 +235,31 @@ impl<const K: usize> Component<K> {
             let drawn = (1.0 - left / variance) / variance;
             self.shift(&gain, sqrt(drawn) * normal(rng), -drawn);
         }
+    }
+
+    /// One that has just stopped at a place, which leaves each station that bias of which a bearing tells, if biases have a
+    /// standard deviation before any; with that covariance of the place.
+    pub(super) fn among_stations<'a>(
+        position: [f32; 2],
+        covariance: Symmetric2,
+        sigma_rad: f32,
+        bearings: impl Iterator<Item = Heard<'a>>,
+    ) -> Self {
+        let mut component = Self::stationary(position, Symmetric2::ZERO);
+        component.biases = StationBiases::new(sigma_rad);
+        let mut slopes = [[0.0; 2]; K];
+        for heard in bearings {
+            component.update(&heard);
+            let bias = [position[0], position[1], 0.0];
+            let [gx, gy, _] = read(heard.observation, heard.errors, &bias).gradient;
+            let station = StationBiases::<K>::index(heard.observation);
+            if let Some(slope) = station.and_then(|station| slopes.get_mut(station)) {
+                *slope = [gx, gy];
+            }
+        }
+        component.position_covariance = covariance;
+        component.biases.follow(&slopes, &covariance, sigma_rad);
+        component
     }
 
     /// Odds that a bearing is no outlier, and whether it is mirrored then.

@@ -118,6 +118,8 @@ impl Drive {
 
     /// Gives it any velocity: drawn for the most part, because what has any velocity is soon anywhere, where a bearing is
     /// no linear measurement. Whether it is a slow one is drawn, too.
+    ///
+    /// Among stations, which see it from all sides and many times a second, nothing but that is drawn.
     pub(super) fn accelerate<const K: usize, R: Rng + ?Sized>(
         &self,
         component: &mut Component<K>,
@@ -131,10 +133,14 @@ impl Drive {
             1.0
         };
         let sigma_m_s = pace * self.sigma_m_s;
-        let drawn = sigma_m_s * sqrt(DRAWN);
-        let velocity = [drawn * normal(rng), drawn * normal(rng)];
-        let variance = (1.0 - DRAWN) * sigma_m_s * sigma_m_s;
-        component.set_velocity(velocity, variance);
+        if K > 0 {
+            component.set_velocity([0.0; 2], sigma_m_s * sigma_m_s);
+        } else {
+            let drawn = sigma_m_s * sqrt(DRAWN);
+            let velocity = [drawn * normal(rng), drawn * normal(rng)];
+            let variance = (1.0 - DRAWN) * sigma_m_s * sigma_m_s;
+            component.set_velocity(velocity, variance);
+        }
         component.stationary_s = -pace;
     }
 

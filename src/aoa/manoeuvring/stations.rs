@@ -4,7 +4,7 @@
 use super::biases::StationBiases;
 use super::component::{Component, Heard, KnownBias};
 use super::drive::Drive;
-use super::explanations::{BEARINGS_TO_START_OVER, stationary_there};
+use super::explanations::{BEARINGS_TO_START_OVER};
 use super::moved::COMPONENTS;
 use super::{Config, MEMORY, Manoeuvring, Phase, seconds};
 use crate::aoa::robust::Errors;
@@ -13,9 +13,9 @@ use crate::aoa::track::{Stationary, Track};
 use crate::aoa::{Observation, PushError};
 use crate::random::{Rng, uniform};
 
-/// The first fix says again what its bearings say, by a covariance that is so many times as large as its own: less counts them
-/// twice, more is linearised farther from where the source is.
-const WIDER: f32 = 16.0;
+/// Fraction of the variance of the first position that is left to each component: less linearises bearings better about where
+/// it is, more leaves more components when most have turned out to be elsewhere.
+const LEFT: f32 = 0.5;
 
 impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
     /// The errors of a bearing beside the bias of its station.
@@ -87,29 +87,39 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
         config: &Config<L::Config>,
         rng: &mut R,
     ) {
-        let moments = self.stationary.moments();
-        let mut there: Component<K> = stationary_there(&moments);
-        let errors = self.errors_beside_biases(config);
+        let (Some(fix), errors) = (self.stationary.fix(), self.errors_beside_biases(config)) else {
+            return;
+        };
         let sigma = errors.sigma_scale * self.errors(config).stop_sigma_rad;
-        there.biases = StationBiases::new(sigma);
-        there.position_covariance = there.position_covariance.scaled(WIDER);
-        for station in 0..K {
+        let bias = KnownBias {
+            mean: 0.0,
+            variance: 0.0,
+        };
+        let heard = (0..K).filter_map(|station| {
             let is_of = |old: &&Observation| StationBiases::<K>::index(old) == Some(station);
-            if let Some(latest) = self.recent.iter().rev().find(is_of) {
-                there.update(&Heard {
-                    observation: latest,
-                    errors: &errors,
-                    bias: KnownBias {
-                        mean: 0.0,
-                        variance: 0.0,
-                    },
-                });
-            }
-        }
+            let observation = self.recent.iter().rev().find(is_of)?;
+            Some(Heard {
+                observation,
+                errors: &errors,
+                bias,
+            })
+        });
+        let left = fix.covariance.scaled(LEFT);
+        let cloud = self.stationary.cloud(0);
+        let anywhere = |rng: &mut R| {
+            let cloud = cloud?;
+            let mut left = uniform(rng);
+            let i = cloud.weights.iter().position(|weight| {
+                left -= weight;
+                left < 0.0
+            })?;
+            Some([*cloud.east.get(i)?, *cloud.north.get(i)?])
+        };
         let drive = Drive::new(config, 0.0);
         let moving = config.moving_s / (config.moving_s + config.stationary_s);
         (self.cloud).insert(1.0, COMPONENTS as f32, rng, |rng| {
-            let mut component = there;
+            let place = anywhere(rng).unwrap_or(fix.position);
+            let mut component = Component::among_stations(place, left, sigma, heard.clone());
             if uniform(rng) < moving {
                 drive.accelerate(&mut component, rng);
             }
