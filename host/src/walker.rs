@@ -9,7 +9,10 @@ use crate::{
     stations::Stations,
 };
 
-/// How somebody walks: stands or goes straight on, and turns now and then.
+/// A way that is straight is so much longer than until a turn: a velocity is kept for so many times as long.
+const STRAIGHTNESS: f64 = 20.0;
+
+/// How somebody walks: stands or goes nearly straight on, and turns now and then.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Walker {
     /// Root mean square of the speed, in metres a second.
@@ -43,9 +46,15 @@ pub struct Walk {
 impl Walker {
     /// Somebody who is anywhere in the room, half a metre from the walls.
     pub fn start(&self, rng: &mut impl Rng) -> Gait {
+        self.start_within(-0.5, rng)
+    }
+
+    /// The same as far as a distance outside the walls.
+    pub(crate) fn start_within(&self, margin: f64, rng: &mut impl Rng) -> Gait {
         let walks = rng.random_bool(self.walking_s / (self.walking_s + self.standing_s));
+        let mut within = |side: f64| rng.random_range(-margin..side + margin);
         Gait {
-            position: [rng.random_range(0.5..11.5), rng.random_range(0.5..5.5)],
+            position: [within(12.0), within(6.0)],
             velocity: walks.then(|| self.velocity(rng)),
         }
     }
@@ -67,9 +76,15 @@ impl Walker {
         } else if turns {
             gait.velocity = Some(self.velocity(rng));
         }
-        if let Some([u, v]) = gait.velocity {
-            gait.position[0] += seconds * u;
-            gait.position[1] += seconds * v;
+        let keep = (-seconds / (STRAIGHTNESS * self.straight_s)).exp();
+        let kick = (1.0 - keep * keep).sqrt();
+        if let Some(velocity) = &mut gait.velocity {
+            let fresh = self.velocity(rng);
+            for ((x, v), w) in gait.position.iter_mut().zip(velocity).zip(fresh) {
+                let before = *v;
+                *v = keep * before + kick * w;
+                *x += 0.5 * seconds * (before + *v);
+            }
         }
     }
 

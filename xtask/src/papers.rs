@@ -40,6 +40,8 @@ enum Paper {
     Field(Field),
     /// Several sources at rest on one channel, found by default and told apart.
     Sources(Sources),
+    /// Somebody who walks among fixed arrays: simulated and measured.
+    Walkers(Run),
     /// The exact posterior of bearings, which others of these compare with, beside uniform grids.
     Reference(Run),
     /// What each method of these is worth beside the bootstrap filter that costs as much.
@@ -130,6 +132,7 @@ pub fn run(options: &Options) -> Result<()> {
         Paper::Bearings(run) => (run, papers::outliers::run),
         Paper::Finders(run) => (run, papers::finders::run),
         Paper::Reference(run) => (run, papers::reference::run),
+        Paper::Walkers(run) => (run, papers::walkers::run),
         Paper::Cost(run) => (run, papers::cost::run),
         Paper::Sources(sources) => {
             return finish(&sources.run, sources.figures()?);

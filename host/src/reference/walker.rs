@@ -40,8 +40,10 @@ impl Walkers {
         particles: usize,
         rng: &mut impl Rng,
     ) -> Self {
+        /// How far outside the room he may be as well, for it does not know the walls.
+        const MARGIN: f64 = 2.0;
         let particle = |_| Particle {
-            gait: walker.start(rng),
+            gait: walker.start_within(MARGIN, rng),
             biases: [0.0; 4],
             residuals: [f64::NAN; 4],
         };

@@ -148,11 +148,7 @@ impl<const K: usize> Component<K> {
     }
 
     /// Predicts the error of a bearing, linearised about a position.
-    fn predict_bearing(
-        &self,
-        about: [f32; 2],
-        heard: &Heard<'_>,
-    ) -> Prediction<K> {
+    fn predict_bearing(&self, about: [f32; 2], heard: &Heard<'_>) -> Prediction<K> {
         let [x, y] = about;
         let Heard {
             observation, bias, ..
@@ -263,10 +259,7 @@ impl<const K: usize> Component<K> {
     }
 
     /// Odds that a bearing is no outlier, and whether it is mirrored then.
-    pub(super) fn odds(
-        &self,
-        heard: &Heard<'_>,
-    ) -> (f32, bool) {
+    pub(super) fn odds(&self, heard: &Heard<'_>) -> (f32, bool) {
         let prediction = self.predict_bearing(self.position, heard);
         (prediction.odds(heard.errors), prediction.line.mirrored)
     }
@@ -275,10 +268,7 @@ impl<const K: usize> Component<K> {
     ///
     /// Bearings are no linear measurement: the gain is that of where they leave the state, found in a few steps (the
     /// iterated filter: Bell and Cathey 1993).
-    pub(super) fn update(
-        &mut self,
-        heard: &Heard<'_>,
-    ) -> f32 {
+    pub(super) fn update(&mut self, heard: &Heard<'_>) -> f32 {
         let mut prediction = self.predict_bearing(self.position, heard);
         let odds = prediction.odds(heard.errors);
         let fit = odds / (1.0 + odds);

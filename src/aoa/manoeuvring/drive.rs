@@ -161,10 +161,11 @@ impl Drive {
         }
     }
 
-    /// Lets the time pass.
+    /// Lets the time pass. What happens meanwhile is decided by a number that is evenly distributed from 0 to 1.
     pub(super) fn step<const K: usize, R: Rng + ?Sized>(
         &self,
         component: &mut Component<K>,
+        chance: f32,
         rng: &mut R,
     ) {
         let stationary = component.is_stationary();
@@ -173,7 +174,7 @@ impl Drive {
         } else {
             &self.stop
         };
-        let happens = uniform(rng) < event.probability;
+        let happens = chance < event.probability;
         if stationary {
             component.stationary_s += self.seconds;
             if happens {
@@ -184,7 +185,7 @@ impl Drive {
             component.travel(way, 1.0);
             let left = self.seconds - way;
             component.stop(if left > 0.0 { left } else { 0.0 });
-        } else if uniform(rng) < self.turn.probability {
+        } else if chance < event.probability + (1.0 - event.probability) * self.turn.probability {
             // Half of the time with the former velocity, half of it with the new one.
             component.travel(0.5 * self.seconds, 1.0);
             self.accelerate(component, rng);

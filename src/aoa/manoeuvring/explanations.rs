@@ -69,9 +69,7 @@ const LENGTH: f32 = 0.3;
 pub(super) type Moments = ([f32; 3], [[f32; 3]; 3]);
 
 /// A stationary component at the place that the stationary locator has found.
-pub(super) fn stationary_there<const K: usize>(
-    ([x, y, _], covariance): &Moments,
-) -> Component<K> {
+pub(super) fn stationary_there<const K: usize>(([x, y, _], covariance): &Moments) -> Component<K> {
     let [[xx, xy, _], [_, yy, _], _] = *covariance;
     Component::stationary([*x, *y], Symmetric2 { xx, xy, yy })
 }

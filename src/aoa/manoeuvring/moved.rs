@@ -7,7 +7,7 @@ use crate::aoa::{Mixture, Observation};
 use crate::estimate::Symmetric2;
 use crate::math::{exp, ln};
 use crate::persist;
-use crate::random::Rng;
+use crate::random::{Rng, uniform};
 use crate::resample::Scheme;
 use crate::weights::Weights;
 
@@ -16,6 +16,9 @@ pub(super) const COMPONENTS: usize = 128;
 
 /// Effective sample size, as a fraction of the components, below which they are resampled: the usual one half.
 const RESAMPLE_BELOW: f32 = 0.5;
+
+/// Steps of this part of a circle never leave a large gap.
+const GOLDEN: f32 = 0.618_034;
 
 /// What is left of the weights when nearly everything was removed counts as nothing.
 const ALL: f32 = 0.999;
@@ -108,8 +111,12 @@ impl<const K: usize> Moved<K> {
         if self.effective_sample_size() < RESAMPLE_BELOW * COMPONENTS as f32 {
             self.resample(rng);
         }
+        // Evenly over neighbours, too, which are copies after a resampling: of these as many turn and stop as should.
+        let mut chance = uniform(rng);
         for component in &mut self.components {
-            drive.step(component, rng);
+            chance += GOLDEN;
+            chance -= if chance < 1.0 { 0.0 } else { 1.0 };
+            drive.step(component, chance, rng);
             component.divide(from, rng);
         }
     }

@@ -4,7 +4,7 @@
 use super::biases::StationBiases;
 use super::component::{Component, Heard, KnownBias};
 use super::drive::Drive;
-use super::explanations::{BEARINGS_TO_START_OVER};
+use super::explanations::BEARINGS_TO_START_OVER;
 use super::moved::COMPONENTS;
 use super::{Config, MEMORY, Manoeuvring, Phase, seconds};
 use crate::aoa::robust::Errors;
@@ -74,11 +74,11 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
     /// Seconds since the latest bearing of the same station. What that says is no matter: stations hear many readings a second,
     /// of which those that differ repeat, too.
     fn since_station_heard(&self, observation: &Observation) -> f32 {
+        /// After which nothing repeats.
+        const LONG_S: f32 = 1e6;
         let is_of_it = |old: &&Observation| old.station() == observation.station();
         let latest = self.recent.iter().rev().find(is_of_it);
-        latest.map_or(f32::INFINITY, |old| {
-            seconds(observation.since_ms(old.time_ms()))
-        })
+        latest.map_or(LONG_S, |old| seconds(observation.since_ms(old.time_ms())))
     }
 
     /// Starts the cloud from the first fix: at rest or not, as it is at any time.

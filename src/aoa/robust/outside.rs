@@ -45,7 +45,9 @@ pub(in crate::aoa) fn successive(
     source: [f32; 2],
 ) -> Observation {
     let sigma = sqrt(errors.variance(observation, Some(source)));
-    let worth = errors.correlation.worth(seconds / errors.correlation.time_s);
+    let worth = errors
+        .correlation
+        .worth(seconds / errors.correlation.time_s);
     tempered(within(*observation, sigma), worth)
 }
 

@@ -20,5 +20,6 @@ pub mod sources;
 mod statistics;
 mod study;
 mod table;
+pub mod walkers;
 
 pub use study::Study;

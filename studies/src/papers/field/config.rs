@@ -18,7 +18,10 @@ pub const SCALE_SIGMA: f64 = Config::DEFAULT.errors.scale_sigma as f64;
 pub const BIAS_SIGMA: f64 = Config::DEFAULT.errors.bias_sigma_rad as f64;
 /// In all parts: within which ranges the source is about as likely in each.
 const NEAREST_M: f64 = Config::DEFAULT.nearest_m as f64;
-const RANGE_M: f64 = Config::DEFAULT.range_m as f64;
+pub const RANGE_M: f64 = Config::DEFAULT.range_m as f64;
+
+/// The range in a room.
+pub const ROOM_M: f64 = Config::ROOM.range_m as f64;
 
 /// The largest relative standard deviation of range that makes a fix.
 pub const RANGE_SIGMA: f64 = Config::DEFAULT.relative_range_sigma as f64;
@@ -38,8 +41,8 @@ pub const STATION_TIME_S: f64 = 2.0;
 pub const CURVE_SIGMA: f64 = 10.0 * DEGREE;
 pub const HARMONICS: usize = 2;
 
-/// The locator for a bias of each station, and of each direction.
-pub type ByStation = Robust<256, 64, 7>;
+/// The locator for a bias of each station, which counts as an error of its place, and of each direction.
+pub type ByStation = Robust<256>;
 pub type ByDirection = Robust<256, 64, { 4 + 2 * HARMONICS }>;
 
 /// What a locator is told of bearings.
@@ -74,19 +77,13 @@ pub fn stops() -> Told {
     }
 }
 
-/// That each station has a bias, and its errors change with time.
+/// That each station is in a room, and has a bias.
 pub fn stations() -> Told {
+    let mut config = Config::ROOM;
+    config.errors.stop_sigma_rad = STATION_SIGMA as f32;
+    config.errors.correlation.time_s = STATION_TIME_S as f32;
     Told {
-        config: with_errors(Errors {
-            bias_sigma_rad: STATION_SIGMA as f32,
-            biases: Biases::PerStation,
-            correlation: Correlation {
-                at_rest: 0.99,
-                time_s: STATION_TIME_S as f32,
-                ..Correlation::DEFAULT
-            },
-            ..Errors::DEFAULT
-        }),
+        config,
         sigma: STATION_READING_SIGMA,
     }
 }
@@ -110,14 +107,15 @@ fn with_errors(errors: Errors) -> Config {
     }
 }
 
-/// The prior of a locator of these bearings: about the middle of the places where they are taken, and flat among them.
-pub fn prior(sights: &[Sight]) -> Option<Prior> {
+/// The prior of a locator of these bearings: about the middle of the places where they are taken, and flat among them; of
+/// sources within a range.
+pub fn prior(sights: &[Sight], range_m: f64) -> Option<Prior> {
     let (low, high) = extent(sights)?;
     let half = 0.5 * (high[0] - low[0]).hypot(high[1] - low[1]);
     Some(Prior::Ranged {
         centre: [0, 1].map(|d| 0.5 * (low[d] + high[d])),
-        nearest_m: half.clamp(NEAREST_M, RANGE_M),
-        range_m: RANGE_M,
+        nearest_m: half.clamp(NEAREST_M, range_m),
+        range_m,
     })
 }
 

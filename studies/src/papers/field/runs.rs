@@ -49,9 +49,14 @@ impl Run {
 
 /// The exact posterior of `sights` with the locators' prior, and otherwise by the `model`.
 pub fn exact(sights: &[Sight], model: Model) -> Result<Posterior> {
+    exact_within(config::RANGE_M, sights, model)
+}
+
+/// The same of a locator for sources within a range.
+pub fn exact_within(range_m: f64, sights: &[Sight], model: Model) -> Result<Posterior> {
     let square = config::everywhere(sights).context("no bearings")?;
     let model = Model {
-        prior: config::prior(sights).context("no bearings")?,
+        prior: config::prior(sights, range_m).context("no bearings")?,
         ..model
     };
     Posterior::within_nearly(&square, sights, &model).context("no posterior")

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use super::{
     config::{self, ByStation, STATION_READING_SIGMA, STATION_SIGMA, STATION_TIME_S, Told},
-    runs::{HEADER, Limits, Run, Runs, exact},
+    runs::{HEADER, Limits, Run, Runs, exact_within},
 };
 use crate::papers::{
     others::nearest_to_lines, outcome::Outcome, statistics::median, study::Study, table::table,
@@ -65,7 +65,7 @@ fn simulated(seconds: usize, runs: u32, seed: u64) -> Result<Runs> {
     let told = config::stations();
     Runs::new(runs, &format!("arrays, {seconds} s"), |run| {
         let heard = stations.hear(&mut generator(seed, run));
-        let exact = exact(&stations.summary(&heard), Model::default())?;
+        let exact = exact_within(config::ROOM_M, &stations.summary(&heard), Model::default())?;
         let answer = locate(&told, &heard.sights, seed ^ run)?;
         Ok(Run::new(answer, &exact, heard.tag, Stations::PLACES[3]))
     })

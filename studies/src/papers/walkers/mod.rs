@@ -1,0 +1,59 @@
+//! Somebody who walks among fixed arrays, each of which has a bias of its own: simulated, beside a converged reference, and
+//! measured, beside least squares with a Kalman filter.
+
+use anyhow::Result;
+use foxhunt::{
+    aoa::{Answer, Locator, Manoeuvring, Observation, PushError, Robust, manoeuvring::Config},
+    random::{SeedableRng, Xoshiro128PlusPlus},
+};
+use foxhunt_host::{Sight, figures::Figure};
+
+use super::study::Study;
+
+mod baseline;
+mod measured;
+mod simulated;
+
+/// Seconds from one score to the next, and until the first.
+const EVERY_S: f64 = 1.0;
+const FIRST_S: f64 = 5.0;
+
+/// Runs the simulated and the measured walks.
+///
+/// # Errors
+/// When measured data cannot be read.
+pub fn run(study: &Study) -> Result<Vec<Figure>> {
+    let mut figures = simulated::run(study.runs.unwrap_or(1000), study.seed)?;
+    if let Some(data) = study.data("xplr", "walks") {
+        figures.extend(measured::run(&data, study.seed)?);
+    }
+    Ok(figures)
+}
+
+/// The locator of walkers among four stations.
+struct Follower {
+    locator: Box<Locator<Manoeuvring<Robust<256>, 4>>>,
+    rng: Xoshiro128PlusPlus,
+}
+
+impl Follower {
+    fn new(config: Config, seed: u64) -> Result<Self> {
+        Ok(Self {
+            locator: Box::new(Locator::new(config)?),
+            rng: Xoshiro128PlusPlus::seed_from_u64(seed),
+        })
+    }
+
+    /// Takes a reading of a station, unless it is the second of a millisecond.
+    fn push(&mut self, (station, sight): &(u8, Sight)) -> Result<()> {
+        let observation = Observation::try_from(*sight)?.from_station(*station);
+        match self.locator.push(&observation, &mut self.rng) {
+            Err(PushError::Duplicate) | Ok(_) => Ok(()),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    fn answer(&self) -> Answer {
+        self.locator.answer()
+    }
+}
