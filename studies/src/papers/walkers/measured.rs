@@ -18,12 +18,16 @@ use crate::papers::{outcome::Outcome, statistics::median, table::table};
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 /// Of an error that changes with the place, seen at right angles to an array. A flat array sees its aperture shortened by
 /// the cosine of the direction from the boresight, so that errors grow by its inverse, up to a limit.
-const SIGMA: f64 = 6.0 * DEGREE;
+const SIGMA: f64 = 5.0 * DEGREE;
 const LEAST_COSINE: f64 = 0.3;
 /// Of what each array is off by on the whole.
-const BIAS_SIGMA: f64 = 4.0 * DEGREE;
+const BIAS_SIGMA: f64 = 2.0 * DEGREE;
+/// Of where the tag is carried beside the middle of a person, in metres.
+const PLACE_M: f64 = 0.2;
 /// For how long an error lasts while somebody walks: two metres.
 const TIME_S: f64 = 3.0;
+/// How much of an error the next reading repeats, of thirty a second and array: they are to tell no more than five do.
+const REPEATED: f32 = 0.999;
 /// Seconds that are drawn together by the bootstrap: errors repeat for as long.
 const BLOCK: usize = 5;
 /// Runs of each walk, for the locator draws random numbers.
@@ -32,7 +36,9 @@ const SEEDS: u64 = 10;
 const fn told() -> Config {
     let mut config = Config::ROOM;
     config.stationary.errors.stop_sigma_rad = BIAS_SIGMA as f32;
+    config.stationary.errors.position_sigma_m = PLACE_M as f32;
     config.stationary.errors.correlation = Correlation {
+        at_rest: REPEATED,
         time_s: TIME_S as f32,
         ..config.stationary.errors.correlation
     };
