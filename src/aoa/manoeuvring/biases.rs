@@ -98,6 +98,13 @@ impl<const K: usize> StationBiases<K> {
         station.map_or(0.0, |station| at(&self.mean, station))
     }
 
+    /// Mean and mean square of the bias of a station.
+    pub(super) fn moments_of(&self, station: usize) -> (f32, f32) {
+        let mean = at(&self.mean, station);
+        let variance = (self.covariance.get(station)).map_or(0.0, |row| at(row, station));
+        (mean, mean * mean + variance)
+    }
+
     /// Adds what the bias of a station has in common with everything.
     pub(super) fn add_to(&self, gain: &mut Gain<K>, station: usize) {
         let add = |sum: &mut [f32; 2], [a, b]: [f32; 2]| *sum = [sum[0] + a, sum[1] + b];

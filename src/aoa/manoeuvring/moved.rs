@@ -1,11 +1,12 @@
 //! The explanation that the source has moved: a mixture over what it may have done.
 
+use super::biases::StationBiases;
 use super::component::{Component, Heard, KnownBias};
 use super::drive::Drive;
 use crate::aoa::robust::Errors;
-use crate::aoa::{Mixture, Observation};
+use crate::aoa::{Bias, Mixture, Observation};
 use crate::estimate::Symmetric2;
-use crate::math::{exp, ln};
+use crate::math::{exp, ln, sqrt};
 use crate::persist;
 use crate::random::{Rng, uniform};
 use crate::resample::Scheme;
@@ -256,6 +257,22 @@ impl<const K: usize> Moved<K> {
             sum = (sum.plus(&covariance.scaled(weight))).plus_outer(weight, [a - x, b - y]);
         }
         ([x, y], sum.scaled(1.0 / mass))
+    }
+
+    /// The bias of the station of a bearing; `None` where stations have none.
+    pub(super) fn bias_of(&self, observation: &Observation) -> Option<Bias> {
+        let station = StationBiases::<K>::index(observation)?;
+        let (mut mean, mut square) = (0.0, 0.0);
+        for (component, weight) in self.iter() {
+            let (own, own_square) = component.biases.moments_of(station);
+            mean += weight * own;
+            square += weight * own_square;
+        }
+        let variance = square - mean * mean;
+        Some(Bias {
+            mean_rad: mean,
+            sigma_rad: sqrt(if variance > 0.0 { variance } else { 0.0 }),
+        })
     }
 
     pub(super) fn stopped(&self) -> Stopped {

@@ -16,7 +16,11 @@ impl<L: Stationary, const K: usize> Track for Manoeuvring<L, K> {
     }
 
     fn latest(&self) -> Option<&Observation> {
-        self.stationary.latest()
+        if K > 0 && self.cloud.is_alive() {
+            self.recent.back()
+        } else {
+            self.stationary.latest()
+        }
     }
 
     fn initiate<R: Rng + ?Sized>(
@@ -42,7 +46,8 @@ impl<L: Stationary, const K: usize> Track for Manoeuvring<L, K> {
             .latest()
             .map_or(0, |latest| observation.since_ms(latest.time_ms()));
         let elapsed = seconds(elapsed_ms.max(0));
-        stationary + self.moved * self.cloud.odds(observation, &self.errors(config), elapsed)
+        let errors = self.errors_beside_biases(config);
+        stationary + self.moved * self.cloud.odds(observation, &errors, elapsed)
     }
 
     fn set_outliers_removed(&mut self, per_bearing: f32) {

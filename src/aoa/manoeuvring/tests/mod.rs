@@ -5,6 +5,7 @@ mod chases;
 mod reference;
 mod several;
 mod stationary;
+mod stations;
 
 use core::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};
 
@@ -71,12 +72,17 @@ fn configurations_are_checked() {
     };
     for wrong in [0.0, -1.0, 1e7, f32::NAN, f32::INFINITY] {
         assert_eq!(of(|c, v| c.speed_m_s = v, wrong), Some("speed_m_s"));
+        assert_eq!(of(|c, v| c.slowest_m_s = v, wrong), Some("slowest_m_s"));
         assert_eq!(of(|c, v| c.stationary_s = v, wrong), Some("stationary_s"));
         assert_eq!(of(|c, v| c.moving_s = v, wrong), Some("moving_s"));
         assert_eq!(of(|c, v| c.straight_s = v, wrong), Some("straight_s"));
     }
     assert_eq!(of(|c, v| c.stationary.range_m = v, 0.0), Some("range_m"));
-    assert!(Config::DEFAULT.check().is_ok() && Config::WALKER.check().is_ok());
+    assert!(
+        [Config::DEFAULT, Config::WALKER, Config::ROOM]
+            .iter()
+            .all(|config| config.check().is_ok())
+    );
 }
 
 #[test]

@@ -1,0 +1,71 @@
+//! Somebody who walks among fixed stations.
+
+use super::*;
+use crate::aoa::robust::Correlation;
+
+type Among = Manoeuvring<Robust<256, 64>, 4>;
+
+const PLACES: [[f32; 2]; 4] = [[0.0, 3.0], [6.0, 0.0], [12.0, 3.0], [6.0, 6.0]];
+const BIASES: [f32; 4] = [0.2, -0.15, 0.1, -0.25];
+
+fn config() -> Config {
+    let mut config = Config::ROOM;
+    config.stationary.errors.correlation = Correlation::NONE;
+    config
+}
+
+/// Where somebody is who walks up and down the room.
+fn walker(second: u32) -> [f32; 2] {
+    let along = (0.15 * second as f32).sin();
+    [6.0 + 4.0 * along, 3.0 + 1.5 * (0.4 * second as f32).sin()]
+}
+
+fn round(second: u32, rng: &mut Xoshiro128PlusPlus) -> Vec<Observation> {
+    let one = |(k, (place, bias)): (u32, (&[f32; 2], f32))| {
+        let off = bias + 0.03 * normal(rng);
+        towards(1000 * second + k, *place, walker(second), off, 0.03).from_station(k as u8)
+    };
+    (0..).zip(PLACES.iter().zip(BIASES)).map(one).collect()
+}
+
+#[test]
+fn biases_are_learned_on_the_way() {
+    for seed in 0..10 {
+        let mut locator = Locator::<Among>::new(config()).unwrap();
+        let mut rng = generator(seed);
+        for second in 0..60 {
+            for observation in round(second, &mut rng) {
+                locator.push(&observation, &mut rng).unwrap();
+                if second < 50 {
+                    continue;
+                }
+                let bias = locator.bias().unwrap();
+                let truth = BIASES[usize::from(observation.station())];
+                assert!((bias.mean_rad - truth).abs() < 5.0 * bias.sigma_rad);
+                assert!(bias.sigma_rad < 0.06, "{bias:?}");
+            }
+        }
+        let fix = locator.fix().unwrap();
+        assert!(distance(fix.position, walker(59)) < 0.8, "{fix:?}");
+    }
+}
+
+#[test]
+fn a_bearing_is_taken_once_and_in_its_order() {
+    let mut locator = Locator::<Among>::new(config()).unwrap();
+    let mut rng = generator(1);
+    for second in 0..20 {
+        for observation in round(second, &mut rng) {
+            locator.push(&observation, &mut rng).unwrap();
+        }
+    }
+    let answer = locator.answer();
+    let late = round(19, &mut rng);
+    assert_eq!(locator.push(&late[3], &mut rng), Err(PushError::Duplicate));
+    let old = at(18_500, &late[0]);
+    assert_eq!(locator.push(&old, &mut rng), Err(PushError::TooOld));
+    assert_eq!(locator.answer(), answer);
+    assert!(is_zero::<Among>(|place| {
+        place.write(Locate::EMPTY);
+    }));
+}
