@@ -339,7 +339,7 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
             let errors = self.errors(config);
             let fresh = self.remember(observation, &errors);
             if K > 0 {
-                if self.stationary.fix().is_some() {
+                if self.may_follow() {
                     self.start_to_follow(config, rng);
                 }
             } else if had_fix || self.cloud.is_alive() {

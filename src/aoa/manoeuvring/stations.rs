@@ -7,11 +7,17 @@ use super::drive::Drive;
 use super::explanations::BEARINGS_TO_START_OVER;
 use super::moved::COMPONENTS;
 use super::{Config, MEMORY, Manoeuvring, Phase, seconds};
+use crate::aoa::core::{check_narrow, square_of_distance};
 use crate::aoa::robust::Errors;
 use crate::aoa::robust::outside::successive;
 use crate::aoa::track::{Stationary, Track};
 use crate::aoa::{Observation, PushError};
 use crate::random::{Rng, uniform};
+
+/// Largest standard deviation of the first position, as a fraction of the range, and rounds of bearings after which a larger one
+/// will do: less is more linear, more follows a source sooner.
+const NARROW: f32 = 0.25;
+const ROUNDS: u32 = 4;
 
 /// Fraction of the variance of the first position that is left to each component: less linearises bearings better about where
 /// it is, more leaves more components when most have turned out to be elsewhere.
@@ -79,6 +85,17 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
         let is_of_it = |old: &&Observation| old.station() == observation.station();
         let latest = self.recent.iter().rev().find(is_of_it);
         latest.map_or(LONG_S, |old| seconds(observation.since_ms(old.time_ms())))
+    }
+
+    /// Whether the source is known well enough for the cloud to start: its components are linear only so far. It starts anyway
+    /// when it has taken long, for the source may move.
+    pub(super) fn may_follow(&self) -> bool {
+        let Some(fix) = self.stationary.fix() else {
+            return false;
+        };
+        let range = square_of_distance(fix.position, self.latest_position());
+        let is_narrow = check_narrow(fix.covariance.largest_eigenvalue(), range, NARROW).is_ok();
+        is_narrow || self.bearings >= ROUNDS * K as u32
     }
 
     /// Starts the cloud from the first fix: at rest or not, as it is at any time.
