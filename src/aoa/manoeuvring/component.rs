@@ -65,6 +65,8 @@ pub(super) struct Heard<'a> {
     pub(super) observation: &'a Observation,
     pub(super) errors: &'a Errors,
     pub(super) bias: KnownBias,
+    /// The probability, beside others of the same reading, that it is the one if any is.
+    pub(super) probability: f32,
 }
 
 impl<const K: usize> Component<K> {
@@ -245,7 +247,7 @@ impl<const K: usize> Component<K> {
         component.biases = StationBiases::new(sigma_rad);
         let mut slopes = [[0.0; 2]; K];
         for heard in bearings {
-            component.update(&heard);
+            component.update(core::iter::once(heard));
             let bias = [position[0], position[1], 0.0];
             let [gx, gy, _] = read(heard.observation, heard.errors, &bias).gradient;
             let station = StationBiases::<K>::index(heard.observation);
@@ -264,14 +266,29 @@ impl<const K: usize> Component<K> {
         (prediction.odds(heard.errors), prediction.line.mirrored)
     }
 
-    /// Takes a bearing, by a Kalman filter that counts it for as much as it is no outlier, and returns one plus its odds.
+    /// Takes the bearings of a reading, which exclude each other, by a Kalman filter that counts the likeliest of them for as much
+    /// as it is the source's, and returns one plus the odds of all: those that lie apart are hardly ever likely both.
+    pub(super) fn update<'a>(&mut self, reading: impl Iterator<Item = Heard<'a>>) -> f32 {
+        let (mut total, mut most, mut likeliest) = (1.0, -1.0, None);
+        for heard in reading {
+            let prediction = self.predict_bearing(self.position, &heard);
+            let odds = heard.probability * prediction.odds(heard.errors);
+            total += odds;
+            if odds > most {
+                (most, likeliest) = (odds, Some((heard, prediction)));
+            }
+        }
+        if let Some((heard, prediction)) = likeliest {
+            self.take(&heard, prediction, most / total);
+        }
+        total
+    }
+
+    /// Takes a bearing as it was predicted, which is the source's with a probability.
     ///
     /// Bearings are no linear measurement: the gain is that of where they leave the state, found in a few steps (the
     /// iterated filter: Bell and Cathey 1993).
-    pub(super) fn update(&mut self, heard: &Heard<'_>) -> f32 {
-        let mut prediction = self.predict_bearing(self.position, heard);
-        let odds = prediction.odds(heard.errors);
-        let fit = odds / (1.0 + odds);
+    fn take(&mut self, heard: &Heard<'_>, mut prediction: Prediction<K>, fit: f32) {
         if fit >= 0.5 {
             for _ in 0..ITERATIONS {
                 let shift = prediction.error / prediction.variance;
@@ -284,7 +301,6 @@ impl<const K: usize> Component<K> {
         // The moments of both possibilities together: less variance if it was no outlier, more for what lies between them.
         let factor = fit * (1.0 - fit) * shift * shift - fit / prediction.variance;
         self.shift(&prediction.gain, -fit * shift, factor);
-        1.0 + odds
     }
 }
 

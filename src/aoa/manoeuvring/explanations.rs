@@ -4,9 +4,9 @@ use super::component::{Component, KnownBias};
 use super::drive::Drive;
 use super::moved::COMPONENTS;
 use super::{Config, Lost, MEMORY, Manoeuvring, Phase, seconds};
-use crate::aoa::Observation;
 use crate::aoa::robust::Errors;
 use crate::aoa::track::{Stationary, odds_by_moments};
+use crate::aoa::{Alternative, Observation};
 use crate::estimate::Symmetric2;
 use crate::math::{sin_cos, sqrt};
 use crate::random::{Rng, normal};
@@ -112,16 +112,19 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
         }
     }
 
-    /// Weighs both explanations by a bearing: that of a stationary source by the normal distribution of where it was.
-    pub(super) fn weigh(&mut self, observation: &Observation, place: &Moments, errors: &Errors) {
+    /// Weighs both explanations by the bearings of a reading: that of a stationary source by the normal distribution of where it was.
+    pub(super) fn weigh(&mut self, reading: &[Alternative], place: &Moments, errors: &Errors) {
         let moved = if self.cloud.is_alive() {
-            self.moved * self.cloud.update(observation, errors)
+            self.moved * self.cloud.update(reading, errors)
         } else {
             0.0
         };
         let mut total = moved;
         if self.may_be_stationary() {
-            total += (1.0 - self.moved) * (1.0 + odds_by_moments(observation, errors, place));
+            let odds = |one: &Alternative| {
+                one.probability() * odds_by_moments(one.observation(), errors, place)
+            };
+            total += (1.0 - self.moved) * (1.0 + reading.iter().map(odds).sum::<f32>());
             self.moved = moved / total;
         }
         // total = 1 + odds, so 1 / total is the probability that this bearing is an outlier.

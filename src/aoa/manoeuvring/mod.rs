@@ -36,7 +36,7 @@ mod moved;
 mod stations;
 mod track;
 
-use heapless::Deque;
+use heapless::{Deque, Vec};
 
 use super::core::square_of_distance;
 use super::robust::outside::independent;
@@ -44,8 +44,8 @@ use super::robust::{Errors, Learned};
 use super::track::{Stationary, Track};
 use super::words::Belief;
 use super::{
-    Advice, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Observation, PushError, Retract,
-    Retracted, SigmaScale, Source,
+    Advice, Alternative, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Observation, PushError,
+    Retract, Retracted, SigmaScale, Source,
 };
 use crate::ConfigError;
 use crate::math::sqrt;
@@ -99,6 +99,24 @@ impl Lost {
         seconds: 0.0,
         bearings: 0,
     };
+}
+
+/// The bearings of a reading.
+type Reading = Vec<Alternative, ALTERNATIVES>;
+
+/// The most bearings of a reading that are taken: one more than a spectrum has peaks.
+const ALTERNATIVES: usize = 4;
+
+/// A reading of which every bearing is changed.
+fn reading_of(
+    alternatives: &[Alternative],
+    change: impl Fn(&Observation) -> Observation,
+) -> Reading {
+    let mut reading = Reading::new();
+    for one in alternatives {
+        let _ = reading.push(one.with_observation(change(one.observation())));
+    }
+    reading
 }
 
 /// Seconds of so many milliseconds.
@@ -160,6 +178,8 @@ persist!(impl[L: Persist, const K: usize] Manoeuvring<L, K> as "Manoeuvring"(K) 
 impl<L: Stationary, const K: usize> Locate for Manoeuvring<L, K> {
     type Config = Config<L::Config>;
 
+    const ALTERNATIVES: bool = L::ALTERNATIVES;
+
     const EMPTY: Self = Self {
         stationary: L::EMPTY,
         learned: Learned::NOTHING,
@@ -188,11 +208,22 @@ impl<L: Stationary, const K: usize> Locate for Manoeuvring<L, K> {
         config: &Self::Config,
         rng: &mut R,
     ) -> Result<Answer, PushError> {
+        self.push_alternatives(&[(*observation).into()], config, rng)
+    }
+
+    /// Takes up to four of the bearings: those after them are left out while the source moves.
+    fn push_alternatives<R: Rng + ?Sized>(
+        &mut self,
+        alternatives: &[Alternative],
+        config: &Self::Config,
+        rng: &mut R,
+    ) -> Result<Answer, PushError> {
+        let best = Alternative::most_probable(alternatives).ok_or(PushError::Empty)?;
         if K > 0 && self.cloud.is_alive() {
-            self.follow(observation, config, rng)?;
+            self.follow(best, alternatives, config, rng)?;
             self.bearings = self.bearings.saturating_add(1);
         } else {
-            self.weigh_explanations(observation, config, rng)?;
+            self.weigh_explanations(best, alternatives, config, rng)?;
         }
         self.answer = self.conclude(config);
         if let Answer::Fix(fix) = self.answer
@@ -323,21 +354,22 @@ impl<L: Stationary, const K: usize> Locate for Manoeuvring<L, K> {
 }
 
 impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
-    /// Takes a bearing into both explanations.
+    /// Takes the bearings of a reading into both explanations.
     fn weigh_explanations<R: Rng + ?Sized>(
         &mut self,
-        observation: &Observation,
+        best: &Observation,
+        alternatives: &[Alternative],
         config: &Config<L::Config>,
         rng: &mut R,
     ) -> Result<(), PushError> {
         let elapsed_ms =
-            (self.stationary.latest()).map_or(0, |latest| observation.since_ms(latest.time_ms()));
+            (self.stationary.latest()).map_or(0, |latest| best.since_ms(latest.time_ms()));
         let (place, had_fix) = (self.stationary.moments(), self.stationary.fix().is_some());
-        self.stationary.push(observation, &config.stationary, rng)?;
+        (self.stationary).push_alternatives(alternatives, &config.stationary, rng)?;
         self.bearings = self.bearings.saturating_add(1);
         if elapsed_ms >= 0 {
             let errors = self.errors(config);
-            let fresh = self.remember(observation, &errors);
+            let fresh = self.remember(best, alternatives, &errors);
             if K > 0 {
                 if self.may_follow() {
                     self.start_to_follow(config, rng);
@@ -346,7 +378,7 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
                 let drive = Drive::new(config, seconds(elapsed_ms));
                 self.let_time_pass(&drive, &place, rng);
                 self.weigh(&fresh, &place, &errors);
-                self.search(&fresh, &drive, config, rng);
+                self.search(best, &drive, config, rng);
             }
         }
         if K == 0 {
@@ -355,15 +387,23 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
         Ok(())
     }
 
-    /// Keeps a bearing, and returns it with a sigma by which it counts for no more than it tells beside the earlier ones.
-    fn remember(&mut self, observation: &Observation, errors: &Errors) -> Observation {
-        let earlier =
-            (self.recent.iter()).map(|old| (old, seconds(observation.since_ms(old.time_ms()))));
+    /// Keeps the most probable bearing, and returns all with sigmas by which they count for no more than they tell beside the
+    /// earlier ones.
+    fn remember(
+        &mut self,
+        best: &Observation,
+        alternatives: &[Alternative],
+        errors: &Errors,
+    ) -> Reading {
         let range_m = (self.answer.fix()).map_or(0.0, |fix| {
-            sqrt(square_of_distance(fix.position, observation.position()))
+            sqrt(square_of_distance(fix.position, best.position()))
         });
-        let fresh = independent(observation, earlier, errors, range_m);
-        self.keep(observation);
+        let fresh = reading_of(alternatives, |one| {
+            let earlier =
+                (self.recent.iter()).map(|old| (old, seconds(one.since_ms(old.time_ms()))));
+            independent(one, earlier, errors, range_m)
+        });
+        self.keep(best);
         fresh
     }
 

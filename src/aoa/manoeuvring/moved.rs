@@ -4,7 +4,7 @@ use super::biases::StationBiases;
 use super::component::{Component, Heard, KnownBias};
 use super::drive::Drive;
 use crate::aoa::robust::Errors;
-use crate::aoa::{Bias, Mixture, Observation};
+use crate::aoa::{Alternative, Bias, Mixture, Observation};
 use crate::estimate::Symmetric2;
 use crate::math::{exp, ln, sqrt};
 use crate::persist;
@@ -122,12 +122,24 @@ impl<const K: usize> Moved<K> {
         }
     }
 
-    /// Takes a bearing into all components, and returns the mean of one plus its odds.
-    pub(super) fn update(&mut self, observation: &Observation, errors: &Errors) -> f32 {
-        let heard = self.heard(observation, errors);
+    /// Takes the bearings of a reading into all components, and returns the mean of one plus their odds.
+    pub(super) fn update(&mut self, reading: &[Alternative], errors: &Errors) -> f32 {
+        let bias = self.bias;
+        fn heard<'a>(
+            alternative: &'a Alternative,
+            errors: &'a Errors,
+            bias: KnownBias,
+        ) -> Heard<'a> {
+            Heard {
+                observation: alternative.observation(),
+                errors,
+                bias,
+                probability: alternative.probability(),
+            }
+        }
         let log_likelihoods = self.weights.log_likelihoods_mut();
         for (component, value) in self.components.iter_mut().zip(log_likelihoods) {
-            *value = ln(component.update(&heard));
+            *value = ln(component.update(reading.iter().map(|one| heard(one, errors, bias))));
         }
         self.weights.update().map_or(1.0, exp)
     }
@@ -137,6 +149,7 @@ impl<const K: usize> Moved<K> {
             observation,
             errors,
             bias: self.bias,
+            probability: 1.0,
         }
     }
 

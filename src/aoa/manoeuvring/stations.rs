@@ -6,12 +6,12 @@ use super::component::{Component, Heard, KnownBias};
 use super::drive::Drive;
 use super::explanations::BEARINGS_TO_START_OVER;
 use super::moved::COMPONENTS;
-use super::{Config, MEMORY, Manoeuvring, Phase, seconds};
+use super::{Config, MEMORY, Manoeuvring, Phase, reading_of, seconds};
 use crate::aoa::core::{check_narrow, square_of_distance};
 use crate::aoa::robust::Errors;
 use crate::aoa::robust::outside::successive;
 use crate::aoa::track::{Stationary, Track};
-use crate::aoa::{Observation, PushError};
+use crate::aoa::{Alternative, Observation, PushError};
 use crate::random::{Rng, uniform};
 
 /// Largest standard deviation of the first position, as a fraction of the range, and rounds of bearings after which a larger one
@@ -50,27 +50,28 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
         }
     }
 
-    /// Takes a bearing into the cloud alone.
+    /// Takes the bearings of a reading into the cloud alone.
     pub(super) fn follow<R: Rng + ?Sized>(
         &mut self,
-        observation: &Observation,
+        best: &Observation,
+        alternatives: &[Alternative],
         config: &Config<L::Config>,
         rng: &mut R,
     ) -> Result<(), PushError> {
-        self.admit(observation)?;
-        let elapsed_ms =
-            (self.recent.back()).map_or(0, |latest| observation.since_ms(latest.time_ms()));
+        self.admit(best)?;
+        let elapsed_ms = (self.recent.back()).map_or(0, |latest| best.since_ms(latest.time_ms()));
         let mut errors = self.errors_beside_biases(config);
-        let since = self.since_station_heard(observation);
+        let since = self.since_station_heard(best);
         // Of all components alike: what differs among them would count with every reading, however much repeats.
-        let fresh = successive(observation, since, &errors, self.cloud.position().0);
+        let about = self.cloud.position().0;
+        let fresh = reading_of(alternatives, |one| successive(one, since, &errors, about));
         (errors.sigma_scale, errors.position_sigma_m) = (1.0, 0.0);
-        self.keep(observation);
+        self.keep(best);
         let drive = Drive::new(config, seconds(elapsed_ms));
-        self.cloud.predict(&drive, observation.position(), rng);
+        self.cloud.predict(&drive, best.position(), rng);
         let total = self.cloud.update(&fresh, &errors);
         self.outlier_fraction += (1.0 / total - self.outlier_fraction) / MEMORY;
-        self.search(observation, &drive, config, rng);
+        self.search(best, &drive, config, rng);
         if self.lost.bearings > BEARINGS_TO_START_OVER {
             self.start_over(config);
         }
@@ -119,6 +120,7 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
                 observation,
                 errors: &errors,
                 bias,
+                probability: 1.0,
             })
         });
         let left = fix.covariance.scaled(LEFT);

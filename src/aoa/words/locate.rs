@@ -47,8 +47,9 @@ pub trait Locate {
         rng: &mut R,
     ) -> Result<Answer, PushError>;
 
-    /// Takes a reading of several bearings that exclude each other, and says what is known with it. Most locators take the
-    /// most probable one alone; [`Robust`](crate::aoa::Robust) takes all.
+    /// Takes a reading of several bearings that exclude each other, and says what is known with it. Some locators take the
+    /// most probable one alone; [`Robust`](crate::aoa::Robust), and a [`Manoeuvring`](crate::aoa::Manoeuvring) around it, take
+    /// all.
     ///
     /// # Errors
     /// When there is no bearing, or the reading is too old or a duplicate; the state is then as before.

@@ -294,8 +294,16 @@ impl Alternative {
         &self.observation
     }
 
+    /// The same, if the bearing is that.
+    pub(in crate::aoa) const fn with_observation(&self, observation: Observation) -> Self {
+        Self {
+            observation,
+            probability: self.probability,
+        }
+    }
+
     /// The most probable of some bearings; of several that are as probable the last.
-    pub(super) fn most_probable(alternatives: &[Self]) -> Option<&Observation> {
+    pub(in crate::aoa) fn most_probable(alternatives: &[Self]) -> Option<&Observation> {
         let best = alternatives.iter().reduce(Self::likelier)?;
         Some(&best.observation)
     }

@@ -1,5 +1,6 @@
 extern crate std;
 
+mod alternatives;
 mod chase;
 mod chases;
 mod reference;
