@@ -49,7 +49,7 @@ pub fn track(rng: &mut Xoshiro128PlusPlus) {
                 fix.sigma_m(),
             ));
         }
-        black_box(tracker.particles().get(any(0)));
+        black_box(tracker.particles(&site).next());
         tracker.reset();
     }
     black_box(

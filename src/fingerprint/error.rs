@@ -52,6 +52,8 @@ pub enum ReadingError {
     TooOld,
     /// The map has more points than there is room for.
     Points,
+    /// The map is a plane, and there is room for one axis.
+    Axes,
     /// No point of the map was surveyed.
     Survey,
 }
@@ -61,5 +63,6 @@ messages!(ReadingError {
     Self::Strength => "no receiver can report such a strength",
     Self::TooOld => "the reading is older than the last update",
     Self::Points => "the map has more points than there is room for",
+    Self::Axes => "the map is a plane, and there is room for one axis",
     Self::Survey => "no point of the map was surveyed",
 });

@@ -66,11 +66,7 @@ impl<'a> Replay<'a> {
         let Some((_, tracker)) = trackers.find(|(known, _)| *known == tag) else {
             return Vec::new();
         };
-        if tracker.fix().is_none() {
-            return Vec::new();
-        }
-        let [x, y, ..] = tracker.particles().columns();
-        let places = x.iter().zip(y);
-        places.map(|(x, y)| [*x, *y].map(f64::from)).collect()
+        let particles = tracker.particles(&self.config.site);
+        particles.map(|[x, y, ..]| [x, y].map(f64::from)).collect()
     }
 }

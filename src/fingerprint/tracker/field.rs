@@ -1,6 +1,7 @@
 //! The likelihood of a scan at every point of the map, and between the points.
 
 use super::Config;
+use super::cloud::Cloud;
 use super::offset::OffsetBelief;
 use super::pending::Level;
 use crate::fingerprint::{Lattice, RadioMap, map::LOWEST_MEAN_DBM};
@@ -17,11 +18,16 @@ pub(super) struct Field<const P: usize> {
     shifts: [f32; P],
     /// By point: the probability that the tag has an offset.
     probabilities: [f32; P],
+    /// By point: the weights of the particles that are nearest to it.
+    weights: [f32; P],
     /// How much the scan adds to the precision of the offset, per dB^2: the mean over the points.
     pub precision: f32,
     /// The mean over the points of the likelihood, relative to that of the best point.
     pub mean: f32,
 }
+
+/// Points that are compared with a scan side by side: their sums stay in registers.
+const BLOCK: usize = 2;
 
 /// A beacon of a scan, ready to be compared. Levels are in halves of a dB, as the means of the map.
 struct Comparison<'a> {
@@ -37,12 +43,14 @@ impl<const P: usize> Field<P> {
         log_likelihoods: [0.0; P],
         shifts: [0.0; P],
         probabilities: [0.0; P],
+        weights: [0.0; P],
         precision: 0.0,
         mean: 0.0,
     };
 
     /// Compares a scan with every point: under the better of two hypotheses, that the tag has no offset and that it has
     /// one.
+    #[inline(never)]
     pub fn look_up<const B: usize>(
         &mut self,
         map: &RadioMap<'_>,
@@ -62,31 +70,70 @@ impl<const P: usize> Field<P> {
                 });
             }
         }
+        let terms = Terms::new(config, belief);
         let points = map.lattice().points();
-        let mut top = f32::NEG_INFINITY;
         let mut precision = 0.0;
-        let each = self
-            .log_likelihoods
-            .iter_mut()
-            .zip(&mut self.shifts)
-            .zip(&mut self.probabilities);
-        for (point, ((log_likelihood, shift), probability)) in each.enumerate().take(points) {
-            let mut sums = Sums::new(config, belief);
-            for Comparison { row, level, scale } in &comparisons {
-                if let Some([sigma, mean]) = row.get(point) {
-                    let sigma = f32::from(*sigma);
-                    sums.add(level - f32::from(*mean), sigma * sigma * scale);
+        let mut first = 0;
+        while first + BLOCK <= points {
+            precision += self.compare::<BLOCK>(first, &comparisons, &terms);
+            first += BLOCK;
+        }
+        while first < points {
+            precision += self.compare::<1>(first, &comparisons, &terms);
+            first += 1;
+        }
+        self.precision = precision / points as f32;
+        self.relate(map, points);
+    }
+
+    /// Compares some points, from the `first` on, with the beacons of a scan. Returns the sum of what it adds there to the
+    /// precision of the offset.
+    #[inline(always)]
+    fn compare<const K: usize>(
+        &mut self,
+        first: usize,
+        comparisons: &[Comparison<'_>],
+        terms: &Terms<'_>,
+    ) -> f32 {
+        let mut sums = [Sums::EMPTY; K];
+        for Comparison { row, level, scale } in comparisons {
+            let Some(points) = row.get(first..).and_then(<[_]>::first_chunk::<K>) else {
+                continue;
+            };
+            for (sums, [sigma, mean]) in sums.iter_mut().zip(points) {
+                let sigma = f32::from(*sigma);
+                sums.add(level - f32::from(*mean), sigma * sigma * scale, terms);
+            }
+        }
+        let mut precision = 0.0;
+        for (lane, sums) in sums.into_iter().enumerate() {
+            let found = sums.conclude(terms);
+            precision += found.precision;
+            let point = first + lane;
+            if let (Some(log_likelihood), Some(shift), Some(probability)) = (
+                self.log_likelihoods.get_mut(point),
+                self.shifts.get_mut(point),
+                self.probabilities.get_mut(point),
+            ) {
+                *log_likelihood = found.log_likelihood;
+                *shift = found.shift;
+                *probability = found.probability;
+            }
+        }
+        precision
+    }
+
+    /// Leaves out the points that were not surveyed, and makes the log-likelihoods relative to the largest.
+    fn relate(&mut self, map: &RadioMap<'_>, points: usize) {
+        if !map.is_complete() {
+            for (point, log_likelihood) in self.log_likelihoods.iter_mut().enumerate().take(points) {
+                if !map.is_surveyed(point) {
+                    *log_likelihood = f32::NEG_INFINITY;
                 }
             }
-            let found = sums.conclude();
-            precision += found.precision;
-            *shift = found.shift;
-            *probability = found.probability;
-            *log_likelihood = if map.is_surveyed(point) {
-                found.log_likelihood
-            } else {
-                f32::NEG_INFINITY
-            };
+        }
+        let mut top = f32::NEG_INFINITY;
+        for log_likelihood in self.log_likelihoods.iter().take(points) {
             if *log_likelihood > top {
                 top = *log_likelihood;
             }
@@ -96,30 +143,25 @@ impl<const P: usize> Field<P> {
             *log_likelihood -= top;
             sum += exp_of_weight(*log_likelihood);
         }
-        let each = 1.0 / points as f32;
-        self.precision = precision * each;
-        self.mean = sum * each;
+        self.mean = sum / points as f32;
     }
 
-    /// The log-likelihood of a place on a map of one row or one column, by its coordinate along that; minus infinity
-    /// beyond the map.
+    /// The log-likelihood of a place on a map of one row or one column, in steps along that; minus infinity beyond the map.
     #[inline(always)]
-    pub fn on_line(&self, lattice: &Lattice, coordinate: f32, origin: f32) -> f32 {
-        let steps = (coordinate - origin) * lattice.per_metre();
+    pub fn on_line(&self, lattice: &Lattice, steps: f32) -> f32 {
         match before(steps, lattice.points()) {
             Some((first, fraction)) => self.between(first, fraction),
             None => f32::NEG_INFINITY,
         }
     }
 
-    /// The log-likelihood of a place on a map of several rows and columns; minus infinity beyond the map.
+    /// The log-likelihood of a place on a map of several rows and columns, in steps; minus infinity beyond the map.
     #[inline(always)]
     pub fn in_plane(&self, lattice: &Lattice, [x, y]: [f32; 2]) -> f32 {
-        let [x0, y0] = lattice.origin();
-        let Some((column, s)) = before((x - x0) * lattice.per_metre(), lattice.columns()) else {
+        let Some((column, s)) = before(x, lattice.columns()) else {
             return f32::NEG_INFINITY;
         };
-        let Some((row, t)) = before((y - y0) * lattice.per_metre(), lattice.rows()) else {
+        let Some((row, t)) = before(y, lattice.rows()) else {
             return f32::NEG_INFINITY;
         };
         let first = row * lattice.columns() + column;
@@ -137,14 +179,40 @@ impl<const P: usize> Field<P> {
         }
     }
 
-    /// By the point nearest to a place: the probability of an offset, and the correction of its mean.
-    #[inline(always)]
-    pub fn offset_at(&self, lattice: &Lattice, place: [f32; 2]) -> [f32; 2] {
-        let point = lattice.nearest(place);
-        match (self.probabilities.get(point), self.shifts.get(point)) {
-            (Some(probability), Some(shift)) => [*probability, *shift],
-            _ => [0.0; 2],
+    /// Teaches the belief about the offset what the particles think of it, whose weights add up to `total`: each as the point
+    /// that is nearest to it.
+    #[inline(never)]
+    pub fn teach<const N: usize>(
+        &mut self,
+        belief: &mut OffsetBelief,
+        lattice: &Lattice,
+        cloud: &Cloud<N>,
+        total: f32,
+    ) {
+        if !belief.is_estimated() {
+            return;
         }
+        let points = lattice.points();
+        let by_point = self.weights.get_mut(..points).unwrap_or_default();
+        by_point.fill(0.0);
+        // Saturates; NaN becomes 0.
+        let nearest = |steps: f32| (steps + 0.5) as usize;
+        let [x, y] = &cloud.places;
+        let is_plane = lattice.is_plane();
+        for (weight, (x, y)) in cloud.weights.iter().zip(x.iter().zip(y)) {
+            let column = nearest(*x);
+            let point = if is_plane {
+                nearest(*y) * lattice.columns() + column
+            } else {
+                column
+            };
+            if let Some(of_point) = by_point.get_mut(point) {
+                *of_point += weight;
+            }
+        }
+        let opinions = self.probabilities.iter().zip(&self.shifts);
+        let opinions = by_point.iter().zip(opinions);
+        belief.learn(self.precision, total, opinions);
     }
 
     /// The likelihood of every point, relative to the best one.
@@ -177,16 +245,36 @@ fn mix(a: f32, b: f32, fraction: f32) -> f32 {
     }
 }
 
-/// Sums over the beacons of a scan at one point, in halves of a dB.
-struct Sums<'a> {
+/// What is the same at all points.
+struct Terms<'a> {
     config: &'a Config,
     belief: &'a OffsetBelief,
+    is_estimated: bool,
     /// Of the offset.
     mean: f32,
     variance: f32,
     /// The largest cost of a reading, doubled as all costs.
     gate: f32,
     mismatch: f32,
+}
+
+impl<'a> Terms<'a> {
+    fn new(config: &'a Config, belief: &'a OffsetBelief) -> Self {
+        Self {
+            config,
+            belief,
+            is_estimated: belief.is_estimated(),
+            mean: 2.0 * belief.mean_db,
+            variance: 4.0 * belief.variance,
+            gate: config.gate_sigmas * config.gate_sigmas,
+            mismatch: 4.0 * config.mismatch_sigma_db * config.mismatch_sigma_db,
+        }
+    }
+}
+
+/// Sums over the beacons of a scan at one point, in halves of a dB.
+#[derive(Clone, Copy)]
+struct Sums {
     /// Without an offset.
     cost: f32,
     /// With the mean of the offset.
@@ -206,40 +294,32 @@ struct Found {
     probability: f32,
 }
 
-impl<'a> Sums<'a> {
-    #[inline(always)]
-    fn new(config: &'a Config, belief: &'a OffsetBelief) -> Self {
-        Self {
-            config,
-            belief,
-            mean: 2.0 * belief.mean_db,
-            variance: 4.0 * belief.variance,
-            gate: config.gate_sigmas * config.gate_sigmas,
-            mismatch: 4.0 * config.mismatch_sigma_db * config.mismatch_sigma_db,
-            cost: 0.0,
-            cost_with: 0.0,
-            precision: 0.0,
-            weighted: 0.0,
-            product: 1.0,
-        }
-    }
+impl Sums {
+    const EMPTY: Self = Self {
+        cost: 0.0,
+        cost_with: 0.0,
+        precision: 0.0,
+        weighted: 0.0,
+        product: 1.0,
+    };
 
     /// Adds a reading that differs so much from the mean of the map, which has this variance.
     #[inline(always)]
-    fn add(&mut self, difference: f32, variance: f32) {
-        let precision = 1.0 / (variance + self.mismatch);
+    fn add(&mut self, difference: f32, variance: f32, terms: &Terms<'_>) {
+        let precision = 1.0 / (variance + terms.mismatch);
         let least = |a: f32, b: f32| if a < b { a } else { b };
-        self.cost += least(difference * difference * precision, self.gate);
-        if self.belief.is_estimated() {
-            let difference = difference - self.mean;
-            let cost = difference * difference * precision;
+        self.cost += least(difference * difference * precision, terms.gate);
+        if terms.is_estimated {
+            let difference = difference - terms.mean;
+            let weighted = difference * precision;
+            let cost = difference * weighted;
             // An offset that is not known well leaves room for larger differences.
-            if cost < self.gate * (1.0 + self.variance * precision) {
+            if cost < terms.gate * (1.0 + terms.variance * precision) {
                 self.cost_with += cost;
                 self.precision += precision;
-                self.weighted += difference * precision;
+                self.weighted += weighted;
             } else {
-                self.cost_with += self.gate;
+                self.cost_with += terms.gate;
             }
         }
         self.product *= precision;
@@ -252,12 +332,12 @@ impl<'a> Sums<'a> {
     }
 
     #[inline(always)]
-    fn conclude(self) -> Found {
-        let tempering = self.config.tempering;
+    fn conclude(self, terms: &Terms<'_>) -> Found {
+        let tempering = terms.config.tempering;
         let logarithm = ln(self.product);
         let half = 0.5 * tempering;
         let without = half * (logarithm - self.cost);
-        if !self.belief.is_estimated() {
+        if !terms.is_estimated {
             return Found {
                 log_likelihood: without,
                 precision: 0.0,
@@ -267,13 +347,13 @@ impl<'a> Sums<'a> {
         }
         let precision = tempering * self.precision;
         let weighted = tempering * self.weighted;
-        let known = 1.0 + self.variance * precision;
-        let gain = self.variance / known;
+        let known = 1.0 + terms.variance * precision;
+        let gain = terms.variance / known;
         let with =
             half * (logarithm - self.cost_with) + 0.5 * (gain * weighted * weighted - ln(known));
         // The sum of both is at most ln 2 above the larger.
         let (without_prior, with_prior) =
-            (without + self.belief.log_none, with + self.belief.log_some);
+            (without + terms.belief.log_none, with + terms.belief.log_some);
         Found {
             log_likelihood: if with_prior > without_prior {
                 with_prior
@@ -282,7 +362,7 @@ impl<'a> Sums<'a> {
             },
             precision: 4.0 * precision,
             shift: 0.5 * gain * weighted,
-            probability: self.belief.probability_given(with - without),
+            probability: terms.belief.probability_given(with - without),
         }
     }
 }

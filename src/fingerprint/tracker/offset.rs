@@ -78,22 +78,29 @@ impl OffsetBelief {
         }
     }
 
-    /// Learns from the particles: the weight of each, the probability of an offset given its place, and the correction
-    /// of the mean there. `precision` is how much the scan adds to the precision of the offset.
-    pub fn learn(&mut self, precision: f32, opinions: impl Iterator<Item = (f32, [f32; 2])>) {
-        if !self.is_estimated() {
-            return;
+    /// Learns from the points where the particles are: the weight of each, the probability of an offset given that place, and
+    /// the correction of the mean there. `total` is the sum of the weights, `precision` how much the scan adds to the
+    /// precision of the offset.
+    pub fn learn<'a>(
+        &mut self,
+        precision: f32,
+        total: f32,
+        opinions: impl Iterator<Item = (&'a f32, (&'a f32, &'a f32))>,
+    ) {
+        let (mut some, mut first, mut second) = (0.0, 0.0, 0.0);
+        for (weight, (probability, shift)) in opinions {
+            // Most points have no particles.
+            if *weight > 0.0 {
+                let with = weight * probability;
+                let of_shift = with * shift;
+                some += with;
+                first += of_shift;
+                second += of_shift * shift;
+            }
         }
-        let (mut none, mut some, mut first, mut second) = (0.0, 0.0, 0.0, 0.0);
-        for (weight, [probability, shift]) in opinions {
-            let with = weight * probability;
-            none += weight - with;
-            some += with;
-            first += with * shift;
-            second += with * shift * shift;
-        }
+        let none = total - some;
         // The sums have underflowed: nothing can be learned.
-        if !(some > 1e-12 && none >= 0.0) {
+        if !(some > 1e-12 * total && none > -1e-3 * total) {
             return;
         }
         let mean = first / some;
@@ -101,7 +108,9 @@ impl OffsetBelief {
         self.mean_db += mean;
         self.variance = self.variance / (1.0 + self.variance * precision)
             + if spread > 0.0 { spread } else { 0.0 };
-        self.set_odds(ln(some / (none + 1e-12)));
+        // Rounding may leave less than none.
+        let none = if none > 0.0 { none } else { 0.0 };
+        self.set_odds(ln(some / (none + 1e-12 * total)));
     }
 
     fn set_odds(&mut self, log_odds: f32) {

@@ -18,18 +18,18 @@ use crate::persist;
 /// assert!(trackers.iter().all(|(tag, _)| tag != 2));
 /// ```
 #[derive(Debug, Clone)]
-pub struct Trackers<const T: usize, const N: usize, const B: usize = 16> {
-    slots: [Slot<N, B>; T],
+pub struct Trackers<const T: usize, const N: usize, const B: usize = 16, const D: usize = 2> {
+    slots: [Slot<N, B, D>; T],
 }
 
 #[derive(Debug, Clone)]
-struct Slot<const N: usize, const B: usize> {
+struct Slot<const N: usize, const B: usize, const D: usize> {
     /// Whose it is, and when that was heard last.
     owner: Option<(u32, u32)>,
-    tracker: Tracker<N, B>,
+    tracker: Tracker<N, B, D>,
 }
 
-impl<const T: usize, const N: usize, const B: usize> Trackers<T, N, B> {
+impl<const T: usize, const N: usize, const B: usize, const D: usize> Trackers<T, N, B, D> {
     /// No tags yet, in bits that are all zero.
     pub const EMPTY: Self = {
         assert!(T > 0, "at least one tag");
@@ -44,7 +44,7 @@ impl<const T: usize, const N: usize, const B: usize> Trackers<T, N, B> {
     };
 
     /// The tracker of a tag that was heard at a time in milliseconds, and the tag that lost it, if one did.
-    pub fn of(&mut self, tag: u32, time_ms: u32) -> (&mut Tracker<N, B>, Option<u32>) {
+    pub fn of(&mut self, tag: u32, time_ms: u32) -> (&mut Tracker<N, B, D>, Option<u32>) {
         let place = self.place_of(tag, time_ms);
         let place = if place < T { place } else { 0 };
         let Slot { owner, tracker } = &mut self.slots[place];
@@ -87,18 +87,18 @@ impl<const T: usize, const N: usize, const B: usize> Trackers<T, N, B> {
     }
 
     /// All tags that are tracked, and their trackers.
-    pub fn iter(&self) -> impl Iterator<Item = (u32, &Tracker<N, B>)> {
+    pub fn iter(&self) -> impl Iterator<Item = (u32, &Tracker<N, B, D>)> {
         self.slots
             .iter()
             .filter_map(|slot| slot.owner.map(|(tag, _)| (tag, &slot.tracker)))
     }
 
     /// All tags that are tracked, and their trackers.
-    pub fn iter_mut(&mut self) -> impl Iterator<Item = (u32, &mut Tracker<N, B>)> {
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = (u32, &mut Tracker<N, B, D>)> {
         let slots = self.slots.iter_mut();
         slots.filter_map(|slot| slot.owner.map(|(tag, _)| (tag, &mut slot.tracker)))
     }
 }
 
-persist!(impl[const N: usize, const B: usize] Slot<N, B> as "Slot"(N, B) { owner, tracker });
-persist!(impl[const T: usize, const N: usize, const B: usize] Trackers<T, N, B> as "Trackers"(T) { slots });
+persist!(impl[const N: usize, const B: usize, const D: usize] Slot<N, B, D> as "Slot"(N, B) { owner, tracker });
+persist!(impl[const T: usize, const N: usize, const B: usize, const D: usize] Trackers<T, N, B, D> as "Trackers"(T) { slots });

@@ -140,13 +140,19 @@ fn a_louder_tag_is_found_where_it_is() {
 fn is_lost_and_recovers_when_a_tag_is_carried_away() {
     let bytes = map(1);
     let site = Site::new(RadioMap::new(&bytes).unwrap(), Config::DEFAULT).unwrap();
-    let mut walk = Walk::new();
-    walk.go(&site, 20, |_| 5.0);
-    let mut states = walk.go(&site, 40, |_| 35.0);
-    assert!(walk.error(35.0) < 2.0);
-    assert!(states.contains(&State::Lost), "{states:?}");
-    assert!(states.contains(&State::Recovered));
-    assert_eq!(states.pop(), Some(State::Tracking));
+    // With 173 of 200 seeds it was lost, with the others it was found before.
+    let lost = (0..20).filter(|seed| {
+        let mut walk = Walk::new();
+        walk.rng = Xoshiro128PlusPlus::seed_from_u64(*seed);
+        walk.go(&site, 20, |_| 5.0);
+        let states = walk.go(&site, 40, |_| 35.0);
+        assert!(walk.error(35.0) < 2.0);
+        assert_eq!(states.last(), Some(&State::Tracking));
+        let is_lost = states.contains(&State::Lost);
+        assert_eq!(is_lost, states.contains(&State::Recovered), "{states:?}");
+        is_lost
+    });
+    assert!(lost.count() >= 13);
 }
 
 #[test]
@@ -163,8 +169,10 @@ fn nobody_walks_through_a_wall() {
     };
     let mut walk = Walk::new();
     walk.go(&site, 20, |t| 12.0 + t);
-    let [x, y, ..] = walk.tracker.particles().columns();
-    assert!(x.iter().zip(y).all(|(x, y)| walls.contain([*x, *y])));
+    let mut particles = walk.tracker.particles(&site);
+    // But for rounding, 2^-10 of a step.
+    let inside = |x: f32, least: f32, most: f32| x > least - 1e-3 && x < most + 1e-3;
+    assert!(particles.all(|[x, y, ..]| inside(x, 10.0, 20.0) && inside(y, 0.5, 2.5)));
     // The signal pulls to the wall.
     assert!(walk.tracker.fix().unwrap().position[0] > 16.0);
 }
@@ -226,8 +234,13 @@ fn a_window_makes_one_update_and_no_window_many() {
 }
 
 #[test]
-fn a_tag_of_300_particles_takes_less_than_six_and_a_half_kibibytes() {
-    assert!(size_of::<Tracker<300, 16>>() <= 6_656);
+fn a_tag_of_300_particles_takes_two_kilobytes_and_less_on_a_line() {
+    let [plane, line] = [
+        size_of::<Trackers<64, 300, 16, 2>>(),
+        size_of::<Trackers<64, 300, 16, 1>>(),
+    ];
+    assert!(plane <= 64 * 2_200, "{plane}");
+    assert!(line <= 64 * 1_500, "{line}");
 }
 
 #[test]

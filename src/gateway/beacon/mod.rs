@@ -77,17 +77,17 @@ pub const MAX_TAGS: usize = 16;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct BeaconGateway<const T: usize, const N: usize, const P: usize, const B: usize = 16> {
+pub struct BeaconGateway<const T: usize, const N: usize, const P: usize, const B: usize = 16, const D: usize = 2> {
     input: Input,
     counters: Counters,
-    trackers: Trackers<T, N, B>,
+    trackers: Trackers<T, N, B, D>,
     workspace: Workspace<N, P>,
     radios: Radios<B>,
     generator: Option<Xoshiro128PlusPlus>,
     report: Report,
 }
 
-impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGateway<T, N, P, B> {
+impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: usize> BeaconGateway<T, N, P, B, D> {
     /// No tags yet, in bits that are all zero.
     pub const EMPTY: Self = {
         assert!(T <= MAX_TAGS, "at most 16 tags");
@@ -139,7 +139,7 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGatew
     }
 
     /// The tags and their trackers.
-    pub fn tags(&self) -> impl Iterator<Item = (u32, &Tracker<N, B>)> {
+    pub fn tags(&self) -> impl Iterator<Item = (u32, &Tracker<N, B, D>)> {
         self.trackers.iter()
     }
 
@@ -217,8 +217,8 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGatew
 }
 
 persist!(
-    impl[const T: usize, const N: usize, const P: usize, const B: usize]
-    BeaconGateway<T, N, P, B> as "BeaconGateway"(T, N, B)
+    impl[const T: usize, const N: usize, const P: usize, const B: usize, const D: usize]
+    BeaconGateway<T, N, P, B, D> as "BeaconGateway"(T, N, B)
     { counters, trackers, radios, generator } without { input, workspace, report }
 );
 

@@ -1,0 +1,202 @@
+//! The particles of the tag that is being updated, unpacked: columns in steps of the lattice.
+
+use super::field::Field;
+use super::motion::{Noise, Step};
+use super::stored::{Grain, Stored};
+use crate::estimate::Symmetric2;
+use crate::fingerprint::Lattice;
+use crate::math::exp_of_weight;
+use crate::random::{Rng, uniform};
+
+/// Places in steps from the first point of the lattice, velocities in steps a second, and weights up to a common factor.
+/// On a map of one row or one column only the first of two columns is in use, for places along it.
+#[derive(Debug, Clone)]
+pub(super) struct Cloud<const N: usize> {
+    pub places: [[f32; N]; 2],
+    pub velocities: [[f32; N]; 2],
+    /// Log-likelihoods at first.
+    pub weights: [f32; N],
+}
+
+/// Sums over the weights.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sums {
+    /// The logarithm of what the weights were divided by.
+    pub top: f32,
+    pub weights: f32,
+    pub squares: f32,
+}
+
+/// Mean and covariance, in steps.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Moments {
+    pub place: [f32; 2],
+    pub velocity: [f32; 2],
+    pub covariance: Symmetric2,
+}
+
+impl<const N: usize> Cloud<N> {
+    /// Zero in all bits.
+    pub const EMPTY: Self = Self {
+        places: [[0.0; N]; 2],
+        velocities: [[0.0; N]; 2],
+        weights: [0.0; N],
+    };
+
+    /// Unpacks particles, moved along an axis.
+    #[inline(always)]
+    pub fn advance<const AXIS: usize, S: Stored>(
+        &mut self,
+        particles: &[S; N],
+        grain: &Grain,
+        step: &Step,
+        mut noise: Noise,
+    ) {
+        let places = &mut self.places[AXIS & 1];
+        let velocities = &mut self.velocities[AXIS & 1];
+        let columns = places.iter_mut().zip(velocities);
+        for (particle, (place, velocity)) in particles.iter().zip(columns) {
+            let state = (
+                particle.place::<AXIS>(grain),
+                particle.velocity::<AXIS>(grain),
+            );
+            (*place, *velocity) = step.take(state, noise.next());
+        }
+    }
+
+    /// Unpacks particles as they are, with equal weights.
+    pub fn unpack<S: Stored>(&mut self, particles: &[S; N], grain: &Grain) {
+        let [x, y] = self.places.each_mut();
+        let [vx, vy] = self.velocities.each_mut();
+        let columns = x.iter_mut().zip(y).zip(vx.iter_mut().zip(vy));
+        for (particle, ((x, y), (vx, vy))) in particles.iter().zip(columns) {
+            (*x, *vx) = (particle.place::<0>(grain), particle.velocity::<0>(grain));
+            (*y, *vy) = (particle.place::<1>(grain), particle.velocity::<1>(grain));
+        }
+        self.weights = [1.0; N];
+    }
+
+    /// Sets the log-likelihoods to those of the places.
+    pub fn look_up<const P: usize>(&mut self, field: &Field<P>, lattice: &Lattice) {
+        let [x, y] = &self.places;
+        if lattice.is_plane() {
+            for ((weight, x), y) in self.weights.iter_mut().zip(x).zip(y) {
+                *weight = field.in_plane(lattice, [*x, *y]);
+            }
+        } else {
+            for (weight, x) in self.weights.iter_mut().zip(x) {
+                *weight = field.on_line(lattice, *x);
+            }
+        }
+    }
+
+    /// Computes the weights from log-likelihoods: relative to the largest, which gets 1. None if there is none.
+    #[inline(never)]
+    pub fn weigh(&mut self) -> Option<Sums> {
+        let mut top = f32::NEG_INFINITY;
+        for log_likelihood in &self.weights {
+            if *log_likelihood > top {
+                top = *log_likelihood;
+            }
+        }
+        if !top.is_finite() {
+            return None;
+        }
+        let (mut weights, mut squares) = ([0.0f32; 2], [0.0f32; 2]);
+        let (blocks, rest) = self.weights.as_chunks_mut::<2>();
+        for block in blocks {
+            for lane in 0..2 {
+                let weight = exp_of_weight(block[lane] - top);
+                block[lane] = weight;
+                weights[lane] += weight;
+                squares[lane] += weight * weight;
+            }
+        }
+        for weight in rest {
+            *weight = exp_of_weight(*weight - top);
+            weights[0] += *weight;
+            squares[0] += *weight * *weight;
+        }
+        Some(Sums {
+            top,
+            weights: weights[0] + weights[1],
+            squares: squares[0] + squares[1],
+        })
+    }
+
+    /// Moments by weights of this sum.
+    #[inline(never)]
+    pub fn moments(&self, is_plane: bool, weights: f32) -> Moments {
+        let scale = 1.0 / weights;
+        let ([x, y], [vx, vy]) = (&self.places, &self.velocities);
+        let (mut mean, mut velocity) = ([0.0f32; 2], [0.0f32; 2]);
+        let mut covariance = Symmetric2::ZERO;
+        if is_plane {
+            let columns = x.iter().zip(y).zip(vx.iter().zip(vy));
+            for (weight, ((x, y), (vx, vy))) in self.weights.iter().zip(columns) {
+                mean[0] += weight * x;
+                mean[1] += weight * y;
+                velocity[0] += weight * vx;
+                velocity[1] += weight * vy;
+            }
+            mean = mean.map(|sum| sum * scale);
+            for (weight, (x, y)) in self.weights.iter().zip(x.iter().zip(y)) {
+                let [dx, dy] = [x - mean[0], y - mean[1]];
+                let [of_x, of_y] = [weight * dx, weight * dy];
+                covariance.xx += of_x * dx;
+                covariance.xy += of_x * dy;
+                covariance.yy += of_y * dy;
+            }
+        } else {
+            for (weight, (x, vx)) in self.weights.iter().zip(x.iter().zip(vx)) {
+                mean[0] += weight * x;
+                velocity[0] += weight * vx;
+            }
+            mean[0] *= scale;
+            for (weight, x) in self.weights.iter().zip(x) {
+                let dx = x - mean[0];
+                covariance.xx += weight * dx * dx;
+            }
+        }
+        Moments {
+            place: mean,
+            velocity: velocity.map(|sum| sum * scale),
+            covariance: covariance.scaled(scale),
+        }
+    }
+
+    /// Chooses as many particles as there are by their weights, of this sum, and packs them: systematic resampling, in
+    /// order.
+    #[inline(always)]
+    pub fn resample<S: Stored, R: Rng + ?Sized>(
+        &self,
+        weights: f32,
+        particles: &mut [S; N],
+        grain: &Grain,
+        rng: &mut R,
+    ) {
+        let gap = weights * (1.0 / N as f32);
+        let mut to_next = uniform(rng) * gap;
+        let mut last = S::EMPTY;
+        let mut slots = particles.iter_mut();
+        let ([x, y], [vx, vy]) = (&self.places, &self.velocities);
+        let columns = x.iter().zip(y).zip(vx.iter().zip(vy));
+        for (weight, ((x, y), (vx, vy))) in self.weights.iter().zip(columns) {
+            to_next -= weight;
+            // False for NaN.
+            if to_next < 0.0 {
+                last = S::pack([*x, *y], [*vx, *vy], grain);
+                while to_next < 0.0
+                    && let Some(slot) = slots.next()
+                {
+                    *slot = last;
+                    to_next += gap;
+                }
+            }
+        }
+        // Rounding may leave a few behind the end.
+        for slot in slots {
+            *slot = last;
+        }
+    }
+}
