@@ -18,12 +18,81 @@ pub(super) struct Field<const P: usize> {
     shifts: [f32; P],
     /// By point: the probability that the tag has an offset.
     probabilities: [f32; P],
-    /// By point: the weights of the particles that are nearest to it.
+    /// By point: the weights of the particles that are nearest to it, or a mark.
     weights: [f32; P],
     /// How much the scan adds to the precision of the offset, per dB^2: the mean over the points.
     pub precision: f32,
+    /// The log-likelihood of the best point.
+    pub top: f32,
     /// The mean over the points of the likelihood, relative to that of the best point.
     pub mean: f32,
+}
+
+/// Sums over some of the points.
+struct Part {
+    /// The largest log-likelihood.
+    top: f32,
+    /// Of the likelihoods, relative to that.
+    likelihoods: f32,
+    precisions: f32,
+    points: u16,
+}
+
+impl Part {
+    const EMPTY: Self = Self {
+        top: f32::NEG_INFINITY,
+        likelihoods: 0.0,
+        precisions: 0.0,
+        points: 0,
+    };
+
+    #[inline(always)]
+    fn add(&mut self, found: &Found) {
+        if found.log_likelihood > self.top {
+            self.likelihoods *= exp_of_weight(self.top - found.log_likelihood);
+            self.top = found.log_likelihood;
+        }
+        // Nothing for NaN: both may be minus infinity.
+        self.likelihoods += exp_of_weight(found.log_likelihood - self.top);
+        self.precisions += found.precision;
+        self.points += 1;
+    }
+}
+
+/// The mean over a map, of which one part was looked up as a whole and the rest in part.
+struct Mean {
+    whole: Part,
+    sampled: Part,
+}
+
+impl Mean {
+    const EMPTY: Self = Self {
+        whole: Part::EMPTY,
+        sampled: Part::EMPTY,
+    };
+
+    #[inline(always)]
+    fn of(&mut self, is_whole: bool) -> &mut Part {
+        if is_whole { &mut self.whole } else { &mut self.sampled }
+    }
+
+    /// Of so many points.
+    fn conclude<const P: usize>(&self, points: usize, field: &mut Field<P>) {
+        let Self { whole, sampled } = self;
+        let rest = points as f32 - f32::from(whole.points);
+        let of_sampled = if sampled.points > 0 {
+            rest / f32::from(sampled.points)
+        } else {
+            0.0
+        };
+        let top = if whole.top > sampled.top { whole.top } else { sampled.top };
+        let likelihoods = whole.likelihoods * exp_of_weight(whole.top - top)
+            + of_sampled * (sampled.likelihoods * exp_of_weight(sampled.top - top));
+        let each = 1.0 / points as f32;
+        field.top = top;
+        field.mean = each * likelihoods;
+        field.precision = each * (whole.precisions + of_sampled * sampled.precisions);
+    }
 }
 
 /// Points that are compared with a scan side by side: their sums stay in registers.
@@ -45,13 +114,81 @@ impl<const P: usize> Field<P> {
         probabilities: [0.0; P],
         weights: [0.0; P],
         precision: 0.0,
+        top: 0.0,
         mean: 0.0,
     };
 
     /// Compares a scan with every point: under the better of two hypotheses, that the tag has no offset and that it has
     /// one.
+    pub fn look_up_all<const B: usize>(
+        &mut self,
+        map: &RadioMap<'_>,
+        config: &Config,
+        belief: &OffsetBelief,
+        scan: &[Level; B],
+    ) {
+        self.weights.fill(1.0);
+        self.look_up(map, config, belief, scan);
+    }
+
+    /// The same for the points about particles; of the others it takes as many as the mean over the map needs.
+    pub fn look_up_at<const N: usize, const B: usize>(
+        &mut self,
+        cloud: &Cloud<N>,
+        map: &RadioMap<'_>,
+        config: &Config,
+        belief: &OffsetBelief,
+        scan: &[Level; B],
+    ) {
+        self.mark(map.lattice(), cloud);
+        self.look_up(map, config, belief, scan);
+    }
+
+    /// Gives a weight to the first point of every cell that has particles.
     #[inline(never)]
-    pub fn look_up<const B: usize>(
+    fn mark<const N: usize>(&mut self, lattice: &Lattice, cloud: &Cloud<N>) {
+        self.weights.fill(0.0);
+        let [x, y] = &cloud.places;
+        let mut mark = |point: usize| {
+            if let Some(weight) = self.weights.get_mut(point) {
+                *weight = 1.0;
+            }
+        };
+        if lattice.is_plane() {
+            let columns = lattice.columns();
+            for (x, y) in x.iter().zip(y) {
+                if let (Some((column, _)), Some((row, _))) =
+                    (before(*x, columns), before(*y, lattice.rows()))
+                {
+                    mark(row * columns + column);
+                }
+            }
+        } else {
+            for x in x {
+                if let Some((first, _)) = before(*x, lattice.points()) {
+                    mark(first);
+                }
+            }
+        }
+    }
+
+    /// Whether one of the points of a block is a corner of a cell that has particles.
+    #[inline(always)]
+    fn is_marked(&self, first: usize, columns: usize) -> bool {
+        // From the cell before the block to the one that begins at its last point.
+        let any = |from: Option<usize>| {
+            let cells = from.and_then(|from| self.weights.get(from..));
+            let cells = cells.and_then(<[_]>::first_chunk::<{ BLOCK + 1 }>);
+            cells.is_some_and(|[a, b, c]| a + b + c > 0.0)
+        };
+        // Before the first point there is no cell: one too many is looked at.
+        any(Some(first.saturating_sub(1))) || any(first.checked_sub(columns + 1))
+    }
+
+    /// Compares a scan with the points of marked cells; and with one block in four of the others (every second one in every
+    /// second row) or, on a line, every second one: they stand for those that are left out.
+    #[inline(never)]
+    fn look_up<const B: usize>(
         &mut self,
         map: &RadioMap<'_>,
         config: &Config,
@@ -71,30 +208,45 @@ impl<const P: usize> Field<P> {
             }
         }
         let terms = Terms::new(config, belief);
-        let points = map.lattice().points();
-        let mut precision = 0.0;
-        let mut first = 0;
-        while first + BLOCK <= points {
-            precision += self.compare::<BLOCK>(first, &comparisons, &terms);
-            first += BLOCK;
+        let lattice = map.lattice();
+        let points = lattice.points();
+        let columns = if lattice.is_plane() {
+            lattice.columns()
+        } else {
+            points
+        };
+        let mut mean = Mean::EMPTY;
+        let (mut row, mut is_sampled) = (0, true);
+        while row < points {
+            let end = row + columns;
+            let mut first = row;
+            while first < end {
+                let is_marked = self.is_marked(first, columns);
+                if is_marked || is_sampled && (first - row) & BLOCK == 0 {
+                    if first + BLOCK <= end {
+                        self.compare::<BLOCK>(first, &comparisons, &terms, map, mean.of(is_marked));
+                    } else {
+                        self.compare::<1>(first, &comparisons, &terms, map, mean.of(is_marked));
+                    }
+                }
+                first += BLOCK;
+            }
+            row = end;
+            is_sampled = !is_sampled;
         }
-        while first < points {
-            precision += self.compare::<1>(first, &comparisons, &terms);
-            first += 1;
-        }
-        self.precision = precision / points as f32;
-        self.relate(map, points);
+        mean.conclude(points, self);
     }
 
-    /// Compares some points, from the `first` on, with the beacons of a scan. Returns the sum of what it adds there to the
-    /// precision of the offset.
+    /// Compares some points, from the `first` on, with the beacons of a scan.
     #[inline(always)]
     fn compare<const K: usize>(
         &mut self,
         first: usize,
         comparisons: &[Comparison<'_>],
         terms: &Terms<'_>,
-    ) -> f32 {
+        map: &RadioMap<'_>,
+        mean: &mut Part,
+    ) {
         let mut sums = [Sums::EMPTY; K];
         for Comparison { row, level, scale } in comparisons {
             let Some(points) = row.get(first..).and_then(<[_]>::first_chunk::<K>) else {
@@ -105,11 +257,13 @@ impl<const P: usize> Field<P> {
                 sums.add(level - f32::from(*mean), sigma * sigma * scale, terms);
             }
         }
-        let mut precision = 0.0;
         for (lane, sums) in sums.into_iter().enumerate() {
-            let found = sums.conclude(terms);
-            precision += found.precision;
+            let mut found = sums.conclude(terms);
             let point = first + lane;
+            if !map.is_complete() && !map.is_surveyed(point) {
+                found.log_likelihood = f32::NEG_INFINITY;
+            }
+            mean.add(&found);
             if let (Some(log_likelihood), Some(shift), Some(probability)) = (
                 self.log_likelihoods.get_mut(point),
                 self.shifts.get_mut(point),
@@ -120,30 +274,6 @@ impl<const P: usize> Field<P> {
                 *probability = found.probability;
             }
         }
-        precision
-    }
-
-    /// Leaves out the points that were not surveyed, and makes the log-likelihoods relative to the largest.
-    fn relate(&mut self, map: &RadioMap<'_>, points: usize) {
-        if !map.is_complete() {
-            for (point, log_likelihood) in self.log_likelihoods.iter_mut().enumerate().take(points) {
-                if !map.is_surveyed(point) {
-                    *log_likelihood = f32::NEG_INFINITY;
-                }
-            }
-        }
-        let mut top = f32::NEG_INFINITY;
-        for log_likelihood in self.log_likelihoods.iter().take(points) {
-            if *log_likelihood > top {
-                top = *log_likelihood;
-            }
-        }
-        let mut sum = 0.0;
-        for log_likelihood in self.log_likelihoods.iter_mut().take(points) {
-            *log_likelihood -= top;
-            sum += exp_of_weight(*log_likelihood);
-        }
-        self.mean = sum / points as f32;
     }
 
     /// The log-likelihood of a place on a map of one row or one column, in steps along that; minus infinity beyond the map.
@@ -218,7 +348,7 @@ impl<const P: usize> Field<P> {
     /// The likelihood of every point, relative to the best one.
     pub fn likelihoods(&self, lattice: &Lattice) -> impl Iterator<Item = f32> {
         let points = self.log_likelihoods.iter().take(lattice.points());
-        points.map(|log_likelihood| exp_of_weight(*log_likelihood))
+        points.map(|log_likelihood| exp_of_weight(*log_likelihood - self.top))
     }
 }
 

@@ -1,6 +1,7 @@
 //! What an update does: predict, weigh, judge, summarise, resample.
 
 use super::cloud::{Moments, Sums};
+use super::field::Field;
 use super::fix::seconds;
 use super::motion::{Noise, Step};
 use super::offset::OffsetBelief;
@@ -35,19 +36,31 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             // Two updates at one time are two looks at one place.
             let dt = if dt > 1e-3 { dt } else { 1e-3 };
             self.offset.drift(config, dt);
-            (workspace.field).look_up(map, config, &self.offset, scan);
             self.predict(dt, site, &grain, workspace, rng);
             let Workspace { field, cloud } = workspace;
+            field.look_up_at(cloud, map, config, &self.offset, scan);
             cloud.look_up(field, map.lattice());
             self.exclude_walls(site, &grain, workspace);
             if let Some(redrawn_s) = &mut self.redrawn_s {
                 *redrawn_s += dt;
             }
             let sums = workspace.cloud.weigh();
-            self.judge(sums, dt, site, &grain, workspace, rng)
+            if self.is_right(sums.as_ref(), dt, site, &workspace.field) {
+                sums
+            } else {
+                if let Some(sums) = sums {
+                    (workspace.cloud).resample(sums.weights, &mut self.particles, &grain, rng);
+                    workspace.cloud.unpack(&self.particles, &grain);
+                }
+                let fraction = sums.map_or(1.0, |_| config.redraw_fraction);
+                self.evidence = 0.0;
+                self.redrawn_s = Some(0.0);
+                (workspace.field).look_up_all(map, config, &self.offset, scan);
+                self.draw(fraction, site, workspace, rng)
+            }
         } else {
             self.offset = OffsetBelief::prior(config);
-            (workspace.field).look_up(map, config, &self.offset, scan);
+            (workspace.field).look_up_all(map, config, &self.offset, scan);
             self.draw(1.0, site, workspace, rng)
         };
         if let Some(sums) = sums {
@@ -107,33 +120,23 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         }
     }
 
-    /// Smooths the evidence, which is how well the scan fits the particles, against as many spread over the whole map; and
-    /// draws particles anew from the match if it is against them.
-    fn judge<const P: usize, R: Rng + ?Sized>(
+    /// Smooths the evidence, which is how well the scan fits the particles, against as many spread over the whole map; returns
+    /// whether it supports the particles.
+    fn is_right<const P: usize>(
         &mut self,
-        sums: Option<Sums>,
+        sums: Option<&Sums>,
         dt: f32,
         site: &Site<'_>,
-        grain: &Grain,
-        workspace: &mut Workspace<N, P>,
-        rng: &mut R,
-    ) -> Option<Sums> {
-        let mut fraction = 1.0;
-        if let Some(sums) = &sums {
-            let smoothing = dt * (1.0 / EVIDENCE_S);
-            let smoothing = if smoothing < 1.0 { smoothing } else { 1.0 };
-            let evidence = sums.top + ln(sums.weights / (N as f32 * workspace.field.mean));
-            self.evidence += smoothing * (evidence.clamp(-20.0, 20.0) - self.evidence);
-            fraction = site.config.redraw_fraction;
-            if !(self.evidence < LOST_BELOW && fraction > 0.0) {
-                return Some(*sums);
-            }
-            (workspace.cloud).resample(sums.weights, &mut self.particles, grain, rng);
-            workspace.cloud.unpack(&self.particles, grain);
-        }
-        self.evidence = 0.0;
-        self.redrawn_s = Some(0.0);
-        self.draw(fraction, site, workspace, rng)
+        field: &Field<P>,
+    ) -> bool {
+        let Some(sums) = sums else {
+            return false;
+        };
+        let smoothing = dt * (1.0 / EVIDENCE_S);
+        let smoothing = if smoothing < 1.0 { smoothing } else { 1.0 };
+        let evidence = sums.top - field.top + ln(sums.weights / (N as f32 * field.mean));
+        self.evidence += smoothing * (evidence.clamp(-20.0, 20.0) - self.evidence);
+        !(self.evidence < LOST_BELOW && site.config.redraw_fraction > 0.0)
     }
 
     /// Learns from the weighted cloud, and summarises it.
