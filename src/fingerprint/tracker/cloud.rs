@@ -1,6 +1,6 @@
 //! The particles of the tag that is being updated, unpacked: columns in steps of the lattice.
 
-use super::field::Field;
+use super::field::{Field, is_possible};
 use super::motion::{Noise, Step};
 use super::stored::{Grain, Stored};
 use crate::estimate::Symmetric2;
@@ -14,6 +14,8 @@ use crate::random::{Rng, uniform};
 pub(super) struct Cloud<const N: usize> {
     pub places: [[f32; N]; 2],
     pub velocities: [[f32; N]; 2],
+    /// The first points of the cells of the lattice that the places are in; more than any point beyond the map.
+    pub cells: [u16; N],
     /// Log-likelihoods at first.
     pub weights: [f32; N],
 }
@@ -35,11 +37,30 @@ pub(super) struct Moments {
     pub covariance: Symmetric2,
 }
 
+/// The cell of a place beyond the map: no point has this number, except the last of the largest map, where no cell begins.
+const BEYOND: u16 = u16::MAX;
+
+/// The coordinate of the last of so many points.
+fn last_of(points: usize) -> f32 {
+    points.saturating_sub(1) as f32
+}
+
+/// The whole part of a place, but at the last point the one before.
+#[inline(always)]
+fn floor_below(place: f32, last: f32) -> u32 {
+    if place < last {
+        place as u32
+    } else {
+        (last as u32).saturating_sub(1)
+    }
+}
+
 impl<const N: usize> Cloud<N> {
     /// Zero in all bits.
     pub const EMPTY: Self = Self {
         places: [[0.0; N]; 2],
         velocities: [[0.0; N]; 2],
+        cells: [0; N],
         weights: [0.0; N],
     };
 
@@ -76,16 +97,49 @@ impl<const N: usize> Cloud<N> {
         self.weights = [1.0; N];
     }
 
-    /// Sets the log-likelihoods to those of the places.
-    pub fn look_up<const P: usize>(&mut self, field: &Field<P>, lattice: &Lattice) {
+    /// Finds the cells of the places.
+    #[inline(never)]
+    pub fn find_cells(&mut self, lattice: &Lattice) {
         let [x, y] = &self.places;
         if lattice.is_plane() {
-            for ((weight, x), y) in self.weights.iter_mut().zip(x).zip(y) {
-                *weight = field.in_plane(lattice, [*x, *y]);
+            let [most_x, most_y] = [lattice.columns(), lattice.rows()].map(last_of);
+            let columns = lattice.columns() as u32;
+            for (cell, (x, y)) in self.cells.iter_mut().zip(x.iter().zip(y)) {
+                let is_within = *x >= 0.0 && *x <= most_x && *y >= 0.0 && *y <= most_y;
+                let first = floor_below(*y, most_y) * columns + floor_below(*x, most_x);
+                *cell = if is_within { first as u16 } else { BEYOND };
             }
         } else {
-            for (weight, x) in self.weights.iter_mut().zip(x) {
-                *weight = field.on_line(lattice, *x);
+            let most = last_of(lattice.points());
+            for (cell, x) in self.cells.iter_mut().zip(x) {
+                let is_within = *x >= 0.0 && *x <= most;
+                *cell = if is_within {
+                    floor_below(*x, most) as u16
+                } else {
+                    BEYOND
+                };
+            }
+        }
+    }
+
+    /// Sets the log-likelihoods to those of the places.
+    #[inline(never)]
+    pub fn look_up<const P: usize>(&mut self, field: &Field<P>, lattice: &Lattice) {
+        let [x, y] = &self.places;
+        let weights = self.weights.iter_mut().zip(&self.cells);
+        if lattice.is_plane() {
+            let [most_x, most_y] = [lattice.columns(), lattice.rows()].map(last_of);
+            for ((weight, cell), (x, y)) in weights.zip(x.iter().zip(y)) {
+                let fractions = [
+                    x - floor_below(*x, most_x) as f32,
+                    y - floor_below(*y, most_y) as f32,
+                ];
+                *weight = field.in_plane(*cell, lattice.columns(), fractions);
+            }
+        } else {
+            let most = last_of(lattice.points());
+            for ((weight, cell), x) in weights.zip(x) {
+                *weight = field.on_line(*cell, x - floor_below(*x, most) as f32);
             }
         }
     }
@@ -99,7 +153,7 @@ impl<const N: usize> Cloud<N> {
                 top = *log_likelihood;
             }
         }
-        if !top.is_finite() {
+        if !is_possible(top) {
             return None;
         }
         let (mut weights, mut squares) = ([0.0f32; 2], [0.0f32; 2]);

@@ -95,6 +95,15 @@ impl Mean {
     }
 }
 
+/// The log-likelihood of a point that was not surveyed: a weight of zero, also for places between it and others.
+const IMPOSSIBLE: f32 = -1e7;
+
+/// Whether a log-likelihood is that of a place that is not impossible; false for NaN.
+#[inline(always)]
+pub(super) fn is_possible(log_likelihood: f32) -> bool {
+    log_likelihood > 0.01 * IMPOSSIBLE
+}
+
 /// Points that are compared with a scan side by side: their sums stay in registers.
 const BLOCK: usize = 2;
 
@@ -140,34 +149,16 @@ impl<const P: usize> Field<P> {
         belief: &OffsetBelief,
         scan: &[Level; B],
     ) {
-        self.mark(map.lattice(), cloud);
+        self.mark(cloud);
         self.look_up(map, config, belief, scan);
     }
 
     /// Gives a weight to the first point of every cell that has particles.
-    #[inline(never)]
-    fn mark<const N: usize>(&mut self, lattice: &Lattice, cloud: &Cloud<N>) {
+    fn mark<const N: usize>(&mut self, cloud: &Cloud<N>) {
         self.weights.fill(0.0);
-        let [x, y] = &cloud.places;
-        let mut mark = |point: usize| {
-            if let Some(weight) = self.weights.get_mut(point) {
+        for cell in &cloud.cells {
+            if let Some(weight) = self.weights.get_mut(usize::from(*cell)) {
                 *weight = 1.0;
-            }
-        };
-        if lattice.is_plane() {
-            let columns = lattice.columns();
-            for (x, y) in x.iter().zip(y) {
-                if let (Some((column, _)), Some((row, _))) =
-                    (before(*x, columns), before(*y, lattice.rows()))
-                {
-                    mark(row * columns + column);
-                }
-            }
-        } else {
-            for x in x {
-                if let Some((first, _)) = before(*x, lattice.points()) {
-                    mark(first);
-                }
             }
         }
     }
@@ -248,20 +239,25 @@ impl<const P: usize> Field<P> {
         mean: &mut Part,
     ) {
         let mut sums = [Sums::EMPTY; K];
-        for Comparison { row, level, scale } in comparisons {
-            let Some(points) = row.get(first..).and_then(<[_]>::first_chunk::<K>) else {
-                continue;
-            };
-            for (sums, [sigma, mean]) in sums.iter_mut().zip(points) {
-                let sigma = f32::from(*sigma);
-                sums.add(level - f32::from(*mean), sigma * sigma * scale, terms);
+        for comparisons in comparisons.chunks(Sums::FACTORS) {
+            for Comparison { row, level, scale } in comparisons {
+                let Some(points) = row.get(first..).and_then(<[_]>::first_chunk::<K>) else {
+                    continue;
+                };
+                for (sums, [sigma, mean]) in sums.iter_mut().zip(points) {
+                    let sigma = f32::from(*sigma);
+                    sums.add(level - f32::from(*mean), sigma * sigma * scale, terms);
+                }
+            }
+            for sums in &mut sums {
+                sums.shorten();
             }
         }
         for (lane, sums) in sums.into_iter().enumerate() {
             let mut found = sums.conclude(terms);
             let point = first + lane;
             if !map.is_complete() && !map.is_surveyed(point) {
-                found.log_likelihood = f32::NEG_INFINITY;
+                found.log_likelihood = IMPOSSIBLE;
             }
             mean.add(&found);
             if let (Some(log_likelihood), Some(shift), Some(probability)) = (
@@ -276,27 +272,17 @@ impl<const P: usize> Field<P> {
         }
     }
 
-    /// The log-likelihood of a place on a map of one row or one column, in steps along that; minus infinity beyond the map.
+    /// The log-likelihood on a map of one row or one column, in a cell, a fraction of it beyond its first point.
     #[inline(always)]
-    pub fn on_line(&self, lattice: &Lattice, steps: f32) -> f32 {
-        match before(steps, lattice.points()) {
-            Some((first, fraction)) => self.between(first, fraction),
-            None => f32::NEG_INFINITY,
-        }
+    pub fn on_line(&self, cell: u16, fraction: f32) -> f32 {
+        self.between(usize::from(cell), fraction)
     }
 
-    /// The log-likelihood of a place on a map of several rows and columns, in steps; minus infinity beyond the map.
+    /// The log-likelihood on a map of several rows and columns, in a cell, fractions of it beyond its first point.
     #[inline(always)]
-    pub fn in_plane(&self, lattice: &Lattice, [x, y]: [f32; 2]) -> f32 {
-        let Some((column, s)) = before(x, lattice.columns()) else {
-            return f32::NEG_INFINITY;
-        };
-        let Some((row, t)) = before(y, lattice.rows()) else {
-            return f32::NEG_INFINITY;
-        };
-        let first = row * lattice.columns() + column;
-        let above = first + lattice.columns();
-        mix(self.between(first, s), self.between(above, s), t)
+    pub fn in_plane(&self, cell: u16, columns: usize, [s, t]: [f32; 2]) -> f32 {
+        let first = usize::from(cell);
+        mix(self.between(first, s), self.between(first + columns, s), t)
     }
 
     /// Interpolates between a point and the next one.
@@ -348,31 +334,20 @@ impl<const P: usize> Field<P> {
     /// The likelihood of every point, relative to the best one.
     pub fn likelihoods(&self, lattice: &Lattice) -> impl Iterator<Item = f32> {
         let points = self.log_likelihoods.iter().take(lattice.points());
-        points.map(|log_likelihood| exp_of_weight(*log_likelihood - self.top))
+        points.map(|log_likelihood| {
+            if is_possible(*log_likelihood) {
+                exp_of_weight(*log_likelihood - self.top)
+            } else {
+                0.0
+            }
+        })
     }
 }
 
-/// The last point at or before a place, so many `steps` from the first of `points` in a line, and the fraction of a step
-/// beyond it; none beyond the line, or for NaN.
-#[inline(always)]
-fn before(steps: f32, points: usize) -> Option<(usize, f32)> {
-    let last = points.saturating_sub(1);
-    if !(steps >= 0.0 && steps <= last as f32) {
-        return None;
-    }
-    let first = (steps as usize).min(last.saturating_sub(1));
-    Some((first, steps - first as f32))
-}
-
-/// Interpolates between `a` and `b`; minus infinity if one of them is.
+/// Interpolates between `a` and `b`.
 #[inline(always)]
 fn mix(a: f32, b: f32, fraction: f32) -> f32 {
-    let lowest = if a < b { a } else { b };
-    if lowest == f32::NEG_INFINITY {
-        lowest
-    } else {
-        a + fraction * (b - a)
-    }
+    a + fraction * (b - a)
 }
 
 /// What is the same at all points.
@@ -385,18 +360,23 @@ struct Terms<'a> {
     variance: f32,
     /// The largest cost of a reading, doubled as all costs.
     gate: f32,
+    /// What the variance of the offset adds to that for a precision of 1.
+    gate_spread: f32,
     mismatch: f32,
 }
 
 impl<'a> Terms<'a> {
     fn new(config: &'a Config, belief: &'a OffsetBelief) -> Self {
+        let gate = config.gate_sigmas * config.gate_sigmas;
+        let variance = 4.0 * belief.variance;
         Self {
             config,
             belief,
             is_estimated: belief.is_estimated(),
             mean: 2.0 * belief.mean_db,
-            variance: 4.0 * belief.variance,
-            gate: config.gate_sigmas * config.gate_sigmas,
+            variance,
+            gate,
+            gate_spread: gate * variance,
             mismatch: 4.0 * config.mismatch_sigma_db * config.mismatch_sigma_db,
         }
     }
@@ -425,6 +405,9 @@ struct Found {
 }
 
 impl Sums {
+    /// Readings between two calls of [`Sums::shorten`].
+    const FACTORS: usize = 4;
+
     const EMPTY: Self = Self {
         cost: 0.0,
         cost_with: 0.0,
@@ -444,7 +427,7 @@ impl Sums {
             let weighted = difference * precision;
             let cost = difference * weighted;
             // An offset that is not known well leaves room for larger differences.
-            if cost < terms.gate * (1.0 + terms.variance * precision) {
+            if cost < terms.gate + terms.gate_spread * precision {
                 self.cost_with += cost;
                 self.precision += precision;
                 self.weighted += weighted;
@@ -453,7 +436,13 @@ impl Sums {
             }
         }
         self.product *= precision;
-        if self.product < 1e-25 {
+    }
+
+    /// Takes the logarithm of the product if its next factors could make it too small or too large: each is within 2e-4 and
+    /// 25, by the bounds of the mismatch and of the sigmas of a map.
+    #[inline(always)]
+    fn shorten(&mut self) {
+        if !(self.product > 1e-20 && self.product < 1e20) {
             let logarithm = ln(self.product);
             self.cost -= logarithm;
             self.cost_with -= logarithm;

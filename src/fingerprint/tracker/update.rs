@@ -38,6 +38,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             self.offset.drift(config, dt);
             self.predict(dt, site, &grain, workspace, rng);
             let Workspace { field, cloud } = workspace;
+            cloud.find_cells(map.lattice());
             field.look_up_at(cloud, map, config, &self.offset, scan);
             cloud.look_up(field, map.lattice());
             self.exclude_walls(site, &grain, workspace);
