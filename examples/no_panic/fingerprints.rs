@@ -36,7 +36,9 @@ pub fn track(rng: &mut Xoshiro128PlusPlus) {
     let mut workspace = any(Workspace::<50, 64>::EMPTY);
     let mut trackers = any(Trackers::<3, 50, 8>::EMPTY);
     for _ in 0..any(100) {
-        let (tracker, _) = trackers.of(any(0), any(0));
+        let Some((tracker, _)) = trackers.of(any(0), any(0)) else {
+            continue;
+        };
         let packet = any(Reading {
             beacon: 0,
             rssi_dbm: 0.0,
@@ -52,6 +54,7 @@ pub fn track(rng: &mut Xoshiro128PlusPlus) {
         black_box(tracker.particles(&site).next());
         tracker.reset();
     }
+    black_box(trackers.now_ms());
     black_box(
         trackers
             .iter()

@@ -24,6 +24,7 @@ mod fix;
 mod motion;
 mod offset;
 mod pending;
+mod present;
 mod site;
 mod stored;
 mod tags;

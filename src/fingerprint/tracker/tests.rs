@@ -244,18 +244,6 @@ fn a_tag_of_300_particles_takes_two_kilobytes_and_less_on_a_line() {
 }
 
 #[test]
-fn the_longest_silent_tag_is_evicted() {
-    let mut trackers = Trackers::<3, 10>::EMPTY;
-    for (tag, time) in [(1, u32::MAX - 10), (2, 5), (3, 7), (1, 9)] {
-        assert_eq!(trackers.of(tag, time).1, None);
-    }
-    assert_eq!(trackers.of(4, 10).1, Some(2));
-    let mut tags: Vec<u32> = trackers.iter().map(|(tag, _)| tag).collect();
-    tags.sort_unstable();
-    assert_eq!(tags, [1, 3, 4]);
-}
-
-#[test]
 fn a_wrong_field_of_a_configuration_is_named() {
     type Change = fn(&mut Config);
     let changes: [(Change, &str); 14] = [

@@ -53,7 +53,7 @@ use radios::Radios;
 use report::Report;
 
 /// The most tags of one gateway: the answer to a query has room for so many.
-pub const MAX_TAGS: usize = 16;
+pub const MAX_TAGS: usize = 64;
 
 /// The state of a gateway that tracks up to `T` tags, with `N` particles for each, on a map of up to `P` points and `B`
 /// beacons. See the [module](self) for the messages.
@@ -90,7 +90,7 @@ pub struct BeaconGateway<const T: usize, const N: usize, const P: usize, const B
 impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: usize> BeaconGateway<T, N, P, B, D> {
     /// No tags yet, in bits that are all zero.
     pub const EMPTY: Self = {
-        assert!(T <= MAX_TAGS, "at most 16 tags");
+        assert!(T <= MAX_TAGS, "at most 64 tags");
         Self {
             input: Input::EMPTY,
             counters: Counters::EMPTY,
@@ -168,7 +168,8 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
         let rng = self
             .generator
             .get_or_insert_with(|| Xoshiro128PlusPlus::seed_from_u64(config.seed));
-        let (tracker, evicted) = self.trackers.of(tag, time_ms);
+        let trackers = self.trackers.of(tag, time_ms);
+        let (tracker, evicted) = trackers.ok_or(Rejected::NoRoom)?;
         if evicted.is_some() {
             self.counters.evicted = self.counters.evicted.saturating_add(1);
         }
