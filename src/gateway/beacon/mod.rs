@@ -30,7 +30,7 @@
 //!
 //! **`$PFOXS,messages,packets,ignored,queries,restarts,...,tags,silent,evicted*hh`**, the status: all messages, and how
 //! many of them were packets that a tracker took, sentences of other kinds, queries and restarts; in the place of `...`,
-//! in the order of [`Rejected::ALL`], how many were rejected for each reason, so that the second to the eleventh number
+//! in the order of [`Rejected::ALL`], how many were rejected for each reason, so that the second to the twelfth number
 //! add up to the first; how many tags are tracked, how many radios are silent, and how many tags lost their tracker to
 //! another one.
 
@@ -58,7 +58,8 @@ pub const MAX_TAGS: usize = 64;
 /// The state of a gateway that tracks up to `T` tags, with `N` particles for each, on a map of up to `P` points and `B`
 /// beacons. See the [module](self) for the messages.
 ///
-/// Takes T times a [`Tracker`], a [`Workspace`], and 3 kB.
+/// Takes T times a [`Tracker`], a [`Workspace`], and 10 kB. `D` is 1 where the map has one row or one column, 2 in the
+/// plane.
 ///
 /// ```
 /// use foxhunt::fingerprint::RadioMap;
@@ -70,7 +71,7 @@ pub const MAX_TAGS: usize = 64;
 /// let site = Site::new(RadioMap::new(TUNNEL)?, tracker::Config::TUNNEL)?;
 /// let config = Config { silence_ms: 10_000, ..Config::new(site) };
 /// config.check()?;
-/// let mut gateway = BeaconGateway::<8, 300, 81, 4>::EMPTY;
+/// let mut gateway = BeaconGateway::<64, 300, 81, 4, 1>::EMPTY;
 /// let events = b"$PFOXQ*50\r\n".iter().filter_map(|byte| gateway.push(*byte, &config));
 /// assert_eq!(events.last(), Some(Event::Queried));
 /// assert!(gateway.report().starts_with("$PFOXS,1,0,0,1,0,"));
@@ -181,13 +182,14 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
                 _ => Rejected::UnknownRadio,
             })?;
         let report = &mut self.report;
+        let now_ms = self.trackers.now_ms();
         (self.radios).hear(
-            time_ms,
+            now_ms,
             reading.beacon.into(),
             config,
             |radio, is_silent| {
                 let identifier = site.map.beacon(radio).map_or(0, |beacon| beacon.identifier);
-                report.radio(time_ms, identifier, is_silent);
+                report.radio(now_ms, identifier, is_silent);
             },
         );
         Ok(match fix {
