@@ -1,10 +1,10 @@
 //! The tunnel that comes with the project: its radio map, and a minute of eight people in it.
 
-use foxhunt::{fingerprint::Encoding, gateway::beacon::Packet};
+use foxhunt::gateway::beacon::Packet;
 
 use super::{Path, Recording, Scene, Walks};
 use crate::{
-    radio_map::{Options, SiteSurvey},
+    radio_map::{Recipe, SiteSurvey},
     simulate::generator,
     tunnel::{
         Radio, Tunnel,
@@ -128,10 +128,14 @@ pub fn example(seed: u64) -> Scene {
     let places: Vec<[f64; 2]> = (0..=80).map(|x| [f64::from(x), SURVEYED]).collect();
     let survey = site.survey(&places, SAMPLES, &Radio::new(NOISE), &mut rng);
     let survey = SiteSurvey::of(&survey, &RADIOS);
+    let recipe = Recipe {
+        spacing_m: Some(1.0),
+        ..Recipe::default()
+    };
     let map = survey
-        .lattice(1.0)
-        .and_then(|lattice| survey.radio_map(&lattice, Encoding::Moments, &Options::default()))
-        .expect("the survey is whole");
+        .map(&recipe, &mut |_| ())
+        .expect("the survey is whole")
+        .bytes;
 
     let mut recording = Recording::default();
     let last = RADIOS.len() - 1;

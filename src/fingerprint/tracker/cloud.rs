@@ -1,6 +1,6 @@
 //! The particles of the tag that is being updated, unpacked: columns in steps of the lattice.
 
-use super::field::Field;
+use super::comparison::{Comparison, Found, Spot};
 use super::motion::{Noise, Step};
 use super::stored::{Grain, Stored};
 use crate::estimate::Symmetric2;
@@ -16,6 +16,10 @@ pub(super) struct Cloud<const N: usize> {
     pub velocities: [[f32; N]; 2],
     /// Log-likelihoods at first.
     pub weights: [f32; N],
+    /// What the particles think of the offset: the probability that there is one, and the correction of its mean.
+    pub opinions: [[f32; 2]; N],
+    /// How much the scan adds to the precision of the offset, per dB^2: the mean over the particles.
+    pub precision: f32,
 }
 
 /// Sums over the weights.
@@ -41,9 +45,11 @@ impl<const N: usize> Cloud<N> {
         places: [[0.0; N]; 2],
         velocities: [[0.0; N]; 2],
         weights: [0.0; N],
+        opinions: [[0.0; 2]; N],
+        precision: 0.0,
     };
 
-    /// Unpacks particles, moved along an axis.
+    /// Unpacks particles, moved along an axis, and returns the mean of the squares of their moves.
     #[inline(always)]
     pub fn advance<const AXIS: usize, S: Stored>(
         &mut self,
@@ -51,17 +57,18 @@ impl<const N: usize> Cloud<N> {
         grain: &Grain,
         step: &Step,
         mut noise: Noise,
-    ) {
+    ) -> f32 {
+        let mut squares = 0.0;
         let places = &mut self.places[AXIS & 1];
         let velocities = &mut self.velocities[AXIS & 1];
         let columns = places.iter_mut().zip(velocities);
         for (particle, (place, velocity)) in particles.iter().zip(columns) {
-            let state = (
-                particle.place::<AXIS>(grain),
-                particle.velocity::<AXIS>(grain),
-            );
+            let from = particle.place::<AXIS>(grain);
+            let state = (from, particle.velocity::<AXIS>(grain));
             (*place, *velocity) = step.take(state, noise.next());
+            squares += (*place - from) * (*place - from);
         }
+        squares * (1.0 / N as f32)
     }
 
     /// Unpacks particles as they are, with equal weights.
@@ -76,16 +83,66 @@ impl<const N: usize> Cloud<N> {
         self.weights = [1.0; N];
     }
 
-    /// Sets the log-likelihoods to those of the places.
-    pub fn look_up<const P: usize>(&mut self, field: &Field<P>, lattice: &Lattice) {
-        let [x, y] = &self.places;
+    /// Sets the log-likelihoods to those of the places, of tags that were where their velocity says `age_s` seconds ago.
+    #[inline(never)]
+    pub fn compare<const B: usize>(
+        &mut self,
+        scan: &Comparison<'_, B>,
+        lattice: &Lattice,
+        age_s: f32,
+    ) {
+        let mut precision = 0.0;
+        let (columns, rows) = (lattice.columns(), lattice.rows());
+        let last = |points: usize| points.saturating_sub(1) as f32;
+        let ([x, y], [vx, vy]) = (&self.places, &self.velocities);
+        let to = self.weights.iter_mut().zip(&mut self.opinions);
         if lattice.is_plane() {
-            for ((weight, x), y) in self.weights.iter_mut().zip(x).zip(y) {
-                *weight = field.in_plane(lattice, [*x, *y]);
+            let ends = [last(columns), last(rows)];
+            let columns_of = x.iter().zip(y).zip(vx.iter().zip(vy));
+            for ((weight, opinion), ((x, y), (vx, vy))) in to.zip(columns_of) {
+                let past = [
+                    within(x - age_s * vx, ends[0]),
+                    within(y - age_s * vy, ends[1]),
+                ];
+                let found = match (
+                    Spot::in_plane([*x, *y], columns, rows),
+                    Spot::in_plane(past, columns, rows),
+                ) {
+                    (Some(spot), Some(past)) => scan.at::<true>(&spot, &past),
+                    _ => Found::NOWHERE,
+                };
+                *weight = found.log_likelihood;
+                *opinion = [found.probability, found.shift];
+                precision += found.precision;
             }
         } else {
-            for (weight, x) in self.weights.iter_mut().zip(x) {
-                *weight = field.on_line(lattice, *x);
+            let (points, end) = (lattice.points(), last(lattice.points()));
+            for ((weight, opinion), (x, vx)) in to.zip(x.iter().zip(vx)) {
+                let past = within(x - age_s * vx, end);
+                let found = match (Spot::on_line(*x, points), Spot::on_line(past, points)) {
+                    (Some(spot), Some(past)) => scan.at::<false>(&spot, &past),
+                    _ => Found::NOWHERE,
+                };
+                *weight = found.log_likelihood;
+                *opinion = [found.probability, found.shift];
+                precision += found.precision;
+            }
+        }
+        self.precision = precision * (1.0 / N as f32);
+    }
+
+    /// Makes places impossible.
+    pub fn exclude(&mut self, lattice: &Lattice, is_possible: impl Fn(usize) -> bool) {
+        let [x, y] = &self.places;
+        for (weight, (x, y)) in self.weights.iter_mut().zip(x.iter().zip(y)) {
+            let spot = if lattice.is_plane() {
+                Spot::in_plane([*x, *y], lattice.columns(), lattice.rows())
+            } else {
+                Spot::on_line(*x, lattice.points())
+            };
+            let point = spot.map(|spot| spot.nearest(lattice.columns()));
+            if !point.is_some_and(&is_possible) {
+                *weight = f32::NEG_INFINITY;
             }
         }
     }
@@ -199,4 +256,11 @@ impl<const N: usize> Cloud<N> {
             *slot = last;
         }
     }
+}
+
+/// From 0 to the end of an axis.
+#[inline(always)]
+fn within(steps: f32, end: f32) -> f32 {
+    let steps = if steps > 0.0 { steps } else { 0.0 };
+    if steps < end { steps } else { end }
 }
