@@ -101,7 +101,7 @@ pub fn fingerprints() {
         return;
     };
     black_box((map.beacon(any(0)), map.beacon_index(any(0))));
-    black_box((map.moments(any(0), any(0)), map.is_surveyed(any(0))));
+    black_box((map.moments(any(0), any(0)), map.is_possible(any(0))));
     black_box(map.log_density(any(0), any(0.0), any(0)));
     black_box((
         map.lattice().position(any(0)),

@@ -25,6 +25,8 @@ pub enum MapError {
     Levels,
     /// It has more points than there is room for.
     Points,
+    /// The length of its error is impossible.
+    ErrorLength,
 }
 
 messages!(MapError {
@@ -37,6 +39,7 @@ messages!(MapError {
     Self::Beacons => "no beacon, or more than there is room for",
     Self::Levels => "impossible levels",
     Self::Points => "more points than there is room for",
+    Self::ErrorLength => "impossible length of its error",
 });
 
 /// Why a reading or a scan was not used. What it was for is as before.
@@ -54,7 +57,7 @@ pub enum ReadingError {
     Points,
     /// The map is a plane, and there is room for one axis.
     Axes,
-    /// No point of the map was surveyed.
+    /// A tag can be at no point of the map.
     Survey,
 }
 
@@ -64,5 +67,5 @@ messages!(ReadingError {
     Self::TooOld => "the reading is older than the last update",
     Self::Points => "the map has more points than there is room for",
     Self::Axes => "the map is a plane, and there is room for one axis",
-    Self::Survey => "no point of the map was surveyed",
+    Self::Survey => "a tag can be at no point of the map",
 });

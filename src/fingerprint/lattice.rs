@@ -126,7 +126,11 @@ impl Lattice {
 
     /// A vector by its components along the axes that have several points: on a map of one column, the first is along y.
     pub(super) const fn along_axes(&self, [first, second]: [f32; 2]) -> [f32; 2] {
-        if self.columns > 1 { [first, second] } else { [second, first] }
+        if self.columns > 1 {
+            [first, second]
+        } else {
+            [second, first]
+        }
     }
 
     /// A place in the cell of a point, in steps, by fractions from 0 to 1 of its sides; a cell at the edge is cut off there.

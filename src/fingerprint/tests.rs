@@ -74,7 +74,7 @@ fn a_map_reads_as_it_was_written() {
     assert_eq!(beacon.sensitivity_dbm, -95.0);
     assert_eq!(map.beacon(2), None);
     assert_eq!(
-        [0, 1, 2, 3].map(|point| map.is_surveyed(point)),
+        [0, 1, 2, 3].map(|point| map.is_possible(point)),
         [true, false, true, false]
     );
     let moments = |mean_dbm, sigma_db| Some(Moments { mean_dbm, sigma_db });
@@ -174,7 +174,7 @@ fn exercise(bytes: &[u8], scan: &[Reading], x: f32, y: f32) {
     let points = map.lattice().points();
     for beacon in 0..map.beacons() + 2 {
         for point in [0, 1, points - 1, points, usize::MAX] {
-            _ = (map.moments(beacon, point), map.is_surveyed(point));
+            _ = (map.moments(beacon, point), map.is_possible(point));
             let log_density = map.log_density(beacon, x, point);
             assert!(log_density.is_none_or(f32::is_finite));
         }
@@ -190,7 +190,7 @@ fn exercise(bytes: &[u8], scan: &[Reading], x: f32, y: f32) {
         };
         let matcher = Matcher::new(map, &config).unwrap();
         if let Ok(found) = matcher.locate(scan, &mut posterior) {
-            assert!(found.point < points && map.is_surveyed(found.point));
+            assert!(found.point < points && map.is_possible(found.point));
             assert_eq!(found.position, map.lattice().position(found.point));
             let [a, b] = posterior.covariance(map.lattice()).rows();
             let numbers = [found.mean, a, b];

@@ -1,14 +1,11 @@
 //! The tunnel that comes with the project: its radio map, and a minute of eight people in it.
 
-use foxhunt::{
-    fingerprint::Encoding,
-    gateway::beacon::{MAX_TAGS, Packet},
-};
+use foxhunt::gateway::beacon::{MAX_TAGS, Packet};
 use rand::{Rng, RngExt};
 
 use super::{Path, Recording, Scene, Walks};
 use crate::{
-    radio_map::{Options, SiteSurvey},
+    radio_map::{Recipe, SiteSurvey},
     simulate::generator,
     tunnel::{
         Radio, Site, Tunnel,
@@ -169,11 +166,12 @@ fn surveyed(rng: &mut impl Rng) -> (Site, Vec<u8>) {
     let places: Vec<[f64; 2]> = (0..=80).map(|x| [f64::from(x), SURVEYED]).collect();
     let survey = site.survey(&places, SAMPLES, &Radio::new(NOISE), rng);
     let survey = SiteSurvey::of(&survey, &RADIOS);
-    let map = survey
-        .lattice(1.0)
-        .and_then(|lattice| survey.radio_map(&lattice, Encoding::Moments, &Options::default()))
-        .expect("the survey is whole");
-    (site, map)
+    let recipe = Recipe {
+        spacing_m: Some(1.0),
+        ..Recipe::default()
+    };
+    let map = survey.map(&recipe, &mut |_| ());
+    (site, map.expect("the survey is whole").bytes)
 }
 
 /// The same tunnel with as many tags as the gateway of the firmware has trackers, for so many seconds: each walks from

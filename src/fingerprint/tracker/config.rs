@@ -20,12 +20,13 @@ pub struct Config {
     /// Seconds in which a velocity falls to 1/e: at least 0.1; infinite for one that stays.
     pub velocity_memory_s: f32,
     /// Standard deviation in dB, 0.1 to 30, of the difference between a walk and the survey at one place, however many
-    /// packets are averaged.
+    /// packets are averaged: by how a tag is worn, say. It adds to the error that the map states.
     pub mismatch_sigma_db: f32,
-    /// How many readings of each beacon the survey took at each point: at least 1.
-    pub survey_samples: u16,
-    /// The power, 0.01 to 1, to which likelihoods are raised: below 1 because the errors of readings that follow each
-    /// other are correlated.
+    /// Seconds in which what a tag at rest remembers of the map's error falls to 1/e: at least 0.1. Where it moves, that
+    /// falls with the distance, too, over the length that the map states.
+    pub error_memory_s: f32,
+    /// The power, 0.01 to 1, to which likelihoods are raised: below 1 because readings at one time have errors in common,
+    /// too.
     pub tempering: f32,
     /// Readings that differ by more than so many sigmas count as if they differed by that: none of them excludes a place.
     /// At least 0.5; infinite for normal errors.
@@ -57,9 +58,9 @@ impl Config {
         velocity_sigma_m_s: 0.5,
         velocity_noise_m2_s3: 0.09,
         velocity_memory_s: 7.0,
-        mismatch_sigma_db: 3.464,
-        survey_samples: 50,
-        tempering: 0.25,
+        mismatch_sigma_db: 2.0,
+        error_memory_s: 5.0,
+        tempering: 0.5,
         gate_sigmas: 2.646,
         range_dbm: [-110.0, -10.0],
         offset_probability: 0.1,
@@ -75,8 +76,7 @@ impl Config {
         velocity_sigma_m_s: 1.5,
         velocity_noise_m2_s3: 0.2,
         velocity_memory_s: f32::INFINITY,
-        mismatch_sigma_db: 2.0,
-        tempering: 0.5,
+        tempering: 0.85,
         gate_sigmas: f32::INFINITY,
         ..Self::DEFAULT
     };
@@ -101,7 +101,10 @@ impl Config {
             self.velocity_memory_s >= 0.1,
             "velocity_memory_s is less than 0.1"
         );
-        require!(self.survey_samples > 0, "survey_samples is 0");
+        require!(
+            self.error_memory_s >= 0.1,
+            "error_memory_s is less than 0.1"
+        );
         require!(self.window_ms <= 60_000, "window_ms is more than 60000");
         require!(self.gate_sigmas >= 0.5, "gate_sigmas is less than 0.5");
         let [lowest, highest] = self.range_dbm;

@@ -18,9 +18,11 @@
 //! One [`Site`] and one [`Workspace`] serve any number of trackers: see [`Trackers`] for many tags.
 
 mod cloud;
+mod comparison;
 mod config;
 mod field;
 mod fix;
+mod memory;
 mod motion;
 mod offset;
 mod pending;
@@ -35,6 +37,7 @@ use crate::persist;
 use crate::random::Rng;
 use cloud::Cloud;
 use field::Field;
+use memory::Memory;
 use offset::OffsetBelief;
 use pending::Pending;
 use stored::Grain;
@@ -95,17 +98,15 @@ impl<const N: usize, const P: usize> Workspace<N, P> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct Tracker<
-    const N: usize,
-    const B: usize = 16,
-    const D: usize = 2,
-    S: Stored = Packed<D>,
-> {
+pub struct Tracker<const N: usize, const B: usize = 16, const D: usize = 2, S: Stored = Packed<D>> {
     /// Places, and the means of velocities.
     particles: [S; N],
     /// Of every particle's velocity, along x and along y.
     velocity_variance: [f32; 2],
     offset: OffsetBelief,
+    memory: Memory<B>,
+    /// The mean place of the last seconds, in metres.
+    rest: [f32; 2],
     pending: Pending<B>,
     /// Of the last update, if there was one.
     fix: Fix,
@@ -131,6 +132,8 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         particles: [S::EMPTY; N],
         velocity_variance: [0.0; 2],
         offset: OffsetBelief::EMPTY,
+        memory: Memory::EMPTY,
+        rest: [0.0; 2],
         pending: Pending::EMPTY,
         fix: Fix::EMPTY,
         has_fix: false,
@@ -142,6 +145,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
     /// Forgets all.
     pub fn reset(&mut self) {
         self.offset = OffsetBelief::EMPTY;
+        self.memory = Memory::EMPTY;
         self.pending.clear();
         self.has_fix = false;
         self.evidence = 0.0;
@@ -255,7 +259,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
 
 persist!(
     impl[const N: usize, const B: usize, const D: usize, S: Stored] Tracker<N, B, D, S> as "Tracker"(N, B)
-    { particles, velocity_variance, offset, pending, fix, has_fix, evidence, redrawn_s, old_packets }
+    { particles, velocity_variance, offset, memory, rest, pending, fix, has_fix, evidence, redrawn_s, old_packets }
 );
 
 #[cfg(test)]

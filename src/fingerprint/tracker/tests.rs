@@ -251,7 +251,7 @@ fn a_wrong_field_of_a_configuration_is_named() {
         (|c| c.velocity_noise_m2_s3 = -1.0, "velocity_noise_m2_s3"),
         (|c| c.velocity_memory_s = f32::NAN, "velocity_memory_s"),
         (|c| c.mismatch_sigma_db = 0.0, "mismatch_sigma_db"),
-        (|c| c.survey_samples = 0, "survey_samples"),
+        (|c| c.error_memory_s = 0.0, "error_memory_s"),
         (|c| c.tempering = 1.1, "tempering"),
         (|c| c.gate_sigmas = f32::NAN, "gate_sigmas"),
         (|c| c.range_dbm = [-50.0, -50.0], "range_dbm"),

@@ -1,15 +1,18 @@
 //! What an update does: predict, weigh, judge, summarise, resample.
 
 use super::cloud::{Moments, Sums};
+use super::comparison::{Comparison, packet_variance};
 use super::field::Field;
 use super::fix::seconds;
+use super::memory::Memory;
 use super::motion::{Noise, Step};
 use super::offset::OffsetBelief;
 use super::pending::Level;
 use super::stored::{Grain, Stored};
 use super::{Fix, Site, State, Tracker, Walls, Workspace};
 use crate::estimate::Symmetric2;
-use crate::math::{ln, sqrt};
+use crate::fingerprint::map::LOWEST_MEAN_DBM;
+use crate::math::{exp, ln, sqrt};
 use crate::random::{Rng, normal, uniform};
 
 /// Seconds over which the evidence is smoothed: fewer take a few bad scans for a lost tag, more leave a lost tag lost for
@@ -18,6 +21,16 @@ const EVIDENCE_S: f32 = 6.0;
 /// The smoothed evidence below which particles are drawn anew. Higher draws clouds anew that were right; without any, one
 /// walk in a thousand is lost for good.
 const LOST_BELOW: f32 = -0.7;
+
+/// How far beyond the gate, in variances, a reading is no longer kept for those after it: it is an outlier, not an error of
+/// the map.
+const OUTLIER: f32 = 1.5;
+/// The variance that a tag at rest has besides that of its particles, as a multiple of it; larger makes regions too large,
+/// smaller too small.
+const REST_VARIANCE: f32 = 5.0;
+/// Metres from the mean place of the last seconds over which that falls to 1/e, and how many seconds those are.
+const REST_M: f32 = 1.0;
+const REST_S: f32 = 10.0;
 
 impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D, S> {
     #[inline(never)]
@@ -30,17 +43,21 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         rng: &mut R,
     ) {
         let Site { map, config, .. } = site;
-        let grain = Grain::of(map.lattice(), config);
+        let lattice = map.lattice();
+        let grain = Grain::of(lattice, config);
         let sums = if let Some(last) = self.fix() {
             let dt = seconds(time_ms.wrapping_sub(last.time_ms) as i32);
             // Two updates at one time are two looks at one place.
             let dt = if dt > 1e-3 { dt } else { 1e-3 };
             self.offset.drift(config, dt);
-            self.predict(dt, site, &grain, workspace, rng);
+            let moved_m = self.predict(dt, site, &grain, workspace, rng);
+            self.memory.fade(dt, moved_m, map.error_length_m(), config);
+            let memory = Some(&self.memory);
+            let compared = Comparison::new(map, config, &self.offset, memory, scan);
             let Workspace { field, cloud } = workspace;
-            cloud.find_cells(map.lattice());
-            field.look_up_at(cloud, map, config, &self.offset, scan);
-            cloud.look_up(field, map.lattice());
+            cloud.compare(&compared, lattice, self.memory.age_s);
+            let anew = Comparison::new(map, config, &self.offset, None, scan);
+            field.sample(map, &anew, time_ms);
             self.exclude_walls(site, &grain, workspace);
             if let Some(redrawn_s) = &mut self.redrawn_s {
                 *redrawn_s += dt;
@@ -56,21 +73,49 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
                 let fraction = sums.map_or(1.0, |_| config.redraw_fraction);
                 self.evidence = 0.0;
                 self.redrawn_s = Some(0.0);
-                (workspace.field).look_up_all(map, config, &self.offset, scan);
+                self.memory = Memory::EMPTY;
+                (workspace.field).look_up_all(map, &anew);
                 self.draw(fraction, site, workspace, rng)
             }
         } else {
             self.offset = OffsetBelief::prior(config);
-            (workspace.field).look_up_all(map, config, &self.offset, scan);
-            self.draw(1.0, site, workspace, rng)
+            self.memory = Memory::EMPTY;
+            let anew = Comparison::new(map, config, &self.offset, None, scan);
+            (workspace.field).look_up_all(map, &anew);
+            let drawn = self.draw(1.0, site, workspace, rng);
+            // Their likelihood is in the draw; what they think of the offset is not.
+            let weights = workspace.cloud.weights;
+            workspace.cloud.compare(&anew, lattice, 0.0);
+            workspace.cloud.weights = weights;
+            drawn
         };
         if let Some(sums) = sums {
             self.conclude(time_ms, &sums, site, workspace);
+            self.remember(scan, site);
             (workspace.cloud).resample(sums.weights, &mut self.particles, &grain, rng);
         }
     }
 
-    /// Unpacks all particles, moved by `dt` seconds.
+    /// Keeps a scan for those that will be heard nearby, except what is an outlier where the tag is.
+    fn remember(&mut self, scan: &[Level; B], site: &Site<'_>) {
+        let Site { map, config, .. } = site;
+        let lattice = map.lattice();
+        let point = lattice.nearest(self.fix.position);
+        let packet = packet_variance(map);
+        let mismatch = 4.0 * config.mismatch_sigma_db * config.mismatch_sigma_db;
+        let offset = self.fix.offset_db;
+        let gate = OUTLIER * config.gate_sigmas * config.gate_sigmas;
+        self.memory.learn(scan, |beacon, level| {
+            let [sigma, mean] = *map.moments_row(beacon)?.get(point)?;
+            let sigma = f32::from(sigma);
+            let error = 0.25 * sigma * sigma + mismatch;
+            let noise = packet / f32::from(level.packets);
+            let above = 2.0 * (level.mean_dbm - offset - LOWEST_MEAN_DBM) - f32::from(mean);
+            (above * above < gate * (error + noise)).then_some(noise / error)
+        });
+    }
+
+    /// Unpacks all particles, moved by `dt` seconds, and returns by how many metres they moved: the root mean square.
     #[inline(never)]
     fn predict<const P: usize, R: Rng + ?Sized>(
         &mut self,
@@ -79,7 +124,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         grain: &Grain,
         workspace: &mut Workspace<N, P>,
         rng: &mut R,
-    ) {
+    ) -> f32 {
         let lattice = site.map.lattice();
         let scale = lattice.per_metre();
         let [first, second] = &mut self.velocity_variance;
@@ -88,11 +133,13 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         if lattice.is_plane() {
             let second = Step::of(dt, second, &site.config, scale);
             let [x, y] = Noise::in_plane(rng);
-            cloud.advance::<0, S>(&self.particles, grain, &first, x);
-            cloud.advance::<1, S>(&self.particles, grain, &second, y);
+            let along = cloud.advance::<0, S>(&self.particles, grain, &first, x);
+            let across = cloud.advance::<1, S>(&self.particles, grain, &second, y);
+            lattice.spacing() * sqrt(along + across)
         } else {
             let noise = Noise::on_line(rng);
-            cloud.advance::<0, S>(&self.particles, grain, &first, noise);
+            let along = cloud.advance::<0, S>(&self.particles, grain, &first, noise);
+            lattice.spacing() * sqrt(along)
         }
     }
 
@@ -103,10 +150,15 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         grain: &Grain,
         workspace: &mut Workspace<N, P>,
     ) {
+        let lattice = site.map.lattice();
+        if !site.map.is_complete() {
+            workspace
+                .cloud
+                .exclude(lattice, |point| site.map.is_possible(point));
+        }
         if site.walls == Walls::None {
             return;
         }
-        let lattice = site.map.lattice();
         let place = |steps| lattice.place(lattice.along_axes(steps));
         let cloud = &mut workspace.cloud;
         let [x, y] = &cloud.places;
@@ -149,10 +201,11 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         workspace: &mut Workspace<N, P>,
     ) {
         let lattice = site.map.lattice();
-        let Workspace { field, cloud } = workspace;
+        let cloud = &mut workspace.cloud;
         // Particles that were just drawn have not been tried yet.
         if self.redrawn_s != Some(0.0) {
-            field.teach(&mut self.offset, lattice, cloud, sums.weights);
+            let opinions = cloud.weights.iter().zip(&cloud.opinions);
+            self.offset.learn(cloud.precision, sums.weights, opinions);
         }
         let Moments {
             place,
@@ -162,11 +215,13 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         let step = lattice.spacing();
         let Symmetric2 { xx, xy, yy } = covariance.scaled(step * step);
         let [xx, yy] = lattice.along_axes([xx, yy]);
+        let position = lattice.place(lattice.along_axes(place));
+        let widening = self.widening(time_ms, position);
         self.fix = Fix {
             time_ms,
             state: State::Tracking,
-            position: lattice.place(lattice.along_axes(place)),
-            covariance: Symmetric2 { xx, xy, yy },
+            position,
+            covariance: Symmetric2 { xx, xy, yy }.scaled(widening),
             velocity: lattice.along_axes(velocity.map(|velocity| step * velocity)),
             offset_db: self.offset.probability() * self.offset.mean_db,
             effective_sample_size: sums.weights * sums.weights / sums.squares,
@@ -178,6 +233,24 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             _ => State::Tracking,
         };
         self.has_fix = true;
+    }
+
+    /// By how much the covariance of the particles is too small, because they hold that the error of the map changes as they
+    /// move, and a tag at rest keeps it: by how near the place is to the mean of those of the last seconds.
+    fn widening(&mut self, time_ms: u32, place: [f32; 2]) -> f32 {
+        match self.fix() {
+            Some(last) if self.redrawn_s != Some(0.0) => {
+                let dt = seconds(time_ms.wrapping_sub(last.time_ms) as i32);
+                let fraction = 1.0 - exp(-dt * (1.0 / REST_S));
+                for (rest, place) in self.rest.iter_mut().zip(place) {
+                    *rest += fraction * (place - *rest);
+                }
+            }
+            _ => self.rest = place,
+        }
+        let [dx, dy] = [place[0] - self.rest[0], place[1] - self.rest[1]];
+        let away = sqrt(dx * dx + dy * dy);
+        1.0 + REST_VARIANCE * exp(-away * (1.0 / REST_M))
     }
 
     /// Draws a fraction of the particles from the match: systematically over the points, uniformly within the cell of each.
@@ -199,7 +272,12 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         let lattice = site.map.lattice();
         // What the common variance lacks is drawn.
         let spread = self.velocity_variance.map(|variance| {
-            lattice.per_metre() * sqrt(if variance < prior { prior - variance } else { 0.0 })
+            lattice.per_metre()
+                * sqrt(if variance < prior {
+                    prior - variance
+                } else {
+                    0.0
+                })
         });
         let mut likelihoods = field.likelihoods(lattice).enumerate();
         let gap = field.mean * lattice.points() as f32 / count as f32;

@@ -78,7 +78,13 @@ pub const MAX_TAGS: usize = 64;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct BeaconGateway<const T: usize, const N: usize, const P: usize, const B: usize = 16, const D: usize = 2> {
+pub struct BeaconGateway<
+    const T: usize,
+    const N: usize,
+    const P: usize,
+    const B: usize = 16,
+    const D: usize = 2,
+> {
     input: Input,
     counters: Counters,
     trackers: Trackers<T, N, B, D>,
@@ -88,7 +94,9 @@ pub struct BeaconGateway<const T: usize, const N: usize, const P: usize, const B
     report: Report,
 }
 
-impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: usize> BeaconGateway<T, N, P, B, D> {
+impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: usize>
+    BeaconGateway<T, N, P, B, D>
+{
     /// No tags yet, in bits that are all zero.
     pub const EMPTY: Self = {
         assert!(T <= MAX_TAGS, "at most 64 tags");
