@@ -30,7 +30,7 @@ mod target {
     const TAGS: usize = 64;
     const RADIOS: usize = 8;
     const POINTS: usize = 80;
-    const MAP_BYTES: usize = 34 + 6 * RADIOS + POINTS / 8 + 2 * RADIOS * POINTS + 4;
+    const MAP_BYTES: usize = 44 + 6 * RADIOS + POINTS / 8 + 2 * RADIOS * POINTS + 4;
     /// Half a second of sentences.
     const LINES_BYTES: usize = TAGS * RADIOS * 40;
 
@@ -55,11 +55,14 @@ mod target {
     }
 
     fn write_map(bytes: &mut [u8; MAP_BYTES]) {
-        let header = *b"FXRM\x01\x01\x08\x00\x50\x00\x01\x00";
+        let header = *b"FXRM\x02\x01\x08\x00\x50\x00\x01\x00";
         let (content, checksum) = bytes.split_at_mut(MAP_BYTES - 4);
         let written = (header.into_iter().chain([0; 8]))
             .chain(1.0_f32.to_le_bytes())
             .chain([0; 10])
+            // An error of 4 m length, packets of 4 dB.
+            .chain(4.0_f32.to_le_bytes())
+            .chain([0, 0, 0, 0, 16, 0])
             .chain((0..6 * RADIOS).map(|i| if i % 6 == 0 { i as u8 / 6 } else { 0 }))
             .chain([0xff; POINTS / 8])
             .chain((0..RADIOS * POINTS).flat_map(|i| {
