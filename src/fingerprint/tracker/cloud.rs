@@ -1,6 +1,6 @@
 //! The particles of the tag that is being updated, unpacked: columns in steps of the lattice.
 
-use super::comparison::{Comparison, Found, Spot};
+use super::field::Field;
 use super::motion::{Noise, Step};
 use super::stored::{Grain, Stored};
 use crate::estimate::Symmetric2;
@@ -14,12 +14,10 @@ use crate::random::{Rng, uniform};
 pub(super) struct Cloud<const N: usize> {
     pub places: [[f32; N]; 2],
     pub velocities: [[f32; N]; 2],
+    /// The first points of the cells of the lattice that the places are in; more than any point beyond the map.
+    pub cells: [u16; N],
     /// Log-likelihoods at first.
     pub weights: [f32; N],
-    /// What the particles think of the offset: the probability that there is one, and the correction of its mean.
-    pub opinions: [[f32; 2]; N],
-    /// How much the scan adds to the precision of the offset, per dB^2: the mean over the particles.
-    pub precision: f32,
 }
 
 /// Sums over the weights.
@@ -39,14 +37,31 @@ pub(super) struct Moments {
     pub covariance: Symmetric2,
 }
 
+/// The cell of a place beyond the map: no point has this number, except the last of the largest map, where no cell begins.
+const BEYOND: u16 = u16::MAX;
+
+/// The coordinate of the last of so many points.
+fn last_of(points: usize) -> f32 {
+    points.saturating_sub(1) as f32
+}
+
+/// The whole part of a place, but at the last point the one before.
+#[inline(always)]
+fn floor_below(place: f32, last: f32) -> u32 {
+    if place < last {
+        place as u32
+    } else {
+        (last as u32).saturating_sub(1)
+    }
+}
+
 impl<const N: usize> Cloud<N> {
     /// Zero in all bits.
     pub const EMPTY: Self = Self {
         places: [[0.0; N]; 2],
         velocities: [[0.0; N]; 2],
+        cells: [0; N],
         weights: [0.0; N],
-        opinions: [[0.0; 2]; N],
-        precision: 0.0,
     };
 
     /// Unpacks particles, moved along an axis, and returns the mean of the squares of their moves.
@@ -83,65 +98,71 @@ impl<const N: usize> Cloud<N> {
         self.weights = [1.0; N];
     }
 
-    /// Sets the log-likelihoods to those of the places, of tags that were where their velocity says `age_s` seconds ago.
+    /// Finds the cells of the places.
     #[inline(never)]
-    pub fn compare<const B: usize>(
-        &mut self,
-        scan: &Comparison<'_, B>,
-        lattice: &Lattice,
-        age_s: f32,
-    ) {
-        let mut precision = 0.0;
-        let (columns, rows) = (lattice.columns(), lattice.rows());
-        let last = |points: usize| points.saturating_sub(1) as f32;
-        let ([x, y], [vx, vy]) = (&self.places, &self.velocities);
-        let to = self.weights.iter_mut().zip(&mut self.opinions);
+    pub fn find_cells(&mut self, lattice: &Lattice) {
+        let [x, y] = &self.places;
         if lattice.is_plane() {
-            let ends = [last(columns), last(rows)];
-            let columns_of = x.iter().zip(y).zip(vx.iter().zip(vy));
-            for ((weight, opinion), ((x, y), (vx, vy))) in to.zip(columns_of) {
-                let past = [
-                    within(x - age_s * vx, ends[0]),
-                    within(y - age_s * vy, ends[1]),
-                ];
-                let found = match (
-                    Spot::in_plane([*x, *y], columns, rows),
-                    Spot::in_plane(past, columns, rows),
-                ) {
-                    (Some(spot), Some(past)) => scan.at::<true>(&spot, &past),
-                    _ => Found::NOWHERE,
-                };
-                *weight = found.log_likelihood;
-                *opinion = [found.probability, found.shift];
-                precision += found.precision;
+            let [most_x, most_y] = [lattice.columns(), lattice.rows()].map(last_of);
+            let columns = lattice.columns() as u32;
+            for (cell, (x, y)) in self.cells.iter_mut().zip(x.iter().zip(y)) {
+                let is_within = *x >= 0.0 && *x <= most_x && *y >= 0.0 && *y <= most_y;
+                let first = floor_below(*y, most_y) * columns + floor_below(*x, most_x);
+                *cell = if is_within { first as u16 } else { BEYOND };
             }
         } else {
-            let (points, end) = (lattice.points(), last(lattice.points()));
-            for ((weight, opinion), (x, vx)) in to.zip(x.iter().zip(vx)) {
-                let past = within(x - age_s * vx, end);
-                let found = match (Spot::on_line(*x, points), Spot::on_line(past, points)) {
-                    (Some(spot), Some(past)) => scan.at::<false>(&spot, &past),
-                    _ => Found::NOWHERE,
+            let most = last_of(lattice.points());
+            for (cell, x) in self.cells.iter_mut().zip(x) {
+                let is_within = *x >= 0.0 && *x <= most;
+                *cell = if is_within {
+                    floor_below(*x, most) as u16
+                } else {
+                    BEYOND
                 };
-                *weight = found.log_likelihood;
-                *opinion = [found.probability, found.shift];
-                precision += found.precision;
             }
         }
-        self.precision = precision * (1.0 / N as f32);
     }
 
-    /// Makes places impossible.
+    /// Sets the log-likelihoods to those of the places, of tags that were where their velocity says `age_s` seconds ago; the
+    /// points were looked up for a velocity of `mean`.
+    #[inline(never)]
+    pub fn look_up<const P: usize>(
+        &mut self,
+        field: &Field<P>,
+        lattice: &Lattice,
+        age_s: f32,
+        mean: [f32; 2],
+    ) {
+        let ([x, y], [vx, vy]) = (&self.places, &self.velocities);
+        let weights = self.weights.iter_mut().zip(&self.cells);
+        if lattice.is_plane() {
+            let [most_x, most_y] = [lattice.columns(), lattice.rows()].map(last_of);
+            let columns = x.iter().zip(y).zip(vx.iter().zip(vy));
+            for ((weight, cell), ((x, y), (vx, vy))) in weights.zip(columns) {
+                let fractions = [
+                    x - floor_below(*x, most_x) as f32,
+                    y - floor_below(*y, most_y) as f32,
+                ];
+                let further = [age_s * (vx - mean[0]), age_s * (vy - mean[1])];
+                *weight = field.in_plane(*cell, lattice.columns(), fractions, further);
+            }
+        } else {
+            let most = last_of(lattice.points());
+            for ((weight, cell), (x, vx)) in weights.zip(x.iter().zip(vx)) {
+                let fraction = x - floor_below(*x, most) as f32;
+                *weight = field.on_line(*cell, fraction, age_s * (vx - mean[0]));
+            }
+        }
+    }
+
+    /// Makes places impossible, by the points nearest to them.
     pub fn exclude(&mut self, lattice: &Lattice, is_possible: impl Fn(usize) -> bool) {
         let [x, y] = &self.places;
+        // Saturates; NaN becomes 0.
+        let nearest = |steps: f32| (steps + 0.5) as usize;
         for (weight, (x, y)) in self.weights.iter_mut().zip(x.iter().zip(y)) {
-            let spot = if lattice.is_plane() {
-                Spot::in_plane([*x, *y], lattice.columns(), lattice.rows())
-            } else {
-                Spot::on_line(*x, lattice.points())
-            };
-            let point = spot.map(|spot| spot.nearest(lattice.columns()));
-            if !point.is_some_and(&is_possible) {
+            let row = if lattice.is_plane() { nearest(*y) } else { 0 };
+            if !is_possible(row * lattice.columns() + nearest(*x)) {
                 *weight = f32::NEG_INFINITY;
             }
         }
@@ -256,11 +277,4 @@ impl<const N: usize> Cloud<N> {
             *slot = last;
         }
     }
-}
-
-/// From 0 to the end of an axis.
-#[inline(always)]
-fn within(steps: f32, end: f32) -> f32 {
-    let steps = if steps > 0.0 { steps } else { 0.0 };
-    if steps < end { steps } else { end }
 }

@@ -7,74 +7,6 @@ use super::pending::Level;
 use crate::fingerprint::{RadioMap, map::LOWEST_MEAN_DBM};
 use crate::math::ln;
 
-/// A place between points of the lattice.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Spot {
-    /// The point before it, along both axes.
-    first: usize,
-    /// From there, in 256ths of a step.
-    along: u32,
-    across: u32,
-}
-
-impl Spot {
-    /// A place on a map of one row or column, in steps; none beyond the map.
-    #[inline(always)]
-    pub fn on_line(steps: f32, points: usize) -> Option<Self> {
-        let (first, along) = before(steps, points)?;
-        Some(Self {
-            first,
-            along,
-            across: 0,
-        })
-    }
-
-    /// A place in the plane, in steps; none beyond the map.
-    #[inline(always)]
-    pub fn in_plane([x, y]: [f32; 2], columns: usize, rows: usize) -> Option<Self> {
-        let (column, along) = before(x, columns)?;
-        let (row, across) = before(y, rows)?;
-        Some(Self {
-            first: row * columns + column,
-            along,
-            across,
-        })
-    }
-
-    /// The point nearest to it.
-    #[inline(always)]
-    pub fn nearest(&self, columns: usize) -> usize {
-        let row = if self.across >= 128 { columns } else { 0 };
-        self.first + row + usize::from(self.along >= 128)
-    }
-
-    /// Interpolates the means of a beacon, in halves of a dB, and says which sigma it has, in quarters.
-    #[inline(always)]
-    fn look_up<const PLANE: bool>(&self, row: &[[u8; 2]], columns: usize) -> Option<(f32, u8)> {
-        let [[sigma, a], [_, b]] = *row.get(self.first..)?.first_chunk()?;
-        let mix = |a: u8, b: u8| u32::from(a) * (256 - self.along) + u32::from(b) * self.along;
-        let near = mix(a, b);
-        if !PLANE {
-            return Some((near as f32 * (1.0 / 256.0), sigma));
-        }
-        let [[_, c], [_, d]] = *row.get(self.first + columns..)?.first_chunk()?;
-        let sum = near * (256 - self.across) + mix(c, d) * self.across;
-        Some((sum as f32 * (1.0 / 65_536.0), sigma))
-    }
-}
-
-/// The last point at or before a place, so many `steps` from the first of `points` in a line, and 256ths of a step
-/// beyond it; none beyond the line, or for NaN.
-#[inline(always)]
-fn before(steps: f32, points: usize) -> Option<(usize, u32)> {
-    let last = points.saturating_sub(1);
-    if !(steps >= 0.0 && steps <= last as f32) {
-        return None;
-    }
-    let first = (steps as usize).min(last.saturating_sub(1));
-    Some((first, ((steps - first as f32) * 256.0) as u32))
-}
-
 /// A beacon of a scan, ready to be compared. Levels are in halves of a dB above the lowest, as the means of the map.
 #[derive(Debug, Clone, Copy)]
 struct Reading<'a> {
@@ -96,6 +28,8 @@ pub(super) struct Comparison<'a, const B: usize> {
     columns: usize,
     tempering: f32,
     is_estimated: bool,
+    /// Whether there is an offset, more probably than not.
+    has_offset: bool,
     /// Of the offset.
     belief: OffsetBelief,
     mean: f32,
@@ -164,6 +98,7 @@ impl<'a, const B: usize> Comparison<'a, B> {
             columns: map.lattice().columns(),
             tempering: config.tempering,
             is_estimated: belief.is_estimated(),
+            has_offset: belief.is_estimated() && belief.log_some > belief.log_none,
             belief: *belief,
             mean: 2.0 * belief.mean_db,
             variance: 4.0 * belief.variance,
@@ -171,28 +106,121 @@ impl<'a, const B: usize> Comparison<'a, B> {
             mismatch: 4.0 * config.mismatch_sigma_db * config.mismatch_sigma_db,
         }
     }
+}
 
-    /// At a place, of a tag that was at another when it heard what is remembered.
+/// Where a tag was that is at a point now: fractions of a step beyond another point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Past {
+    pub first: usize,
+    pub fractions: [f32; 2],
+}
+
+/// How the log-likelihood changes with the displacement of a tag since what is remembered, in steps: to the second order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Slope {
+    pub gradient: [f32; 2],
+    /// Along x, across, and along y.
+    pub curvature: [f32; 3],
+}
+
+impl Slope {
+    pub const ZERO: Self = Self {
+        gradient: [0.0; 2],
+        curvature: [0.0; 3],
+    };
+
+    /// Adds a reading whose difference, weighted by its precision, falls by `along` and `across` with the displacement.
     #[inline(always)]
-    pub fn at<const PLANE: bool>(&self, spot: &Spot, past: &Spot) -> Found {
+    fn add<const PLANE: bool>(&mut self, weighted: f32, precision: f32, [along, across]: [f32; 2]) {
+        let of_along = precision * along;
+        self.gradient[0] += weighted * along;
+        self.curvature[0] += of_along * along;
+        if PLANE {
+            self.gradient[1] += weighted * across;
+            self.curvature[1] += of_along * across;
+            self.curvature[2] += precision * across * across;
+        }
+    }
+
+    /// What a displacement adds that is so much larger.
+    #[inline(always)]
+    pub fn at<const PLANE: bool>(&self, [x, y]: [f32; 2]) -> f32 {
+        let [xx, xy, yy] = self.curvature;
+        if PLANE {
+            x * (self.gradient[0] - 0.5 * xx * x - xy * y)
+                + y * (self.gradient[1] - 0.5 * yy * y)
+        } else {
+            x * (self.gradient[0] - 0.5 * xx * x)
+        }
+    }
+}
+
+impl<const B: usize> Comparison<'_, B> {
+    /// At a point, of a tag that was elsewhere when it heard what is remembered.
+    #[inline(always)]
+    pub fn at_point<const PLANE: bool>(&self, point: usize, past: &Past) -> (Found, Slope) {
         let mut sums = Sums::EMPTY;
+        let mut slope = Slope::ZERO;
+        let [s, t] = past.fractions;
         for reading in &self.readings {
-            let Some((mean, sigma)) = spot.look_up::<PLANE>(reading.row, self.columns) else {
+            let Some([sigma, mean]) = reading.row.get(point) else {
                 continue;
             };
-            let mut difference = reading.level - mean;
-            if reading.weight > 0.0
-                && let Some((mean, _)) = past.look_up::<PLANE>(reading.row, self.columns)
-            {
-                difference += reading.weight * mean;
+            let mut difference = reading.level - f32::from(*mean);
+            let mut falls = [0.0; 2];
+            let near = pair(reading.row, past.first);
+            let far = if PLANE {
+                pair(reading.row, past.first + self.columns)
+            } else {
+                None
+            };
+            if let Some([a, b]) = near {
+                let mut along = b - a;
+                let mut there = a + s * along;
+                if let Some([c, d]) = far {
+                    let above = c + s * (d - c);
+                    let across = above - there;
+                    along += t * ((d - c) - along);
+                    there += t * across;
+                    falls[1] = reading.weight * across;
+                }
+                falls[0] = reading.weight * along;
+                difference += reading.weight * there;
             }
-            let sigma = f32::from(sigma);
-            let error = 0.25 * sigma * sigma + self.mismatch;
+            let sigma = f32::from(*sigma);
+            let error = (0.25 * sigma) * sigma + self.mismatch;
             let variance = error * reading.unknown + reading.noise;
-            sums.add(difference, 1.0 - reading.weight, variance, self);
+            let weighted = sums.add(difference, 1.0 - reading.weight, variance, self);
+            if let Some((weighted, precision)) = weighted {
+                slope.add::<PLANE>(weighted, precision, falls);
+            }
+        }
+        slope.gradient = slope.gradient.map(|sum| self.tempering * sum);
+        slope.curvature = slope.curvature.map(|sum| self.tempering * sum);
+        (sums.conclude(self), slope)
+    }
+
+    /// At a point, if nothing is remembered: the log-likelihood.
+    #[inline(always)]
+    pub fn anew_at(&self, point: usize) -> Found {
+        let mut sums = Sums::EMPTY;
+        for reading in &self.readings {
+            let Some([sigma, mean]) = reading.row.get(point) else {
+                continue;
+            };
+            let sigma = f32::from(*sigma);
+            let variance = (0.25 * sigma) * sigma + (self.mismatch + reading.noise);
+            sums.add(reading.level - f32::from(*mean), 1.0, variance, self);
         }
         sums.conclude(self)
     }
+}
+
+/// The means of a beacon at a point and at the next one.
+#[inline(always)]
+fn pair(row: &[[u8; 2]], first: usize) -> Option<[f32; 2]> {
+    let [[_, a], [_, b]] = *row.get(first..)?.first_chunk()?;
+    Some([f32::from(a), f32::from(b)])
 }
 
 /// Sums over the beacons of a scan at one place, in halves of a dB.
@@ -218,7 +246,8 @@ impl Sums {
         product: 1.0,
     };
 
-    /// Adds a reading that differs so much from what is expected, to which an offset adds in proportion to `slope`.
+    /// Adds a reading that differs so much from what is expected, to which an offset adds in proportion to `slope`. Returns
+    /// the weighted difference and the precision by the more probable hypothesis of both, if the reading is within its gate.
     #[inline(always)]
     fn add<const B: usize>(
         &mut self,
@@ -226,10 +255,17 @@ impl Sums {
         slope: f32,
         variance: f32,
         terms: &Comparison<'_, B>,
-    ) {
+    ) -> Option<(f32, f32)> {
         let precision = 1.0 / variance;
-        let least = |a: f32, b: f32| if a < b { a } else { b };
-        self.cost += least(difference * difference * precision, terms.gate);
+        let weighted = difference * precision;
+        let cost = difference * weighted;
+        let is_within = cost < terms.gate;
+        self.cost += if is_within { cost } else { terms.gate };
+        let mut said = if is_within {
+            Some((weighted, precision))
+        } else {
+            None
+        };
         if terms.is_estimated {
             let difference = difference - slope * terms.mean;
             let weighted = difference * precision;
@@ -240,8 +276,14 @@ impl Sums {
                 self.cost_with += cost;
                 self.precision += informed;
                 self.weighted += slope * weighted;
+                if terms.has_offset {
+                    said = Some((weighted, precision));
+                }
             } else {
                 self.cost_with += terms.gate;
+                if terms.has_offset {
+                    said = None;
+                }
             }
         }
         self.product *= precision;
@@ -251,6 +293,7 @@ impl Sums {
             self.cost_with -= logarithm;
             self.product = 1.0;
         }
+        said
     }
 
     #[inline(always)]

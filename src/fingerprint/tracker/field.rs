@@ -1,36 +1,115 @@
-//! The likelihood of a scan at the points of the map.
+//! The likelihood of a scan at the points of the map, and between them.
 
-use super::comparison::{Comparison, Found, Spot};
+use super::cloud::Cloud;
+use super::comparison::{Comparison, Found, Past, Slope};
+use super::offset::OffsetBelief;
 use crate::fingerprint::{Lattice, RadioMap};
 use crate::math::exp_of_weight;
 
-/// The log-likelihood of every point, up to a common summand.
+/// What a scan says of the points about the particles.
+///
+/// It is computed for each point, not for each particle: there are fewer points about a cloud than particles in it, and a
+/// particle then takes only an interpolation. Where a particle was when it heard what is remembered is not the same for
+/// all that are at a point: that is what the slopes are for.
 #[derive(Debug, Clone)]
 pub(super) struct Field<const P: usize> {
-    log_likelihoods: [f32; P],
-    /// The log-likelihood of the best point.
+    points: [Point; P],
+    /// How much the scan adds to the precision of the offset, per dB^2: the mean over the points.
+    precision: f32,
+    /// The log-likelihood of the best point, if nothing is remembered.
     pub top: f32,
-    /// The mean over the points of the likelihood, relative to that of the best point.
+    /// The mean over the map of the likelihood, relative to that of the best point, if nothing is remembered.
     pub mean: f32,
+}
+
+/// What a scan says of a point.
+#[derive(Debug, Clone, Copy)]
+struct Point {
+    log_likelihood: f32,
+    slope: Slope,
+    /// The correction of the mean of the offset, if the tag has one, and the probability that it has one.
+    shift: f32,
+    probability: f32,
+    /// Of the particles that are nearest to it; or a mark.
+    weight: f32,
+}
+
+impl Point {
+    const EMPTY: Self = Self {
+        log_likelihood: 0.0,
+        slope: Slope::ZERO,
+        shift: 0.0,
+        probability: 0.0,
+        weight: 0.0,
+    };
+
+    #[inline(always)]
+    fn set(&mut self, found: &Found, slope: &Slope) {
+        self.log_likelihood = found.log_likelihood;
+        self.slope = *slope;
+        self.shift = found.shift;
+        self.probability = found.probability;
+    }
+}
+
+/// The mean of likelihoods relative to the largest, as they come.
+struct Mean {
+    top: f32,
+    sum: f32,
+    count: u16,
+}
+
+impl Mean {
+    const EMPTY: Self = Self {
+        top: f32::NEG_INFINITY,
+        sum: 0.0,
+        count: 0,
+    };
+
+    #[inline(always)]
+    fn add(&mut self, log_likelihood: f32) {
+        if log_likelihood > self.top {
+            self.sum *= exp_of_weight(self.top - log_likelihood);
+            self.top = log_likelihood;
+        }
+        // Nothing for NaN: both may be minus infinity.
+        self.sum += exp_of_weight(log_likelihood - self.top);
+        self.count = self.count.saturating_add(1);
+    }
 }
 
 impl<const P: usize> Field<P> {
     pub const EMPTY: Self = Self {
-        log_likelihoods: [0.0; P],
+        points: [Point::EMPTY; P],
+        precision: 0.0,
         top: 0.0,
         mean: 0.0,
     };
 
     /// Points of which the mean over a large map is taken at the least: fewer are work saved, and noise in the evidence.
-    const SAMPLE: usize = 48;
+    const SAMPLE: usize = 16;
 
-    /// Compares a scan with every point.
+    /// Compares a scan with every point, by nothing that is remembered.
     #[inline(never)]
     pub fn look_up_all<const B: usize>(&mut self, map: &RadioMap<'_>, scan: &Comparison<'_, B>) {
-        self.look_up(map, scan, 1, 0);
+        let mut mean = Mean::EMPTY;
+        let mut precision = 0.0;
+        let points = map.lattice().points();
+        for (number, point) in self.points.iter_mut().enumerate().take(points) {
+            let found = if map.is_possible(number) {
+                scan.anew_at(number)
+            } else {
+                Found::NOWHERE
+            };
+            point.set(&found, &Slope::ZERO);
+            precision += found.precision;
+            mean.add(found.log_likelihood);
+        }
+        self.precision = precision / points as f32;
+        (self.top, self.mean) = (mean.top, mean.sum / f32::from(mean.count));
     }
 
-    /// Compares a scan with some points only, evenly over the map: for the mean. Other points at every time.
+    /// Takes the mean over the map, by points that are spread evenly: others at every time.
     #[inline(never)]
     pub fn sample<const B: usize>(
         &mut self,
@@ -38,65 +117,182 @@ impl<const P: usize> Field<P> {
         scan: &Comparison<'_, B>,
         time: u32,
     ) {
+        let points = map.lattice().points();
         // Even strides would stay in some columns of a map whose rows have an even number of points.
-        let stride = map.lattice().points() / Self::SAMPLE | 1;
-        self.look_up(map, scan, stride, time as usize);
+        let stride = points / Self::SAMPLE | 1;
+        let mut mean = Mean::EMPTY;
+        let mut point = (time as usize).checked_rem(stride).unwrap_or(0);
+        while point < points {
+            if map.is_complete() || map.is_possible(point) {
+                mean.add(scan.anew_at(point).log_likelihood);
+            } else {
+                mean.add(f32::NEG_INFINITY);
+            }
+            point += stride;
+        }
+        (self.top, self.mean) = (mean.top, mean.sum / f32::from(mean.count));
     }
 
-    fn look_up<const B: usize>(
+    /// Compares a scan with the corners of the cells that have particles, which moved by about so many steps since what is
+    /// remembered.
+    #[inline(never)]
+    pub fn look_up_at<const N: usize, const B: usize>(
         &mut self,
-        map: &RadioMap<'_>,
+        cloud: &Cloud<N>,
+        lattice: &Lattice,
         scan: &Comparison<'_, B>,
-        stride: usize,
-        time: usize,
+        moved: [f32; 2],
     ) {
-        let lattice = map.lattice();
-        let points = lattice.points();
-        let stride = stride.max(1);
-        let mut top = f32::NEG_INFINITY;
-        let mut count = 0u32;
-        let first = time.checked_rem(stride).unwrap_or(0);
-        let each = self.log_likelihoods.iter_mut().take(points).enumerate();
-        for (point, log_likelihood) in each.skip(first).step_by(stride) {
-            let found = if map.is_possible(point) {
-                at_point(lattice, scan, point)
-            } else {
-                Found::NOWHERE
-            };
-            *log_likelihood = found.log_likelihood;
-            if found.log_likelihood > top {
-                top = found.log_likelihood;
+        for point in &mut self.points {
+            point.weight = 0.0;
+        }
+        for cell in &cloud.cells {
+            if let Some(point) = self.points.get_mut(usize::from(*cell)) {
+                point.weight = 1.0;
             }
-            count += 1;
         }
-        let mut sum = 0.0;
-        let each = self.log_likelihoods.iter().take(points);
-        for log_likelihood in each.skip(first).step_by(stride) {
-            sum += exp_of_weight(*log_likelihood - top);
+        let is_plane = lattice.is_plane();
+        let [columns, rows] = if is_plane {
+            [lattice.columns(), lattice.rows()]
+        } else {
+            [lattice.points(), 1]
+        };
+        let (mut precision, mut count) = (0.0, 0u16);
+        let mut first = 0;
+        for row in 0..rows {
+            let (below, across) = back(row, rows, moved[1]);
+            for column in 0..columns {
+                let number = first + column;
+                if !self.is_corner(number, columns) {
+                    continue;
+                }
+                let (left, along) = back(column, columns, moved[0]);
+                let past = Past {
+                    first: below * columns + left,
+                    fractions: [along, across],
+                };
+                let (found, slope) = if is_plane {
+                    scan.at_point::<true>(number, &past)
+                } else {
+                    scan.at_point::<false>(number, &past)
+                };
+                precision += found.precision;
+                count += 1;
+                if let Some(point) = self.points.get_mut(number) {
+                    point.set(&found, &slope);
+                }
+            }
+            first += columns;
         }
-        self.top = top;
-        self.mean = sum / count as f32;
+        self.precision = precision / f32::from(count.max(1));
+    }
+
+    /// Whether one of the cells that a point is a corner of is marked.
+    #[inline(always)]
+    fn is_corner(&self, point: usize, columns: usize) -> bool {
+        let is_marked = |cell: Option<usize>| {
+            let cell = cell.and_then(|cell| self.points.get(cell));
+            cell.is_some_and(|cell| cell.weight > 0.0)
+        };
+        is_marked(Some(point))
+            || is_marked(point.checked_sub(1))
+            || is_marked(point.checked_sub(columns))
+            || is_marked(point.checked_sub(columns + 1))
+    }
+
+    /// The log-likelihood on a map of one row or one column, in a cell, a fraction of it beyond its first point, after a move
+    /// that is by so much larger than that of the others.
+    #[inline(always)]
+    pub fn on_line(&self, cell: u16, fraction: f32, further: f32) -> f32 {
+        let pair = self.points.get(usize::from(cell)..);
+        match pair.and_then(|rest| rest.first_chunk()) {
+            Some([a, b]) => {
+                let nearest = if fraction < 0.5 { a } else { b };
+                mix(a, b, fraction) + nearest.slope.at::<false>([further, 0.0])
+            }
+            None => f32::NEG_INFINITY,
+        }
+    }
+
+    /// The same on a map of several rows and columns.
+    #[inline(always)]
+    pub fn in_plane(
+        &self,
+        cell: u16,
+        columns: usize,
+        [s, t]: [f32; 2],
+        further: [f32; 2],
+    ) -> f32 {
+        let first = usize::from(cell);
+        let pair = |first: usize| self.points.get(first..).and_then(|rest| rest.first_chunk());
+        let (Some([a, b]), Some([c, d])) = (pair(first), pair(first + columns)) else {
+            return f32::NEG_INFINITY;
+        };
+        let [near, far] = if s < 0.5 { [a, c] } else { [b, d] };
+        let nearest = if t < 0.5 { near } else { far };
+        let [below, above] = [mix(a, b, s), mix(c, d, s)];
+        below + t * (above - below) + nearest.slope.at::<true>(further)
+    }
+
+    /// Teaches the belief about the offset what the particles think of it, whose weights add up to `total`: each as the point
+    /// that is nearest to it.
+    #[inline(never)]
+    pub fn teach<const N: usize>(
+        &mut self,
+        belief: &mut OffsetBelief,
+        lattice: &Lattice,
+        cloud: &Cloud<N>,
+        total: f32,
+    ) {
+        if !belief.is_estimated() {
+            return;
+        }
+        let points = self.points.get_mut(..lattice.points()).unwrap_or_default();
+        for point in points.iter_mut() {
+            point.weight = 0.0;
+        }
+        // Saturates; NaN becomes 0.
+        let nearest = |steps: f32| (steps + 0.5) as usize;
+        let [x, y] = &cloud.places;
+        let is_plane = lattice.is_plane();
+        for (weight, (x, y)) in cloud.weights.iter().zip(x.iter().zip(y)) {
+            let column = nearest(*x);
+            let number = if is_plane {
+                nearest(*y) * lattice.columns() + column
+            } else {
+                column
+            };
+            if let Some(point) = points.get_mut(number) {
+                point.weight += weight;
+            }
+        }
+        let opinions = points
+            .iter()
+            .map(|point| (point.weight, [point.probability, point.shift]));
+        belief.learn(self.precision, total, opinions);
     }
 
     /// The likelihood of every point, relative to the best one.
     pub fn likelihoods(&self, lattice: &Lattice) -> impl Iterator<Item = f32> {
-        let points = self.log_likelihoods.iter().take(lattice.points());
-        points.map(|log_likelihood| exp_of_weight(*log_likelihood - self.top))
+        let points = self.points.iter().take(lattice.points());
+        points.map(|point| exp_of_weight(point.log_likelihood - self.top))
     }
 }
 
+/// The point and the fraction of a step beyond it where a tag was, so many steps before, that is at a point of a line; within
+/// the line.
 #[inline(always)]
-fn at_point<const B: usize>(lattice: &Lattice, scan: &Comparison<'_, B>, point: usize) -> Found {
-    if lattice.is_plane() {
-        let [column, row] = lattice.cell(point).map(|number| number as f32);
-        match Spot::in_plane([column, row], lattice.columns(), lattice.rows()) {
-            Some(spot) => scan.at::<true>(&spot, &spot),
-            None => Found::NOWHERE,
-        }
-    } else {
-        match Spot::on_line(point as f32, lattice.points()) {
-            Some(spot) => scan.at::<false>(&spot, &spot),
-            None => Found::NOWHERE,
-        }
-    }
+fn back(point: usize, points: usize, moved: f32) -> (usize, f32) {
+    let last = points.saturating_sub(1);
+    let place = point as f32 - moved;
+    // Saturates; NaN becomes 0.
+    let first = (place as usize).min(last.saturating_sub(1));
+    let fraction = place - first as f32;
+    (first, fraction.clamp(0.0, 1.0))
+}
+
+/// Interpolates between `a` and `b`.
+#[inline(always)]
+fn mix(a: &Point, b: &Point, fraction: f32) -> f32 {
+    a.log_likelihood + fraction * (b.log_likelihood - a.log_likelihood)
 }

@@ -78,24 +78,28 @@ impl OffsetBelief {
         }
     }
 
-    /// Learns from the particles: the weight of each, the probability of an offset given its place, and the correction of the
-    /// mean there. `total` is the sum of the weights, `precision` how much the scan adds to the precision of the offset.
-    pub fn learn<'a>(
+    /// Learns from the points where the particles are: the weight of each, the probability of an offset given that place, and
+    /// the correction of the mean there. `total` is the sum of the weights, `precision` how much the scan adds to the
+    /// precision of the offset.
+    pub fn learn(
         &mut self,
         precision: f32,
         total: f32,
-        opinions: impl Iterator<Item = (&'a f32, &'a [f32; 2])>,
+        opinions: impl Iterator<Item = (f32, [f32; 2])>,
     ) {
         if !self.is_estimated() {
             return;
         }
         let (mut some, mut first, mut second) = (0.0, 0.0, 0.0);
         for (weight, [probability, shift]) in opinions {
-            let with = weight * probability;
-            let of_shift = with * shift;
-            some += with;
-            first += of_shift;
-            second += of_shift * shift;
+            // Most points have no particles.
+            if weight > 0.0 {
+                let with = weight * probability;
+                let of_shift = with * shift;
+                some += with;
+                first += of_shift;
+                second += of_shift * shift;
+            }
         }
         let none = total - some;
         // The sums have underflowed: nothing can be learned.

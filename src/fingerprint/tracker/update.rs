@@ -55,7 +55,11 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             let memory = Some(&self.memory);
             let compared = Comparison::new(map, config, &self.offset, memory, scan);
             let Workspace { field, cloud } = workspace;
-            cloud.compare(&compared, lattice, self.memory.age_s);
+            let age_s = self.memory.age_s;
+            let velocity = lattice.along_axes(last.velocity.map(|v| v * lattice.per_metre()));
+            cloud.find_cells(lattice);
+            field.look_up_at(cloud, lattice, &compared, velocity.map(|v| age_s * v));
+            cloud.look_up(field, lattice, age_s, velocity);
             let anew = Comparison::new(map, config, &self.offset, None, scan);
             field.sample(map, &anew, time_ms);
             self.exclude_walls(site, &grain, workspace);
@@ -82,12 +86,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             self.memory = Memory::EMPTY;
             let anew = Comparison::new(map, config, &self.offset, None, scan);
             (workspace.field).look_up_all(map, &anew);
-            let drawn = self.draw(1.0, site, workspace, rng);
-            // Their likelihood is in the draw; what they think of the offset is not.
-            let weights = workspace.cloud.weights;
-            workspace.cloud.compare(&anew, lattice, 0.0);
-            workspace.cloud.weights = weights;
-            drawn
+            self.draw(1.0, site, workspace, rng)
         };
         if let Some(sums) = sums {
             self.conclude(time_ms, &sums, site, workspace);
@@ -201,11 +200,10 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         workspace: &mut Workspace<N, P>,
     ) {
         let lattice = site.map.lattice();
-        let cloud = &mut workspace.cloud;
+        let Workspace { field, cloud } = workspace;
         // Particles that were just drawn have not been tried yet.
         if self.redrawn_s != Some(0.0) {
-            let opinions = cloud.weights.iter().zip(&cloud.opinions);
-            self.offset.learn(cloud.precision, sums.weights, opinions);
+            field.teach(&mut self.offset, lattice, cloud, sums.weights);
         }
         let Moments {
             place,
