@@ -113,11 +113,11 @@ mod target {
     const COLUMNS: usize = 22;
     const POINTS: usize = 440;
     const BEACONS: usize = 12;
-    const FLOOR_BYTES: usize = 34 + 6 * BEACONS + POINTS / 8 + 2 * BEACONS * POINTS + 4;
+    const FLOOR_BYTES: usize = 44 + 6 * BEACONS + POINTS / 8 + 2 * BEACONS * POINTS + 4;
 
     /// The map of a floor, 22 by 20 points, whose beacons stand in three rows.
     fn write_floor(bytes: &mut [u8; FLOOR_BYTES]) {
-        let header = *b"FXRM\x01\x01\x0c\x00\x16\x00\x14\x00";
+        let header = *b"FXRM\x02\x01\x0c\x00\x16\x00\x14\x00";
         let end = FLOOR_BYTES - 4;
         let (content, checksum) = bytes.split_at_mut(end);
         let written = header.into_iter();
@@ -125,6 +125,8 @@ mod target {
             .chain([0; 8])
             .chain(1.0_f32.to_le_bytes())
             .chain([0; 10])
+            .chain(1.0_f32.to_le_bytes())
+            .chain([0, 0, 0, 0, 16, 0])
             .chain((0..6 * BEACONS).map(|i| if i % 6 == 0 { i as u8 / 6 } else { 0 }))
             .chain([0xff; POINTS / 8])
             .chain((0..BEACONS * POINTS).flat_map(|i| {

@@ -35,12 +35,14 @@ fn turned(columns: u16) -> Vec<u8> {
 /// 41 points in each of so many rows, a sigma of 2 dB everywhere.
 pub(crate) fn map(rows: u16) -> Vec<u8> {
     let points = 41 * usize::from(rows);
-    let mut bytes = b"FXRM\x01\x01\x04\x00\x29\x00".to_vec();
+    let mut bytes = b"FXRM\x02\x01\x04\x00\x29\x00".to_vec();
     bytes.extend(rows.to_le_bytes());
     for number in [0.0f32, 0.0, 1.0] {
         bytes.extend(number.to_le_bytes());
     }
     bytes.extend([0; 10]);
+    bytes.extend(1.0f32.to_le_bytes());
+    bytes.extend([0, 0, 0, 0, 8, 0]);
     for beacon in 0..4u8 {
         bytes.extend([beacon, 0, 0, 0, 0, 0]);
     }
