@@ -125,8 +125,7 @@ mod target {
             .chain([0; 8])
             .chain(1.0_f32.to_le_bytes())
             .chain([0; 10])
-            // An error of 4 m length, packets of 4 dB.
-            .chain(4.0_f32.to_le_bytes())
+            .chain(1.0_f32.to_le_bytes())
             .chain([0, 0, 0, 0, 16, 0])
             .chain((0..6 * BEACONS).map(|i| if i % 6 == 0 { i as u8 / 6 } else { 0 }))
             .chain([0xff; POINTS / 8])

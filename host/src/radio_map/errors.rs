@@ -83,9 +83,12 @@ impl Errors {
     }
 
     /// Over which distance the correlation of errors that follow each other falls to 1 / e, in metres: by least squares.
-    pub fn length_m(&self, packets: f64) -> f64 {
+    ///
+    /// Not below half of the distance between neighbours, because errors that are shorter cannot be told from those of the
+    /// places.
+    pub fn length_m(&self, packets: f64, neighbour_m: f64) -> f64 {
         /// Places that follow each other, of which pairs are taken.
-        const NEXT: usize = 60;
+        const NEXT: usize = 8;
         const BINS: usize = 24;
         const LENGTHS: i32 = 40;
         let all = self.mean(|error| error.error * error.error - packets * error.each);
@@ -123,6 +126,6 @@ impl Errors {
         // From 10 cm to 10 m.
         let lengths = (0..=LENGTHS).map(|n| 0.1 * 100f64.powf(f64::from(n) / f64::from(LENGTHS)));
         let best = lengths.min_by(|a, b| misfit(*a).total_cmp(&misfit(*b)));
-        best.unwrap_or(1.0)
+        best.unwrap_or(1.0).max(0.5 * neighbour_m)
     }
 }

@@ -198,7 +198,9 @@ fn choices(
         shape,
         field_sigma_db: kriging.variance().sqrt(),
         sigma_db: recipe.sigma_db.unwrap_or_else(|| errors.sigma_db(packets)),
-        length_m: recipe.length_m.unwrap_or_else(|| errors.length_m(packets)),
+        length_m: recipe
+            .length_m
+            .unwrap_or_else(|| errors.length_m(packets, cells.neighbour_m())),
         packet_sigma_db: packets.sqrt(),
         // There nine tenths of the variance are left.
         reach_m: 1.15 * shape.length_m,

@@ -32,6 +32,8 @@ pub(super) struct Comparison<'a, const B: usize> {
     has_offset: bool,
     /// Of the offset.
     belief: OffsetBelief,
+    log_none: f32,
+    log_some: f32,
     mean: f32,
     variance: f32,
     /// The largest cost of a reading, doubled as all costs.
@@ -78,6 +80,7 @@ impl<'a, const B: usize> Comparison<'a, B> {
         scan: &[Level; B],
     ) -> Self {
         let packet = packet_variance(map);
+        let [log_none, log_some] = belief.log_probabilities();
         let mut readings = heapless::Vec::new();
         for (beacon, level) in scan.iter().enumerate() {
             if let (Some(row), 1..) = (map.moments_row(beacon), level.packets) {
@@ -98,8 +101,10 @@ impl<'a, const B: usize> Comparison<'a, B> {
             columns: map.lattice().columns(),
             tempering: config.tempering,
             is_estimated: belief.is_estimated(),
-            has_offset: belief.is_estimated() && belief.log_some > belief.log_none,
+            has_offset: belief.is_estimated() && belief.probability() > 0.5,
             belief: *belief,
+            log_none,
+            log_some,
             mean: 2.0 * belief.mean_db,
             variance: 4.0 * belief.variance,
             gate: config.gate_sigmas * config.gate_sigmas,
@@ -317,10 +322,7 @@ impl Sums {
         let with =
             half * (logarithm - self.cost_with) + 0.5 * (gain * weighted * weighted - ln(known));
         // The sum of both is at most ln 2 above the larger.
-        let (without_prior, with_prior) = (
-            without + terms.belief.log_none,
-            with + terms.belief.log_some,
-        );
+        let (without_prior, with_prior) = (without + terms.log_none, with + terms.log_some);
         Found {
             log_likelihood: if with_prior > without_prior {
                 with_prior

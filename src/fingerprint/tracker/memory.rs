@@ -10,44 +10,9 @@ use super::pending::Level;
 use crate::fingerprint::map::LOWEST_MEAN_DBM;
 use crate::math::exp;
 use crate::persist;
-use crate::snapshot::value;
-
-/// The readings of a beacon that still tell of the error here.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Past {
-    /// Their weighted mean level, in 256ths of a dB above the lowest.
-    level: u16,
-    /// The sum of their weights, in 255ths: how much of the level's mean is taken for the error.
-    weight: u8,
-    /// How much of the variance of the error they explain, in 255ths.
-    known: u8,
-}
-
-value!(Past {
-    level,
-    weight,
-    known
-});
 
 const LEVEL: f32 = 256.0;
 const FRACTION: f32 = 255.0;
-
-impl Past {
-    const EMPTY: Self = Self {
-        level: 0,
-        weight: 0,
-        known: 0,
-    };
-
-    fn pack(level_dbm: f32, weight: f32, known: f32) -> Self {
-        // The conversions saturate.
-        Self {
-            level: ((level_dbm - LOWEST_MEAN_DBM) * LEVEL + 0.5) as u16,
-            weight: (weight * FRACTION + 0.5) as u8,
-            known: (known * FRACTION + 0.5) as u8,
-        }
-    }
-}
 
 /// What is known of the error of a beacon before a scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,7 +37,11 @@ impl Prior {
 /// The readings of all beacons that still tell of the error of the map where the tag is.
 #[derive(Debug, Clone)]
 pub(super) struct Memory<const B: usize> {
-    pasts: [Past; B],
+    /// By beacon, their weighted mean level, in 256ths of a dB above the lowest.
+    levels: [u16; B],
+    /// The sum of their weights, in 255ths: how much of the level's mean is taken for the error. It is also taken for the
+    /// fraction of the variance of the error that they explain, which is right at one place, and a little much along a way.
+    weights: [u8; B],
     /// How long ago they were, in seconds: the weighted mean.
     pub age_s: f32,
 }
@@ -80,18 +49,24 @@ pub(super) struct Memory<const B: usize> {
 impl<const B: usize> Memory<B> {
     /// In bits that are all zero.
     pub const EMPTY: Self = Self {
-        pasts: [Past::EMPTY; B],
+        levels: [0; B],
+        weights: [0; B],
         age_s: 0.0,
     };
 
     /// What is known of the error of a beacon.
     #[inline(always)]
     pub fn prior(&self, beacon: usize) -> Prior {
-        let past = self.pasts.get(beacon).copied().unwrap_or(Past::EMPTY);
-        Prior {
-            level_dbm: f32::from(past.level) * (1.0 / LEVEL) + LOWEST_MEAN_DBM,
-            weight: f32::from(past.weight) * (1.0 / FRACTION),
-            unknown: 1.0 - f32::from(past.known) * (1.0 / FRACTION),
+        match (self.levels.get(beacon), self.weights.get(beacon)) {
+            (Some(level), Some(weight)) => {
+                let weight = f32::from(*weight) * (1.0 / FRACTION);
+                Prior {
+                    level_dbm: f32::from(*level) * (1.0 / LEVEL) + LOWEST_MEAN_DBM,
+                    weight,
+                    unknown: 1.0 - weight,
+                }
+            }
+            _ => Prior::NONE,
         }
     }
 
@@ -105,9 +80,9 @@ impl<const B: usize> Memory<B> {
             0.0
         };
         self.age_s += dt;
-        for past in &mut self.pasts {
-            past.weight = (f32::from(past.weight) * kept + 0.5) as u8;
-            past.known = (f32::from(past.known) * (kept * kept) + 0.5) as u8;
+        for weight in &mut self.weights {
+            // The conversion saturates.
+            *weight = (f32::from(*weight) * kept + 0.5) as u8;
         }
     }
 
@@ -134,9 +109,11 @@ impl<const B: usize> Memory<B> {
             old += before;
             new += gain;
             let mean = level_dbm + gain / sum * (level.mean_dbm - level_dbm);
-            let known = 1.0 - (1.0 - gain) * unknown;
-            if let Some(past) = self.pasts.get_mut(beacon) {
-                *past = Past::pack(mean, sum, known);
+            if let (Some(level), Some(weight)) =
+                (self.levels.get_mut(beacon), self.weights.get_mut(beacon))
+            {
+                *level = ((mean - LOWEST_MEAN_DBM) * LEVEL + 0.5) as u16;
+                *weight = (sum * FRACTION + 0.5) as u8;
             }
         }
         if old + new > 0.0 {
@@ -145,7 +122,7 @@ impl<const B: usize> Memory<B> {
     }
 }
 
-persist!(impl[const B: usize] Memory<B> as "Memory"(B) { pasts, age_s });
+persist!(impl[const B: usize] Memory<B> as "Memory"(B) { levels, weights, age_s });
 
 #[cfg(test)]
 mod tests {
@@ -178,7 +155,7 @@ mod tests {
         memory.fade(0.1, 2.0, 2.0, &Config::DEFAULT);
         let prior = memory.prior(0);
         assert!((prior.weight - 0.36).abs() < 0.01, "{prior:?}");
-        assert!((prior.unknown - (1.0 - 0.36 * 0.36)).abs() < 0.01);
+        assert!((prior.unknown - 0.64).abs() < 0.01);
         memory.fade(0.1, 0.0, 0.0, &Config::DEFAULT);
         assert_eq!(memory.prior(0).weight, 0.0);
         assert_eq!(memory.prior(0).unknown, 1.0);

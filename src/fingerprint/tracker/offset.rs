@@ -16,18 +16,12 @@ pub(super) struct OffsetBelief {
     pub variance: f32,
     /// Log-odds that there is an offset.
     log_odds: f32,
-    /// Log-probability that there is no offset.
-    pub log_none: f32,
-    /// Log-probability that there is an offset.
-    pub log_some: f32,
 }
 
 value!(OffsetBelief {
     mean_db,
     variance,
-    log_odds,
-    log_none,
-    log_some
+    log_odds
 });
 
 impl OffsetBelief {
@@ -39,8 +33,6 @@ impl OffsetBelief {
         mean_db: 0.0,
         variance: 0.0,
         log_odds: 0.0,
-        log_none: 0.0,
-        log_some: 0.0,
     };
 
     pub fn prior(config: &Config) -> Self {
@@ -118,9 +110,15 @@ impl OffsetBelief {
 
     fn set_odds(&mut self, log_odds: f32) {
         self.log_odds = log_odds.clamp(-Self::MOST, Self::MOST);
+    }
+
+    /// The logarithms of the probabilities that there is no offset and that there is one; zero if none is estimated.
+    pub fn log_probabilities(&self) -> [f32; 2] {
+        if !self.is_estimated() {
+            return [0.0; 2];
+        }
         let probability = self.probability();
-        self.log_some = ln(probability);
-        self.log_none = ln(1.0 - probability);
+        [ln(1.0 - probability), ln(probability)]
     }
 }
 

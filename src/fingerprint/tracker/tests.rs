@@ -41,8 +41,8 @@ pub(crate) fn map(rows: u16) -> Vec<u8> {
         bytes.extend(number.to_le_bytes());
     }
     bytes.extend([0; 10]);
-    // No length of the error, no date, packets of 2 dB.
-    bytes.extend([0, 0, 0, 0, 0, 0, 0, 0, 8, 0]);
+    bytes.extend(1.0f32.to_le_bytes());
+    bytes.extend([0, 0, 0, 0, 8, 0]);
     for beacon in 0..4u8 {
         bytes.extend([beacon, 0, 0, 0, 0, 0]);
     }

@@ -25,11 +25,14 @@ const LOST_BELOW: f32 = -0.7;
 /// How far beyond the gate, in variances, a reading is no longer kept for those after it: it is an outlier, not an error of
 /// the map.
 const OUTLIER: f32 = 1.5;
-/// The variance that a tag at rest has besides that of its particles, as a multiple of it; larger makes regions too large,
-/// smaller too small.
-const REST_VARIANCE: f32 = 5.0;
-/// Metres from the mean place of the last seconds over which that falls to 1/e, and how many seconds those are.
+/// The variance that a tag at rest has besides that of its particles, as a multiple of that, for each unit of tempering
+/// above a half: larger makes regions of tags at rest too large, smaller too small. At a half the particles are as
+/// uncertain as they have to be.
+const REST_VARIANCE: f32 = 14.0;
+/// Metres from the mean place of the last seconds over which that falls to 1/e, and how many seconds those are: more takes
+/// slow walkers for tags at rest.
 const REST_M: f32 = 1.0;
+/// See [`REST_M`].
 const REST_S: f32 = 10.0;
 
 impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D, S> {
@@ -214,7 +217,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         let Symmetric2 { xx, xy, yy } = covariance.scaled(step * step);
         let [xx, yy] = lattice.along_axes([xx, yy]);
         let position = lattice.place(lattice.along_axes(place));
-        let widening = self.widening(time_ms, position);
+        let widening = self.widening(time_ms, position, site.config.tempering);
         self.fix = Fix {
             time_ms,
             state: State::Tracking,
@@ -235,7 +238,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
 
     /// By how much the covariance of the particles is too small, because they hold that the error of the map changes as they
     /// move, and a tag at rest keeps it: by how near the place is to the mean of those of the last seconds.
-    fn widening(&mut self, time_ms: u32, place: [f32; 2]) -> f32 {
+    fn widening(&mut self, time_ms: u32, place: [f32; 2], tempering: f32) -> f32 {
         match self.fix() {
             Some(last) if self.redrawn_s != Some(0.0) => {
                 let dt = seconds(time_ms.wrapping_sub(last.time_ms) as i32);
@@ -248,7 +251,12 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         }
         let [dx, dy] = [place[0] - self.rest[0], place[1] - self.rest[1]];
         let away = sqrt(dx * dx + dy * dy);
-        1.0 + REST_VARIANCE * exp(-away * (1.0 / REST_M))
+        let excess = if tempering > 0.5 {
+            tempering - 0.5
+        } else {
+            0.0
+        };
+        1.0 + REST_VARIANCE * excess * exp(-away * (1.0 / REST_M))
     }
 
     /// Draws a fraction of the particles from the match: systematically over the points, uniformly within the cell of each.
