@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use foxhunt::{
     fingerprint::{
         Lattice, RadioMap, Reading, ReadingError,
-        tracker::{Config, Fix, Site, Tracker, Workspace},
+        tracker::{Config, Fix, Packed, Site, Stored, Tracker, Workspace},
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
@@ -29,9 +29,12 @@ pub const PARTICLES: usize = 300;
 /// Points of the largest map here.
 const POINTS: usize = 4096;
 
-type Fresh = (Tracker<PARTICLES>, Box<Workspace<PARTICLES, POINTS>>);
+type Fresh<S> = (
+    Tracker<PARTICLES, 16, 2, S>,
+    Box<Workspace<PARTICLES, POINTS>>,
+);
 
-fn fresh() -> Fresh {
+fn fresh<S: Stored>() -> Fresh<S> {
     (Tracker::EMPTY, Box::new(Workspace::EMPTY))
 }
 
@@ -74,9 +77,22 @@ pub fn tunnel_map(survey: &Survey) -> Result<Vec<u8>> {
 /// # Errors
 /// If the bytes are no map or a scan is refused.
 pub fn follow_scans(run: &Run, map: &[u8], config: Config, seed: u64) -> Result<Vec<f64>> {
+    follow_scans_as::<Packed<2>>(run, map, config, seed)
+}
+
+/// The same with particles that are stored in another form.
+///
+/// # Errors
+/// As [`follow_scans`].
+pub fn follow_scans_as<S: Stored>(
+    run: &Run,
+    map: &[u8],
+    config: Config,
+    seed: u64,
+) -> Result<Vec<f64>> {
     let site = Site::new(RadioMap::new(map)?, config)?;
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
-    let (mut tracker, mut workspace) = fresh();
+    let (mut tracker, mut workspace) = fresh::<S>();
     let mut places = Vec::new();
     for (step, scan) in run.scans.iter().enumerate() {
         for (beacon, level) in scan.iter().enumerate() {
@@ -122,8 +138,21 @@ pub fn follow(
 /// # Errors
 /// If a packet is refused for another reason than its strength, or there is none before the first time.
 pub fn fixes(site: &Site<'_>, packets: &[Packet], times: &[f64], seed: u64) -> Result<Vec<Fix>> {
+    fixes_as::<Packed<2>>(site, packets, times, seed)
+}
+
+/// The same with particles that are stored in another form.
+///
+/// # Errors
+/// As [`fixes`].
+pub fn fixes_as<S: Stored>(
+    site: &Site<'_>,
+    packets: &[Packet],
+    times: &[f64],
+    seed: u64,
+) -> Result<Vec<Fix>> {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
-    let (mut tracker, mut workspace) = fresh();
+    let (mut tracker, mut workspace) = fresh::<S>();
     let milliseconds = |time: f64| (1000.0 * time).round() as u32;
     let mut packets = packets.iter().peekable();
     let mut found = Vec::new();

@@ -233,7 +233,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             return None;
         }
         let pending = self.pending.take();
-        self.update(pending.time_ms(), pending.levels(), site, workspace, rng);
+        self.update(pending.time_ms(), &pending.levels(), site, workspace, rng);
         self.fix()
     }
 
