@@ -4,8 +4,8 @@ use core::hint::black_box;
 
 use foxhunt::{
     aoa::{
-        Bearing, BearingLikelihood, Clean, Locate, Manoeuvring, MultiTarget, Observation, Robust,
-        clean,
+        Bearing, BearingLikelihood, Channels, Clean, Locate, Manoeuvring, MultiTarget, Observation,
+        Robust, clean,
         geodesy::{Geodetic, LocalPlane},
         manoeuvring, multi, robust,
         triangulation::{gauss_newton, intersection},
@@ -108,6 +108,7 @@ pub fn pursue(rng: &mut Xoshiro128PlusPlus) {
 
 pub fn locate_several(rng: &mut Xoshiro128PlusPlus) {
     locate_by::<MultiTarget<3, Robust<50, 16>, 16>>(&any(multi::Config::DEFAULT), rng);
+    locate_by::<Channels<3, Robust<50, 16>>>(&any(robust::Config::DEFAULT), rng);
 }
 
 pub fn snapshots(rng: &mut Xoshiro128PlusPlus) {

@@ -10,7 +10,7 @@ use foxhunt::{
 use crate::PORTS;
 
 /// Up to two sources.
-pub type Locator = MultiTarget<2, Robust<256, 64>>;
+pub type Locator = MultiTarget<2, Robust<256, 64>, 64>;
 
 /// The gateway.
 pub type Gateway = Vehicle<Locator, All, FullReport, PORTS>;

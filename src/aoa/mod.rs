@@ -17,6 +17,7 @@
 //! finder, whose peaks are [`Alternative`]s; an [`Advice`] says where to drive. [`triangulation`] has the classical
 //! estimates, which locators start from.
 
+mod channels;
 pub mod clean;
 mod core;
 pub mod geodesy;
@@ -32,6 +33,7 @@ mod track;
 pub mod triangulation;
 mod words;
 
+pub use channels::Channels;
 pub use clean::Clean;
 pub use likelihood::BearingLikelihood;
 pub use manoeuvring::Manoeuvring;

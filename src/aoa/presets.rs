@@ -12,7 +12,7 @@ use super::multi::{self, MultiTarget};
 use super::robust::{self, Robust};
 
 /// Up to `K` sources in a city, any of which may drive off: 256 particles for each and a memory of 64 of its bearings.
-pub type City<const K: usize> = MultiTarget<K, Manoeuvring<Robust<256, 64>>>;
+pub type City<const K: usize> = MultiTarget<K, Manoeuvring<Robust<256, 64>>, 64>;
 
 /// The configuration of [`City`]: bearings with outliers, mirrored and correlated ones, of an array that may be turned by
 /// three degrees; places of an ordinary receiver.

@@ -1,8 +1,8 @@
 //! What locators of several and of manoeuvring sources need of the locator that they build on.
 
 use super::robust::outside::read;
-use super::robust::{self, Candidate, Errors, Learned};
-use super::{Answer, Locate, Observation};
+use super::robust::{self, Candidate, Errors, Learned, Shared};
+use super::{Answer, Locate, Observation, PushError};
 use crate::random::Rng;
 
 /// A locator of one source that others can build on: it starts from some of the bearings of a channel, and says which of the
@@ -28,6 +28,19 @@ pub trait Track: Locate {
     /// Odds that a bearing is this source's, direct or mirrored, rather than an outlier, if it is the next one. Meaningful
     /// for tracks that have had a fix.
     fn odds(&self, observation: &Observation, config: &Self::Config) -> f32;
+
+    /// What the bearings of this source say of the errors that all sources have in common.
+    fn shared(&self) -> Shared {
+        Shared::NOTHING
+    }
+
+    /// States what those of others say of them, for the next bearing.
+    ///
+    /// # Errors
+    /// If that bearing would be refused: then nothing changes.
+    fn share(&mut self, _others: &Shared, _next: &Observation) -> Result<(), PushError> {
+        Ok(())
+    }
 
     /// States how many outliers were removed upstream for each bearing that the track gets: they count for its rates, if it
     /// learns any. To be stated before each push.

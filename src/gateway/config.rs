@@ -176,7 +176,9 @@ mod tests {
             ("variation_deg", |c| c.variation_deg = Some(181.0)),
             ("max_age_ms", |c| c.max_age_ms = u32::MAX),
             ("report_interval_ms", |c| c.report_interval_ms = 3_600_001),
-            ("frequency_hz", |c| c.formats.kraken.frequency_hz = Some(0)),
+            ("frequencies_hz", |c| {
+                c.formats.kraken.frequencies_hz = &[1; 256]
+            }),
             ("worst_sigma_rad", |c| c.worst_sigma_rad = 4.0),
         ];
         assert_eq!(DEFAULT.check(), Ok(()));

@@ -76,10 +76,14 @@
 //! | `CONTRARY` | most bearings are outliers at the best place | | |
 //! | `RANGE` | in the place of a source's `$PFOXF`: it is further from the origin than [`MAX_RANGE_M`](crate::aoa::geodesy::LocalPlane::MAX_RANGE_M) | | |
 //!
-//! **`$PFOXM,source,moving,speed,course,sigma*hh`** after a `$PFOXF` of a source that may move, or of one of several,
+//! **`$PFOXM,source,moving,speed,course,sigma,probability*hh`** after a `$PFOXF` of a source that may move, or of one of several,
 //! each of which has a `$PFOXF` of its own, the best known first: the number of the source; the probability, in percent,
 //! that it moves; and if so its speed in metres a second, its course in degrees clockwise from north, and the standard
-//! deviation of either component of its velocity. Without a `$PFOXM` it is source 0.
+//! deviation of either component of its velocity; the probability, in percent, that there is such a source and that it is still
+//! heard. Without a `$PFOXM` it is source 0.
+//!
+//! **`$PFOXC,ddmm.mmmmmm,N,dddmm.mmmmmm,E,major,minor,orientation,probability*hh`** after the last source: a place where one
+//! more source may be, if that is likely enough to look there, and its probability in percent.
 //!
 //! **`$PFOXH,ddmm.mmmmmm,N,dddmm.mmmmmm,E,major,minor,orientation,probability*hh`** after a `$PFOXN`: a place where the
 //! source may be, as that of a fix, and its probability in percent among all such places, of which there are up to four.

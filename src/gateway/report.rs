@@ -13,6 +13,9 @@ use crate::math::{atan2, sqrt};
 /// The most sources, and the most hypotheses, of one report.
 const MOST: usize = 4;
 
+/// Probability from which on one more source is reported, before it has a fix.
+const LIKELY: f32 = 0.1;
+
 /// The time of the last bearing, how many there were since the last restart, and the plane of the fixes.
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
@@ -51,9 +54,9 @@ pub struct Report<const ALL: bool, const BYTES: usize>(Text<BYTES>);
 /// Reports the best known source: one `$PFOXF` or `$PFOXN`. Has room for a fix and a status.
 pub type ShortReport = Report<false, 416>;
 
-/// Reports all that a locator knows: several sources, their motion, hypotheses, advice and the errors of bearings. Has
-/// room for four sources, what is known of the errors, and a status.
-pub type FullReport = Report<true, 1_152>;
+/// Reports all that a locator knows: several sources, their motion, hypotheses, one more, advice and the errors of
+/// bearings. Has room for four sources, one more, what is known of the errors, and a status.
+pub type FullReport = Report<true, 1_280>;
 
 impl<const ALL: bool, const BYTES: usize> Report<ALL, BYTES> {
     /// Room for a report.
@@ -94,11 +97,16 @@ impl<const N: usize> Text<N> {
                 for source in (0..MOST).map_while(|index| locator.source(index)) {
                     self.source(&source, context);
                 }
+                if let Some(one) = locator.candidate(0)
+                    && one.probability >= LIKELY
+                {
+                    self.hypothesis("PFOXC", &one, context.plane);
+                }
             }
             Answer::NotObservable(reason) => {
                 self.not_observable(context, reason);
                 for hypothesis in (0..MOST).map_while(|index| locator.hypothesis(index)) {
-                    self.hypothesis(&hypothesis, context.plane);
+                    self.hypothesis("PFOXH", &hypothesis, context.plane);
                 }
                 if let Some(advice) = locator.advice(config) {
                     self.advice(&advice);
@@ -129,14 +137,15 @@ impl<const N: usize> Text<N> {
             }
             None => self.put(",,,,"),
         }
+        self.decimal(100.0 * source.probability, Unit::Tenth);
         self.end();
     }
 
-    /// `$PFOXH`; nothing of one that is too far away for coordinates.
-    fn hypothesis(&mut self, hypothesis: &Hypothesis, plane: Option<&LocalPlane>) {
+    /// `$PFOXH`, or `$PFOXC` of one more source; nothing of one that is too far away for coordinates.
+    fn hypothesis(&mut self, form: &str, hypothesis: &Hypothesis, plane: Option<&LocalPlane>) {
         let place = plane.and_then(|plane| plane.to_geodetic(hypothesis.position).ok());
         if let Some(place) = place {
-            self.begin("PFOXH");
+            self.begin(form);
             self.place(place);
             self.ellipse(&Ellipse::of_sigmas(
                 hypothesis.position,

@@ -357,7 +357,7 @@ fn other_shapes_are_refused() {
 
 /// Where the parts of a snapshot of [`small`] begin.
 const LIST: usize = HEADER;
-const ANSWER: usize = LIST + 4 + 3 * 39 + 24 + 4 + 4 * 5 * 4 + 8;
+const ANSWER: usize = LIST + 4 + 3 * 40 + 25 + 4 + 4 * 5 * 4 + 8;
 
 #[test]
 fn values_that_no_state_has_are_refused() {

@@ -1,5 +1,6 @@
 extern crate std;
 use super::*;
+use crate::aoa::robust::Shared;
 use crate::aoa::testing::{Clocked, Track, simulate};
 use crate::aoa::track::Track as _;
 use crate::aoa::{Bearing, Locator, PushError};
@@ -206,11 +207,12 @@ fn a_source_among_the_bearings_of_two_is_taken_over() {
         let other = Observation::new(0, place, Bearing::from_radians(towards), SIGMA).unwrap();
         for (k, observation) in [(0, own), (1, other)] {
             let clocked = crate::aoa::testing::at(1000 * i + 500 * k, &observation);
-            candidates.push(&clocked, &beliefs, &mut rng).unwrap();
+            candidates
+                .push(&clocked, &Shared::NOTHING, 5.0, &beliefs, &mut rng)
+                .unwrap();
         }
     }
     let mut near = [0; 2];
-    candidates.find(5.0, &beliefs);
     assert_eq!(candidates.found(), 2);
     for rank in 0..2 {
         let candidate = candidates.candidate(rank, &beliefs).unwrap();

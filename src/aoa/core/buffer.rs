@@ -98,18 +98,33 @@ impl<const B: usize> Buffer<B> {
         self.count += probability;
     }
 
-    /// Takes the `wanted` bearings of another buffer, and its latest observation.
+    /// Takes the `wanted` bearings of another buffer, and its latest observation. Of more than there is room for, those that
+    /// follow each other and say the same become one, the first ones first.
     pub(in crate::aoa) fn adopt<'a>(
         &mut self,
-        wanted: impl Iterator<Item = &'a Entry>,
+        wanted: impl Iterator<Item = &'a Entry> + Clone,
         latest: Option<&Observation>,
         comparison: &impl Comparison,
     ) {
         self.clear();
         self.latest = latest.copied();
+        let mut excess = wanted.clone().count().saturating_sub(B);
+        let mut is_alone = false;
         for entry in wanted {
             self.count += entry.readings * entry.probability;
-            self.add(*entry, comparison);
+            let last = self.entries.last_mut().filter(|last| {
+                excess > 0
+                    && is_alone
+                    && last.is_of_station_of(entry)
+                    && comparison.is_similar(last, entry)
+            });
+            is_alone = last.is_none();
+            if let Some(last) = last {
+                last.merge(entry, comparison);
+                excess -= 1;
+            } else {
+                self.add(*entry, comparison);
+            }
         }
     }
 
@@ -161,7 +176,7 @@ impl<const B: usize> Buffer<B> {
         };
         // What does not say the same makes no sense as an average.
         if similar {
-            a.average(b, comparison);
+            a.merge(b, comparison);
         } else if !comparison.prefers(a, b) {
             *a = *b;
         }
@@ -202,7 +217,8 @@ impl<const B: usize> Buffer<B> {
                         difference
                     } else {
                         let both = a.is_one_of_several() && b.is_one_of_several();
-                        PENALTY * (difference + if both { exclusive } else { APART })
+                        let stake = if both { 1.0 } else { comparison.stake(a, b) };
+                        PENALTY * (difference + APART + stake * exclusive)
                     };
                     if difference < least {
                         least = difference;
@@ -255,9 +271,19 @@ pub(in crate::aoa) trait Comparison {
         angle
     }
 
+    /// Whether two bearings are of one place, where an error that they have in common is one.
+    fn are_of_one_place(&self, _a: &Entry, _b: &Entry) -> bool {
+        false
+    }
+
     /// Whether two bearings may well be of the same direction.
     fn is_similar(&self, _a: &Entry, _b: &Entry) -> bool {
         true
+    }
+
+    /// How much would be lost with the one of two that contradict each other that is not kept, from nothing to one.
+    fn stake(&self, _a: &Entry, _b: &Entry) -> f32 {
+        0.0
     }
 
     /// Whether `a` is kept rather than `b`, which contradicts it.
@@ -370,16 +396,27 @@ impl Entry {
         1e-3 * self.observation.since_ms(self.first_ms) as f32
     }
 
-    /// Takes one more reading of the same place into the mean, in which every reading counts the same. It tells as much as
+    /// Takes other readings of the same place into the mean, in which every reading counts the same. They tell as much as
     /// one reading, in the mean: how much less their own errors are is for the caller to say, by the number of readings.
-    pub(in crate::aoa) fn join(&mut self, new: &Self, comparison: &impl Comparison) {
-        let (old, fresh) = (
-            self.observation.information(),
-            new.observation.information(),
+    pub(in crate::aoa) fn join(&mut self, other: &Self, comparison: &impl Comparison) {
+        let [old, fresh] =
+            [&*self, other].map(|entry| entry.readings * entry.observation.information());
+        let readings = self.readings + other.readings;
+        self.blend(
+            other,
+            fresh / (old + fresh),
+            (old + fresh) / readings,
+            comparison,
         );
-        let n = self.readings;
-        let part = fresh / (n * old + fresh);
-        self.blend(new, part, (n * old + fresh) / (n + 1.0), comparison);
+    }
+
+    /// Takes another in that says the same.
+    fn merge(&mut self, other: &Self, comparison: &impl Comparison) {
+        if comparison.are_of_one_place(self, other) {
+            self.join(other, comparison);
+        } else {
+            self.average(other, comparison);
+        }
     }
 
     /// Takes another in, each counting by its information.

@@ -240,6 +240,7 @@ impl<L: Stationary> Locate for Manoeuvring<L> {
         let fix = self.answer.fix().filter(|_| index == 0)?;
         Some(Source {
             identity: 0,
+            probability: 1.0,
             fix,
             motion: self.motion(),
         })

@@ -1,5 +1,6 @@
 //! What is known of the source of a track, beside where it is.
 
+use crate::aoa::robust::{of_log_odds, probability};
 use crate::snapshot::value;
 
 /// What is kept of a track.
@@ -17,6 +18,10 @@ pub(super) struct Slot {
     /// The largest of these since it was zero, and the largest after which it was zero again.
     pub(super) peak: f32,
     pub(super) longest: f32,
+    /// Logarithm of how many times as likely the bearings of the channel are with the source as without it.
+    pub(super) log_factor: f32,
+    /// The silence after which it is likelier than not that the source has gone.
+    pub(super) limit: f32,
 }
 
 value!(Slot {
@@ -26,7 +31,9 @@ value!(Slot {
     of,
     silence,
     peak,
-    longest
+    longest,
+    log_factor,
+    limit
 });
 
 pub(super) const FREE: Slot = Slot {
@@ -37,6 +44,8 @@ pub(super) const FREE: Slot = Slot {
     silence: 0.0,
     peak: 0.0,
     longest: 0.0,
+    log_factor: 0.0,
+    limit: 0.0,
 };
 
 /// How many times as long as it has been before, a source may be silent, for those that are heard in bursts: more keeps false
@@ -52,10 +61,32 @@ impl Slot {
         self.identity.is_some() && !self.is_silent
     }
 
+    /// What part of the bearings of the channel are of this source.
+    pub(super) fn rate(&self) -> f32 {
+        if self.is_live() {
+            self.heard / self.of
+        } else {
+            0.0
+        }
+    }
+
+    /// Takes the logarithm of how many times as likely a bearing is with the source as without it.
+    pub(super) fn weigh(&mut self, log_factor: f32) {
+        /// Beyond this nothing is learned, and nothing forgotten: more takes as many bearings longer to take back.
+        const MOST: f32 = 30.0;
+        self.log_factor = (self.log_factor + log_factor).clamp(-MOST, MOST);
+    }
+
+    /// The probability that there is such a source, and that it is still heard.
+    pub(super) fn probability(&self) -> f32 {
+        probability(self.log_factor) * of_log_odds(self.limit - self.silence)
+    }
+
     /// Counts a bearing of the channel. The source has gone if its silence exceeds `most` and what it was before; it is back
     /// when some more bearings are its own.
     pub(super) fn count(&mut self, is_own: bool, most: f32) {
         let limit = most + LONGER * self.longest;
+        self.limit = limit;
         self.of += 1.0;
         if is_own {
             self.heard += 1.0;

@@ -6,13 +6,15 @@ use super::evidence::{Candidate, Evidence};
 use super::joint::Joint;
 use super::mode::{MODES, Mode, Modes, best, hypotheses, plane, position};
 use super::search::search;
-use super::term::{PLAIN, Width, without_scale};
+use super::shared::Shared;
+use super::term::{PLAIN, Term, Width, without_scale};
 use crate::aoa::core::is_narrow;
 use crate::aoa::track::odds_by_moments;
 use crate::aoa::words::Belief;
 use crate::aoa::{
     Advice, Answer, Hypothesis, NotObservable, Observation, PushError, Retract, Retracted,
 };
+use crate::math::{exp, ln};
 use crate::persist;
 use crate::random::Rng;
 
@@ -27,38 +29,47 @@ pub(in crate::aoa) struct Candidates<const B: usize> {
     modes: Modes<PLAIN>,
     /// How many these are.
     found: u32,
+    /// Logarithms of the Bayes factors of the modes, each beside those that are likely to be sources.
+    gains: [f32; MODES],
 }
 
-persist!(impl[const B: usize] Candidates<B> as "Candidates"(B) { evidence, modes, found });
+persist!(impl[const B: usize] Candidates<B> as "Candidates"(B) { evidence, modes, found, gains });
 
 impl<const B: usize> Candidates<B> {
     pub(in crate::aoa) const EMPTY: Self = Self {
         evidence: Evidence::EMPTY,
         modes: Modes::new(),
         found: 0,
+        gains: [0.0; MODES],
     };
 
     pub(in crate::aoa) fn clear(&mut self) {
         self.evidence.clear();
         self.modes.clear();
         self.found = 0;
+        self.evidence.shared = Shared::NOTHING;
     }
 
-    /// Takes a bearing, and looks for modes.
+    /// Takes a bearing, and looks for modes beside the sources that are tracked, of which the bearings say this of the errors;
+    /// and for those among them that alone would make a fix, and are as likely as `log_odds` says to be a source's beside the
+    /// others.
     #[inline(never)]
     pub(in crate::aoa) fn push<R: Rng + ?Sized>(
         &mut self,
         observation: &Observation,
+        shared: &Shared,
+        log_odds: f32,
         config: &Config,
         rng: &mut R,
     ) -> Result<(), PushError> {
         let errors = &config.errors;
         self.evidence.bearings.admit(observation)?;
+        self.evidence.shared = *shared;
         self.evidence.push(&(*observation).into(), errors, true);
         if self.evidence.entries().len() > 1 {
-            let terms = self.evidence.terms(errors);
+            let mut terms = self.evidence.terms_of_several(errors);
             self.modes = search(&self.evidence, &terms, config, &self.modes, rng);
-            self.found = 0;
+            self.find(&mut terms, log_odds, config);
             if let Some(best) = best(&self.modes) {
                 self.evidence.set_source(&best.mean, errors.scale_sigma);
             }
@@ -71,36 +82,48 @@ impl<const B: usize> Candidates<B> {
         self.evidence.bearings.retract(what)
     }
 
-    /// Finds the modes that alone would make a fix, and are as likely as `log_odds` says to be a source's beside the others.
+    /// Finds the modes that are likely to be sources.
     #[inline(never)]
-    pub(in crate::aoa) fn find(&mut self, log_odds: f32, config: &Config) {
-        let mut terms = self.evidence.terms_of_several(&config.errors);
-        let mut joint = Joint::<B>::new(&mut terms);
-        let density = self.evidence.density(&terms, config);
+    fn find(&mut self, terms: &mut [Term<PLAIN>], log_odds: f32, config: &Config) {
+        let mut joint = Joint::<B>::new(terms);
+        let density = self.evidence.density(terms, config);
         let log_volume = self.evidence.region(config).log_volume();
-        // Relative variances of the range.
-        let mut widths = [None; MODES];
-        for (place, (mode, width)) in self.modes.iter().zip(&mut widths).enumerate() {
+        for (place, mode) in self.modes.iter().enumerate() {
             let range = (self.evidence.bearings).range_squared(position(&mode.mean));
             let variance = plane(&mode.covariance.matrix()).largest_eigenvalue();
-            *width = Some(variance / range);
             if is_narrow(variance, range, config.relative_range_sigma) {
                 joint.add(place, &density, mode, log_volume, &config.errors.rates);
             }
         }
-        let found = joint.found(log_odds);
-        for width in widths.iter_mut().zip(found).filter(|(_, found)| !found) {
-            *width.0 = width.0.map(|_| f32::INFINITY);
-        }
-        // The narrowest of them first, then the others.
+        let (found, gains) = joint.found(log_odds);
+        self.found = found.iter().filter(|found| **found).count() as u32;
+        // The likeliest first.
+        let mut gains = gains.map(Some);
         let mut modes = Modes::new();
-        while let Some(place) = take_least(&mut widths) {
+        while let Some((place, gain)) = take_largest(&mut gains) {
             if let Some(mode) = self.modes.get(place) {
+                if let Some(sorted) = self.gains.get_mut(modes.len()) {
+                    *sorted = gain;
+                }
                 let _ = modes.push(*mode);
             }
         }
         self.modes = modes;
-        self.found = found.iter().filter(|found| **found).count() as u32;
+    }
+
+    /// The mode of this rank by the probability that it is a source.
+    pub(in crate::aoa) fn ranked(&self, rank: usize) -> Option<Hypothesis> {
+        let (mode, gain) = self.modes.iter().zip(&self.gains).nth(rank)?;
+        Some(Hypothesis {
+            position: position(&mode.mean),
+            covariance: plane(&mode.covariance.matrix()),
+            probability: probability(*gain),
+        })
+    }
+
+    /// Logarithm of the Bayes factor of one of those that are likely to be sources.
+    pub(in crate::aoa) fn log_factor(&self, rank: usize) -> f32 {
+        self.gains.get(rank).copied().unwrap_or(0.0)
     }
 
     /// How many are likely to be sources.
@@ -143,6 +166,7 @@ impl<const B: usize> Candidates<B> {
             modes: &self.modes,
             found: self.first(rank)?,
             errors: &config.errors,
+            shared: &self.evidence.shared,
         })
     }
 
@@ -166,6 +190,10 @@ impl<const B: usize> Candidates<B> {
             let mut places = 0..;
             self.modes.retain(|_| places.next() != Some(rank));
             self.found -= 1;
+            let places = self.gains.into_iter().enumerate();
+            let mut kept = places.filter(|(place, _)| *place != rank);
+            self.gains =
+                core::array::from_fn(|_| kept.next().map_or(f32::NEG_INFINITY, |one| one.1));
         }
     }
 
@@ -198,11 +226,25 @@ impl<const B: usize> Candidates<B> {
     }
 }
 
-/// The place of the least of some numbers, which is taken away.
-fn take_least(numbers: &mut [Option<f32>]) -> Option<usize> {
+/// Logarithm of the odds of one more source before any bearing.
+const BEFORE: f32 = ln(0.1);
+
+/// The probability of one more source, from the logarithm of the Bayes factor of it.
+pub(in crate::aoa) fn probability(log_factor: f32) -> f32 {
+    of_log_odds(log_factor + BEFORE)
+}
+
+/// A probability from the logarithm of its odds.
+#[inline(never)]
+pub(in crate::aoa) fn of_log_odds(log_odds: f32) -> f32 {
+    1.0 / (1.0 + exp(-log_odds))
+}
+
+/// The largest of some numbers, which is taken away, and its place.
+fn take_largest(numbers: &mut [Option<f32>]) -> Option<(usize, f32)> {
     let known = |(place, number): (usize, &Option<f32>)| Some((place, (*number)?));
     let all = numbers.iter().enumerate().filter_map(known);
-    let (place, _) = all.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    let (place, largest) = all.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
     *numbers.get_mut(place)? = None;
-    Some(place)
+    Some((place, largest))
 }

@@ -9,9 +9,6 @@ use crate::aoa::Observation;
 use crate::aoa::core::{Entry, square_of_distance};
 use crate::math::sqrt;
 
-/// Fraction of the length over which correlation falls within which two places are one.
-const SAME_PLACE: f32 = 0.25;
-
 /// What an entry has in common with all that are in the buffer.
 #[derive(Clone, Copy)]
 struct InCommon {
@@ -49,7 +46,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
 
     #[inline(never)]
     fn terms_of(&self, errors: &Errors, several: bool) -> Terms<D, B> {
-        let all = self.in_common(errors);
+        let all = self.in_common(errors, several);
         let mut terms = Terms::new();
         for (i, one) in all.iter().enumerate() {
             if usize::from(one.first) != i {
@@ -59,13 +56,12 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
                 let rest = self.entries().iter().zip(&all).skip(i);
                 rest.filter(|(_, other)| usize::from(other.first) == i)
             };
-            let readings: f32 = if several {
-                0.0
-            } else {
-                of_place().map(|(entry, _)| entry.weight()).sum()
-            };
+            let weights = || of_place().map(|(entry, _)| entry.weight());
+            let readings = if several { 0.0 } else { weights().sum() };
+            let most = weights().fold(0.0, |a: f32, b| if b > a { b } else { a });
             for (entry, other) in of_place() {
-                let _ = terms.push(self.term(entry, errors, other.covariance, readings));
+                let term = self.term(entry, errors, other.covariance, readings);
+                let _ = terms.push(term.with_share(entry.weight() / most));
             }
             if let Some(last) = terms.last_mut() {
                 last.ends_place();
@@ -75,8 +71,11 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     }
 
     #[inline(never)]
-    fn in_common(&self, errors: &Errors) -> Vec<InCommon, B> {
-        let lines = self.lines(errors);
+    fn in_common(&self, errors: &Errors, of_several: bool) -> Vec<InCommon, B> {
+        let lines = Lines {
+            of_several,
+            ..self.lines(errors)
+        };
         let mut all = Vec::new();
         for (entry, first) in self.entries().iter().zip(0..) {
             let covariance = errors.own_variance(entry);
@@ -195,15 +194,6 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
 }
 
 impl Lines {
-    /// Over how many metres the correlation of a bearing's error falls.
-    fn length_m(&self, entry: &Entry) -> f32 {
-        let range = match self.source {
-            Some(source) => sqrt(square_of_distance(source, entry.position())),
-            None => self.extent_m,
-        };
-        self.errors.correlation.length_m(range)
-    }
-
     /// How two entries compare, if they are near enough to have something in common; the correlation of the first one's error
     /// falls over a length.
     #[inline(never)]
@@ -228,7 +218,7 @@ impl Lines {
         Some(Pair {
             covariance: if is_similar { covariance } else { 0.0 },
             turn,
-            is_of_one_place: square < SAME_PLACE * SAME_PLACE * length_m * length_m,
+            is_of_one_place: self.is_one_place(square, length_m),
         })
     }
 }

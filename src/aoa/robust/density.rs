@@ -2,6 +2,7 @@
 
 use core::f32::consts::PI;
 
+use super::shared::Shared;
 use super::term::{BIASES, Lanes, Line, SCALE, State, Term, Width};
 use crate::aoa::Mixture;
 use crate::aoa::core::{BLOCK, Block, Target, square_of_distance};
@@ -73,6 +74,7 @@ pub(super) struct Density<'a, const D: usize> {
     pub(super) terms: &'a [Term<D>],
     pub(super) space: Space,
     pub(super) scale_sigma: f32,
+    pub(super) shared: Shared,
 }
 
 /// Where a source is sought, which says what the first two numbers of a state are.
@@ -144,13 +146,25 @@ impl<'a, const D: usize> Density<'a, D> {
         let bend = sqrt(1.0 + state[SCALE] * state[SCALE]);
         gradient[SCALE] /= bend;
         information[SCALE] /= bend;
+        self.shared.add(state, &mut gradient, &mut information);
         (gradient, information)
     }
 
     /// The logarithm of the prior of a state, up to a constant.
     #[inline(never)]
     pub(super) fn log_prior(&self, state: &State<D>) -> f32 {
-        self.space.prior([state[0], state[1]]).0 + log_prior_of_errors(state)
+        self.space.prior([state[0], state[1]]).0 + self.log_prior_of_errors(state)
+    }
+
+    /// Of the scale and the biases, up to a constant.
+    ///
+    /// That of the scale is a hyperbolic density (Barndorff-Nielsen 1977): normal about what is stated, but far from it it
+    /// falls as slowly as an exponential, for where sigmas are wrong, they may be wrong by any factor.
+    #[inline(never)]
+    pub(super) fn log_prior_of_errors(&self, state: &State<D>) -> f32 {
+        let squares = state.iter().skip(BIASES).map(|z| z * z);
+        let log_prior = 1.0 - sqrt(1.0 + state[SCALE] * state[SCALE]) - 0.5 * squares.sum::<f32>();
+        log_prior + self.shared.log_likelihood(state)
     }
 
     /// What the bearings say of a state, but for the prior of the place.
@@ -161,7 +175,7 @@ impl<'a, const D: usize> Density<'a, D> {
         for place in self.places() {
             sum.multiply(1.0 + self.odds(place, state, &width));
         }
-        sum.value() + log_prior_of_errors(state)
+        sum.value() + self.log_prior_of_errors(state)
     }
 
     /// Log-density up to a constant.
@@ -255,16 +269,6 @@ impl<'a, const D: usize> Density<'a, D> {
             ..*self
         }
     }
-}
-
-/// Of the scale and the biases, up to a constant.
-///
-/// That of the scale is a hyperbolic density (Barndorff-Nielsen 1977): normal about what is stated, but far from it it falls
-/// as slowly as an exponential, for where sigmas are wrong, they may be wrong by any factor.
-#[inline(never)]
-pub(super) fn log_prior_of_errors<const D: usize>(state: &State<D>) -> f32 {
-    let squares = state.iter().skip(BIASES).map(|z| z * z);
-    1.0 - sqrt(1.0 + state[SCALE] * state[SCALE]) - 0.5 * squares.sum::<f32>()
 }
 
 impl<const D: usize> Target<D> for Density<'_, D> {

@@ -7,9 +7,11 @@ use super::config::Config;
 use super::density::{Density, Region, Space};
 use super::errors::Errors;
 use super::mode::{MODES, Mode, Modes, best, plane, position};
+use super::shared::Shared;
 use super::term::{PLAIN, State, Term, Width, fold_angle};
-use crate::aoa::core::{Buffer, Comparison, Crossing, Entry};
+use crate::aoa::core::{Buffer, Comparison, Crossing, Entry, square_of_distance};
 use crate::aoa::{Alternative, Mixture, NotObservable, Observation};
+use crate::math::sqrt;
 use crate::persist;
 
 /// Gain of the best mode over infinity from which on particles are started, whose cloud then says how far away the source may
@@ -18,6 +20,9 @@ const ENOUGH: f32 = 0.5;
 
 /// Bearings from which on it is a contradiction if most of them do not fit: of fewer, most cross somewhere by chance.
 const MANY: usize = 8;
+
+/// Fraction of the length over which correlation falls within which two places are one.
+const SAME_PLACE: f32 = 0.25;
 
 /// All bits of an empty one are zero.
 #[derive(Debug, Clone)]
@@ -34,10 +39,12 @@ pub(super) struct Evidence<const B: usize, const D: usize> {
     scale: f32,
     /// Rates of direct, mirrored and outlier bearings of each station, where they are learned; otherwise zero.
     station_rates: [[f32; 3]; D],
+    /// What the bearings of other sources say.
+    pub(super) shared: Shared,
 }
 
 persist!(impl[const B: usize, const D: usize] Evidence<B, D> as "robust::Evidence"(B, D) {
-    bearings, known, centre, range_m, source, scale, station_rates
+    bearings, known, centre, range_m, source, scale, station_rates, shared
 });
 
 /// What a new bearing changed.
@@ -62,6 +69,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         source: None,
         scale: 0.0,
         station_rates: [[0.0; 3]; D],
+        shared: Shared::NOTHING,
     };
 
     /// Forgets everything but what is known of biases and stations.
@@ -113,6 +121,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
             terms,
             space: Space::Plane(self.region(config)),
             scale_sigma: config.errors.scale_sigma,
+            shared: self.shared,
         }
     }
 
@@ -275,6 +284,7 @@ impl<const B: usize> Evidence<B, PLAIN> {
     pub(super) fn adopt(&mut self, candidate: &Candidate<'_>, errors: &Errors) {
         let (latest, mean) = (candidate.latest, candidate.mean());
         self.clear();
+        self.shared = *candidate.shared;
         self.set_source(&mean, errors.scale_sigma);
         let lines = self.lines(errors);
         self.bearings.adopt(candidate.entries(), latest, &lines);
@@ -292,6 +302,7 @@ pub struct Candidate<'a> {
     /// The modes that are sources, first that of this one.
     pub(super) found: Vec<Mode<PLAIN>, MODES>,
     pub(super) errors: &'a Errors,
+    pub(super) shared: &'a Shared,
 }
 
 impl Candidate<'_> {
@@ -320,7 +331,7 @@ impl Candidate<'_> {
     }
 
     /// The bearings as they stand in the buffer.
-    pub(in crate::aoa) fn entries(&self) -> impl Iterator<Item = &Entry> {
+    pub(in crate::aoa) fn entries(&self) -> impl Iterator<Item = &Entry> + Clone {
         let explained = |entry: &&Entry| explains(&self.found, entry, self.source, self.errors);
         self.entries.iter().filter(explained)
     }
@@ -360,6 +371,21 @@ pub(super) struct Lines {
 }
 
 impl Lines {
+    /// Over how many metres the correlation of a bearing's error falls.
+    #[inline(never)]
+    pub(super) fn length_m(&self, entry: &Entry) -> f32 {
+        let range = match self.source {
+            Some(source) => sqrt(square_of_distance(source, entry.position())),
+            None => self.extent_m,
+        };
+        self.errors.correlation.length_m(range)
+    }
+
+    /// Whether two places are one, from the square of their distance and the length over which correlation falls.
+    pub(super) fn is_one_place(&self, square: f32, length_m: f32) -> bool {
+        square < SAME_PLACE * SAME_PLACE * length_m * length_m
+    }
+
     /// Whether an angle between two bearings is within three sigmas of their difference, if their errors have this
     /// covariance in square stated sigmas.
     pub(super) fn is_within(&self, pair: [&Entry; 2], turn: f32, covariance: f32) -> bool {
@@ -375,18 +401,37 @@ impl Comparison for Lines {
         self.source
     }
 
-    /// Once it is known where the source is, a mirrored bearing says what a direct one does: they are lines. But of
-    /// bearings that have alternatives many point elsewhere, and half of those behind.
+    /// Once it is known where the source is, a mirrored bearing says what a direct one does: they are lines. But the
+    /// bearings of two sources may be opposite, and of those that have alternatives many point elsewhere, half of them behind.
     fn fold(&self, a: &Entry, b: &Entry, angle: f32) -> f32 {
-        if self.source.is_none() || a.is_one_of_several() || b.is_one_of_several() {
+        let one_each = !a.is_one_of_several() && !b.is_one_of_several();
+        if self.source.is_none() || self.of_several || !one_each {
             angle
         } else {
             fold_angle(angle)
         }
     }
 
+    fn are_of_one_place(&self, a: &Entry, b: &Entry) -> bool {
+        let apart = square_of_distance(a.position(), b.position());
+        self.errors.are_correlated() && self.is_one_place(apart, self.length_m(a))
+    }
+
     fn is_similar(&self, a: &Entry, b: &Entry) -> bool {
         self.is_within([a, b], a.turn(b, self), 0.0)
+    }
+
+    /// Of several sources, the readings beyond the first: one alone may well be an outlier.
+    fn stake(&self, a: &Entry, b: &Entry) -> f32 {
+        if !self.of_several {
+            return 0.0;
+        }
+        let (more, less) = if a.readings > b.readings {
+            (a.readings, b.readings)
+        } else {
+            (b.readings, a.readings)
+        };
+        (less - 1.0) / more
     }
 
     /// The likelier one. Of several sources, that with more readings; as long as nothing is known of a single one, the sharper

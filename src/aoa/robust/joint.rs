@@ -2,7 +2,7 @@
 
 use core::f32::consts::TAU;
 
-use super::density::{Density, log_prior_of_errors};
+use super::density::Density;
 use super::mode::{MODES, Mode};
 use super::term::{PLAIN, Term, Width};
 use crate::aoa::Mixture;
@@ -64,34 +64,42 @@ impl<const B: usize> Joint<B> {
         for (odds, term) in odds.iter_mut().zip(density.terms) {
             *odds = scale * term.read(&density.line(term, &mode.mean), &width).odds;
         }
-        *errors = log_prior_of_errors(&mode.mean);
+        *errors = density.log_prior_of_errors(&mode.mean);
         let log_prior = density.log_prior(&mode.mean) - *errors - log_volume;
         // The mass of the hyperbolic density of the scale is 1 / 0.766 times that of a normal one of its height.
         *mass = log_prior + const { ln(TAU) + ln(0.766) } + mode.covariance.half_ln_determinant();
     }
 
     /// Those sources of which the Bayes factors, each beside all the others, are large enough: found by leaving out the least
-    /// likely one after the other.
+    /// likely one after the other. And the logarithms of the Bayes factors of all, beside these.
     #[inline(never)]
-    pub(super) fn found(&self, log_odds: f32) -> Taken {
+    pub(super) fn found(&self, log_odds: f32) -> (Taken, [f32; MODES]) {
         let mut taken = self.all;
-        while let Some(worst) = self.worst(&taken, log_odds) {
-            taken = without(&taken, worst);
-        }
-        taken
-    }
-
-    /// The source that is least likely, if it is not likely enough.
-    fn worst(&self, taken: &Taken, log_odds: f32) -> Option<usize> {
-        let all = self.log_evidence(taken);
-        let (mut worst, mut least) = (None, log_odds);
-        for (place, _) in taken.iter().enumerate().filter(|(_, taken)| **taken) {
-            let gain = all - self.log_evidence(&without(taken, place));
-            if gain < least {
-                (worst, least) = (Some(place), gain);
+        let mut evidence = self.log_evidence(&taken);
+        loop {
+            let mut gains = [f32::NEG_INFINITY; MODES];
+            let (mut worst, mut least) = (None, log_odds);
+            for (place, gain) in gains.iter_mut().enumerate() {
+                if taken.get(place) == Some(&true) {
+                    *gain = evidence - self.log_evidence(&with(&taken, place, false));
+                    if *gain < least {
+                        (worst, least) = (Some(place), *gain);
+                    }
+                }
             }
+            if let Some(worst) = worst {
+                taken = with(&taken, worst, false);
+                evidence -= least;
+                continue;
+            }
+            let others = self.all.iter().zip(&taken).zip(&mut gains).enumerate();
+            for (place, ((may_be, is), gain)) in others {
+                if *may_be && !is {
+                    *gain = self.log_evidence(&with(&taken, place, true)) - evidence;
+                }
+            }
+            return (taken, gains);
         }
-        worst
     }
 
     /// Logarithm of how many times as likely all bearings are with these sources as if they were outliers: over all places and
@@ -101,12 +109,12 @@ impl<const B: usize> Joint<B> {
         /// Steps of expectation maximisation over the rates: enough to come near, for time.
         const STEPS: usize = 6;
         let start = |taken: bool| if taken { 1.0 / (MODES + 1) as f32 } else { 0.0 };
-        let mut sums = Sums::default();
         let mut rates = taken.map(start);
-        for _ in 0..=STEPS {
-            sums = self.sums(&rates);
-            rates = sums.counts.map(|count| count / (self.count + 1.0));
+        for _ in 0..STEPS {
+            let counts = self.counts(&rates);
+            rates = counts.map(|count| count / (self.count + 1.0));
         }
+        let mut sums = self.sums(&rates);
         let mut errors = 0.0;
         let costs = self.masses.iter().zip(&self.errors).zip(sums.information);
         for (((mass, own), information), _) in costs.zip(taken).filter(|(_, taken)| **taken) {
@@ -117,18 +125,36 @@ impl<const B: usize> Joint<B> {
         sums.log_likelihood + errors
     }
 
-    fn sums(&self, rates: &[f32; MODES]) -> Sums {
+    /// The bearings, with how much more likely each is than all as outliers.
+    fn bearings(&self, rates: &[f32; MODES]) -> impl Iterator<Item = (f32, [f32; MODES], f32)> {
         let outliers = 1.0 - rates.iter().sum::<f32>();
-        let mut sums = Sums::default();
-        let counted = |(_, worth): &(usize, &f32)| **worth > 0.0;
-        for (i, worth) in self.worths.iter().enumerate().take_while(counted) {
+        let worths = self.worths.iter().take_while(|worth| **worth > 0.0);
+        worths.enumerate().map(move |(i, worth)| {
             let odds = self.odds.each_ref().map(|odds| odds[i]);
-            let fitted: f32 = odds.iter().zip(rates).map(|(odds, rate)| rate * odds).sum();
-            let total = outliers + fitted;
-            for (place, (odds, rate)) in odds.iter().zip(rates).enumerate() {
+            let pairs = odds.iter().zip(rates);
+            let fitted: f32 = pairs.map(|(odds, rate)| rate * odds).sum();
+            (*worth, odds, outliers + fitted)
+        })
+    }
+
+    /// How many bearings are of each source.
+    fn counts(&self, rates: &[f32; MODES]) -> [f32; MODES] {
+        let mut counts = [0.0; MODES];
+        for (worth, odds, total) in self.bearings(rates) {
+            let part = worth / total;
+            for (count, (odds, rate)) in counts.iter_mut().zip(odds.iter().zip(rates)) {
+                *count += part * rate * odds;
+            }
+        }
+        counts
+    }
+
+    fn sums(&self, rates: &[f32; MODES]) -> Sums {
+        let mut sums = Sums::default();
+        for (worth, odds, total) in self.bearings(rates) {
+            for (information, odds) in sums.information.iter_mut().zip(odds) {
                 let slope = (odds - 1.0) / total;
-                sums.information[place] += worth * slope * slope;
-                sums.counts[place] += worth * rate * odds / total;
+                *information += worth * slope * slope;
             }
             sums.log_likelihood += worth * ln(total);
         }
@@ -140,16 +166,14 @@ impl<const B: usize> Joint<B> {
 #[derive(Default)]
 struct Sums {
     log_likelihood: f32,
-    /// Bearings of each source.
-    counts: [f32; MODES],
-    /// What they tell of the rate of each.
+    /// What they tell of the rate of each source.
     information: [f32; MODES],
 }
 
-fn without(taken: &Taken, place: usize) -> Taken {
-    let mut others = *taken;
-    if let Some(other) = others.get_mut(place) {
-        *other = false;
+fn with(taken: &Taken, place: usize, is: bool) -> Taken {
+    let mut all = *taken;
+    if let Some(one) = all.get_mut(place) {
+        *one = is;
     }
-    others
+    all
 }

@@ -38,6 +38,7 @@ mod mode;
 pub(super) mod outside;
 mod proposal;
 mod search;
+mod shared;
 mod term;
 mod track;
 
@@ -58,7 +59,7 @@ use crate::random::Rng;
 use crate::resample::Scheme;
 pub use biases::Biases;
 use biases::Known;
-pub(super) use candidates::Candidates;
+pub(super) use candidates::{Candidates, of_log_odds, probability};
 pub use config::Config;
 pub use errors::{Correlation, Errors, Learned};
 pub(super) use evidence::Candidate;
@@ -66,6 +67,7 @@ use evidence::{Change, Evidence};
 use mode::{Modes, hypotheses, plane, position};
 use proposal::MixtureProposal;
 use search::search;
+pub(super) use shared::Shared;
 use term::{PLAIN, SCALE, State, Term, Width};
 
 /// Locates one stationary source, with `N` particles and a buffer of `B` bearings, some of which may be wrong.
@@ -199,6 +201,7 @@ impl<const N: usize, const B: usize, const D: usize> Locate for Robust<N, B, D> 
     fn reset(&mut self) {
         self.evidence.known = Known::NOTHING;
         self.evidence.forget_station_rates();
+        self.evidence.shared = Shared::NOTHING;
         self.forget_bearings();
         self.learned = Learned::NOTHING;
         self.outliers_removed = 0.0;

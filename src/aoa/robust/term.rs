@@ -37,6 +37,8 @@ pub(super) struct Term<const D: usize> {
     is_last_of_place: bool,
     /// Number of the array that took it.
     station: u8,
+    /// How many readings it has, beside that of its place which has most, of 255.
+    share: u8,
     /// Derivatives of its error by the numbers of a state, in radians: those that place and scale have are zero.
     features: State<D>,
 }
@@ -148,8 +150,15 @@ impl<const D: usize> Term<D> {
             worth: 1.0,
             is_last_of_place: false,
             station: observation.station(),
+            share: u8::MAX,
             features: [0.0; D],
         }
+    }
+
+    /// Of one with so many readings, as a fraction of those of the one of its place that has most.
+    pub(super) fn with_share(mut self, share: f32) -> Self {
+        self.share = (share * 255.0 + 0.5) as u8;
+        self
     }
 
     pub(super) const fn ends_place(&mut self) {
@@ -187,9 +196,10 @@ impl<const D: usize> Term<D> {
         self
     }
 
-    /// What it counts for, and the bearing as if it counted in full.
+    /// What it counts for among those of several sources, and the bearing as if it counted in full.
     pub(super) fn in_full(&self) -> (f32, Self) {
-        (self.worth, self.with_worth(1.0 / self.worth))
+        let share = f32::from(self.share) / 255.0;
+        (share * self.worth, self.with_worth(1.0 / self.worth))
     }
 
     /// With its part in the biases, of which it is off by `known` radians for certain.

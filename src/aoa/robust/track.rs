@@ -6,9 +6,10 @@ use super::errors::{Errors, Learned};
 use super::evidence::Candidate;
 use super::mode::weigh;
 use super::search::climb_again;
-use super::term::{PLAIN, without_scale};
+use super::shared::Shared;
+use super::term::{PLAIN, State, without_scale};
 use crate::aoa::track::{Stationary, Track, odds_by_moments};
-use crate::aoa::{Answer, Locate, Observation};
+use crate::aoa::{Answer, Locate, Observation, PushError};
 use crate::random::Rng;
 
 impl<const N: usize, const B: usize> Track for Robust<N, B, PLAIN> {
@@ -52,6 +53,30 @@ impl<const N: usize, const B: usize> Track for Robust<N, B, PLAIN> {
             &self.errors(config),
             &Stationary::moments(self),
         )
+    }
+
+    fn shared(&self) -> Shared {
+        match self.answer {
+            Answer::Fix(_) => {
+                let (mean, covariance) = &self.moments;
+                Shared::of(mean, covariance, &self.evidence.shared)
+            }
+            Answer::NotObservable(_) => Shared::NOTHING,
+        }
+    }
+
+    /// Weighs the particles by what is new.
+    fn share(&mut self, others: &Shared, next: &Observation) -> Result<(), PushError> {
+        self.evidence.bearings.admit(next)?;
+        let before = self.evidence.shared;
+        self.evidence.shared = *others;
+        if self.answer.fix().is_some() {
+            let gain =
+                |state: &State<PLAIN>| others.log_likelihood(state) - before.log_likelihood(state);
+            // The likelihood is finite, so the update cannot fail.
+            let _ = self.filter.update(&gain);
+        }
+        Ok(())
     }
 
     fn set_outliers_removed(&mut self, per_bearing: f32) {

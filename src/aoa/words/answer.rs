@@ -217,6 +217,9 @@ impl Mixture {
 pub struct Source {
     /// A number that the source keeps for as long as it is tracked. It is used again after 65,536 others.
     pub identity: u16,
+    /// The probability that there is such a source and that it is still heard, 0 to 1; a locator of one source takes it for
+    /// granted.
+    pub probability: f32,
     /// Where it is.
     pub fix: Fix,
     /// How it moves; `None` from a locator for stationary sources.

@@ -27,6 +27,9 @@ pub trait Locate {
     /// may leave the others out.
     const ALTERNATIVES: bool = false;
 
+    /// Whether it keeps bearings of different [channels](Observation::channel) apart.
+    const CHANNELS: bool = false;
+
     /// Checks a configuration.
     ///
     /// # Errors
@@ -88,9 +91,15 @@ pub trait Locate {
         let fix = self.fix().filter(|_| index == 0)?;
         Some(Source {
             identity: 0,
+            probability: 1.0,
             fix,
             motion: None,
         })
+    }
+
+    /// A place where one more source may be, beside those that have a fix, and with what probability; the likeliest first.
+    fn candidate(&self, _index: usize) -> Option<Hypothesis> {
+        None
     }
 
     /// A place where the source may be, of up to four, in no particular order: before a fix, too.
@@ -225,6 +234,11 @@ impl<L: Locate> Locator<L> {
     /// See [`Locate::source`].
     pub fn source(&self, index: usize) -> Option<Source> {
         self.state.source(index)
+    }
+
+    /// The places where one more source may be, beside those that have a fix; the likeliest first.
+    pub fn candidates(&self) -> impl Iterator<Item = Hypothesis> {
+        (0..).map_while(|index| self.state.candidate(index))
     }
 
     /// The places where the source may be, in no particular order: before a fix, too.

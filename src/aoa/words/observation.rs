@@ -79,6 +79,7 @@ pub struct Observation {
     /// In 65,536ths of a turn, counter-clockwise from east.
     heading: u16,
     station: u8,
+    channel: u8,
 }
 
 /// Why an [`Observation`], an [`Alternative`], a place or a spectrum was refused.
@@ -177,6 +178,7 @@ impl Observation {
             sigma_rad,
             heading: 0,
             station: 0,
+            channel: 0,
         })
     }
 
@@ -184,6 +186,13 @@ impl Observation {
     #[must_use]
     pub const fn from_station(mut self, station: u8) -> Self {
         self.station = station;
+        self
+    }
+
+    /// The same bearing, heard on another channel than number 0: on another frequency, or of another tag.
+    #[must_use]
+    pub const fn on_channel(mut self, channel: u8) -> Self {
+        self.channel = channel;
         self
     }
 
@@ -211,6 +220,11 @@ impl Observation {
     /// Number of the antenna array that took it.
     pub const fn station(&self) -> u8 {
         self.station
+    }
+
+    /// Number of the channel that it was heard on.
+    pub const fn channel(&self) -> u8 {
+        self.channel
     }
 
     /// Where it was taken, in metres east and north of the origin.
@@ -312,24 +326,24 @@ impl From<Observation> for Alternative {
     }
 }
 
-value_as!(Observation as ((u32, [f32; 2]), ((Bearing, f32), [u8; 3])):
+value_as!(Observation as ((u32, [f32; 2]), ((Bearing, f32), [u8; 4])):
     |taken| (
         (taken.time_ms, taken.position),
         ((taken.bearing, taken.sigma_rad), bytes(taken)),
     ),
-    |((time_ms, position), ((bearing, sigma_rad), [station, low, high]))| {
+    |((time_ms, position), ((bearing, sigma_rad), [station, channel, low, high]))| {
         let mut observation = Self::new(time_ms, position, bearing, sigma_rad).ok()?;
         observation.heading = u16::from_le_bytes([low, high]);
-        Some(observation.from_station(station))
+        Some(observation.from_station(station).on_channel(channel))
     },
 );
 
 by_value!(Observation);
 
-/// Station and heading.
-const fn bytes(observation: &Observation) -> [u8; 3] {
+/// Station, channel and heading.
+const fn bytes(observation: &Observation) -> [u8; 4] {
     let [low, high] = observation.heading.to_le_bytes();
-    [observation.station, low, high]
+    [observation.station, observation.channel, low, high]
 }
 
 #[cfg(test)]

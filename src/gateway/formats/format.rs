@@ -84,6 +84,8 @@ pub struct Reading {
     pub reference: Reference,
     /// By which antenna array, if there are several on one port.
     pub station: Option<u8>,
+    /// Which of the sources that the format was told of it is of, from 1 on; 0 if it was told of none.
+    pub channel: u8,
     /// So many readings of this line so far stated a heading that was none.
     pub retracted: u32,
 }
@@ -135,12 +137,22 @@ impl Reading {
                 place: None,
                 reference: Reference::Told(None),
                 station: None,
+                channel: 0,
                 retracted: 0,
             })
         } else {
             Err(Rejected::OutOfRange)
         }
     }
+}
+
+/// The number of one of some identifiers, from 1 on; 0 if there are none. `None` if it is not among them.
+pub fn channel_of<T: PartialEq>(own: T, all: &[T]) -> Option<u8> {
+    if all.is_empty() {
+        return Some(0);
+    }
+    let place = all.iter().position(|one| *one == own)?;
+    u8::try_from(place + 1).ok()
 }
 
 /// Direction in which the angles of a direction finder grow: builds of the KrakenSDR differ, and so do mountings of a

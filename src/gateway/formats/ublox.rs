@@ -4,7 +4,7 @@
 //!
 //! | field | unit, sense | taken as |
 //! |---|---|---|
-//! | tag: its Eddystone instance | 12 hexadecimal digits | see [`Config::tag`] |
+//! | tag: its Eddystone instance | 12 hexadecimal digits | see [`Config::tags`] |
 //! | RSSI | dBm | not used |
 //! | azimuth, -90 to 90 | degrees from straight ahead; see [`Config::sense`] | bearing from where the board faces |
 //! | elevation, -90 to 90 | degrees | not used |
@@ -18,7 +18,7 @@
 //! Sources: u-connectLocate of u-blox, as the project TosiPaikka of the university of Seinajoki describes it, and programs
 //! that read its events, from which the lines of the tests are.
 
-use super::format::{Format, Layout, Reading, Reference, Sense, Sentence, Station};
+use super::format::{Format, Layout, Reading, Reference, Sense, Sentence, Station, channel_of};
 use crate::ConfigError;
 use crate::config::{require, require_all};
 use crate::gateway::outcome::Rejected;
@@ -39,9 +39,10 @@ pub struct Ublox;
 pub struct Config {
     /// Direction in which azimuths grow.
     pub sense: Sense,
-    /// The tag that is looked for: a board reports all that it hears, and lines of others are rejected as
-    /// [`Rejected::OtherTag`]. `None` takes every tag for the source.
-    pub tag: Option<u64>,
+    /// The tags that are looked for: a board reports all that it hears, and lines of others are rejected as
+    /// [`Rejected::OtherTag`]. Each is a [channel](crate::aoa::Observation::channel) of its own, from 1 on. Without any, every
+    /// tag is taken for the source.
+    pub tags: &'static [u64],
     /// The boards by their identifiers, 12 hexadecimal digits in the field `"anchor"`, where there are several on one port
     /// or they do not move: each is a [station](crate::aoa::Observation::station) of its own, numbered from
     /// [`Self::FIRST_STATION`] on, and lines of others are rejected as [`Rejected::OtherAnchor`]. Without any, all lines
@@ -64,7 +65,7 @@ impl Config {
     /// Every tag, clockwise, of one board, of the best quality.
     pub const DEFAULT: Self = Self {
         sense: Sense::Clockwise,
-        tag: None,
+        tags: &[],
         anchors: &[],
         quality_by_azimuth: false,
         sigmas: None,
@@ -75,6 +76,7 @@ impl Config {
     /// # Errors
     /// Names the field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
+        require!(self.tags.len() < 256, "tags must be at most 255");
         require!(
             self.anchors.len() <= Self::MOST_ANCHORS,
             "anchors must be at most 64"
@@ -124,9 +126,7 @@ impl Format for Ublox {
             return Err(Rejected::Unparsable);
         }
         let tag = identifier(tag).ok_or(Rejected::Unparsable)?;
-        if config.tag.is_some_and(|wanted| wanted != tag) {
-            return Err(Rejected::OtherTag);
-        }
+        let channel = channel_of(tag, config.tags).ok_or(Rejected::OtherTag)?;
         let azimuth = fixed(azimuth, 0).ok_or(Rejected::Unparsable)?;
         if !(-90..=90).contains(&azimuth) {
             return Err(Rejected::OutOfRange);
@@ -142,6 +142,7 @@ impl Format for Ublox {
         };
         let quality = if quality > 0.0 { quality } else { 0.0 };
         let mut reading = Reading::new(turned(degrees), quality, config.sigmas)?;
+        reading.channel = channel;
         if !config.anchors.is_empty() {
             let (station, anchor) = anchor_of(anchor, config.anchors)?;
             reading.station = Some(station);
@@ -225,10 +226,10 @@ mod tests {
     #[test]
     fn only_the_wanted_tag_is_read() {
         let config = Config {
-            tag: Some(0x6c1d_eba4_241b),
+            tags: &[1, 0x6c1d_eba4_241b],
             ..Config::DEFAULT
         };
-        assert!(read::<Ublox>(NINE, &config).is_ok());
+        assert_eq!(read::<Ublox>(NINE, &config).unwrap().channel, 2);
         assert_eq!(read::<Ublox>(TEN, &config), Err(Rejected::OtherTag));
     }
 

@@ -98,6 +98,7 @@ impl Locate for Knowing {
     const EMPTY: Self = Self {
         answer: Answer::NotObservable(NotObservable::NoIntersection),
         source: Source {
+            probability: 1.0,
             identity: 0,
             fix: FIX,
             motion: None,
@@ -136,6 +137,10 @@ impl Locate for Knowing {
         Some(self.source)
     }
 
+    fn candidate(&self, index: usize) -> Option<Hypothesis> {
+        self.hypothesis(index)
+    }
+
     fn hypothesis(&self, _: usize) -> Option<Hypothesis> {
         Some(self.hypothesis)
     }
@@ -166,6 +171,7 @@ fn knowing(answer: Answer) -> Knowing {
     Knowing {
         answer,
         source: Source {
+            probability: 0.9,
             identity: 3,
             fix,
             motion: Some(Motion {
@@ -195,7 +201,8 @@ fn a_full_report_says_all_that_is_known() {
     report.answer(&located, &(), context);
     let text = report.as_str();
     assert_eq!(text.matches("$PFOXF,").count(), MOST);
-    assert!(text.contains("$PFOXM,3,87.5,5.0,323.1,1.5*"), "{text}");
+    assert!(text.contains("$PFOXC,4807.038006,S,17959.999994,W,2.000,1.000,0.0,60.0*"));
+    assert!(text.contains("$PFOXM,3,87.5,5.0,323.1,1.5,90.0*"), "{text}");
     let errors = "$PFOXE,2.9,0.6,75.0,5.0,20.0*4E\r\n";
     assert!(text.ends_with(errors), "{text}");
 
@@ -226,6 +233,8 @@ fn the_longest_reports_fit() {
         sigma_m_s: 3e38,
     });
     longest.answer = Answer::Fix(longest.source.fix);
+    longest.hypothesis.position = longest.source.fix.position;
+    longest.hypothesis.covariance = longest.source.fix.covariance;
     longest.bias = Bias {
         mean_rad: -9.0,
         sigma_rad: 9.0,

@@ -223,6 +223,13 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
             let sigma_rad = (ray.sigma_rad).unwrap_or_else(|| config.sigma_rad(reading.quality));
             Observation::new(time_ms, position, frame.bearing(ray.degrees), sigma_rad)
                 .map(|observation| observation.from_station(station))
+                .map(|one| {
+                    if L::CHANNELS {
+                        one.on_channel(reading.channel)
+                    } else {
+                        one
+                    }
+                })
                 // Only who weighs alternatives knows biases by direction.
                 .map(|one| {
                     if L::ALTERNATIVES {

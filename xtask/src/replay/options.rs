@@ -272,9 +272,9 @@ impl Input {
         formats.kraken.sense = sense;
         formats.kraken.confidence = confidence;
         formats.kraken.heading = heading;
-        formats.kraken.frequency_hz = self.frequency;
+        formats.kraken.frequencies_hz = self.frequency.into_iter().collect::<Vec<_>>().leak();
         formats.ublox.sense = sense.unwrap_or(Turn::Clockwise);
-        formats.ublox.tag = self.tag;
+        formats.ublox.tags = self.tag.into_iter().collect::<Vec<_>>().leak();
         match self.sigmas {
             Sigmas::Firmware => {}
             Sigmas::Linear => {

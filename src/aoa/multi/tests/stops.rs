@@ -55,3 +55,66 @@ fn a_source_that_pauses_keeps_its_number() {
     }
     assert!(kept >= 19, "{kept}");
 }
+
+/// The bearings of all sources tell of the one array that takes them.
+#[test]
+fn scale_and_bias_are_known_from_all_sources() {
+    const TURNED: f32 = 0.05;
+    let (mut alone, mut together) = ([0.0; 2], [0.0; 2]);
+    for seed in 0..10 {
+        let places = (0..84).map(|i| stop(i / 4));
+        let sights = bearings(places, &ROOM, |_, i| Some(i % 4), seed);
+        let turn = |(i, one): (usize, &Observation)| {
+            observe(i, one.position(), one.bearing().radians() + TURNED)
+        };
+        let turned: Vec<Observation> = sights.iter().enumerate().map(turn).collect();
+        let own: Vec<Observation> = turned.iter().step_by(4).copied().collect();
+        let mut one = Locator::<One>::new(robust::Config::DEFAULT).unwrap();
+        let mut all = Locator::<MultiTarget<6, One>>::new(Config::DEFAULT).unwrap();
+        run(&mut one, &own, seed);
+        run(&mut all, &turned, seed);
+        let sigmas = |bias: Option<Bias>, scale: Option<SigmaScale>| {
+            [bias.unwrap().sigma_rad, scale.unwrap().sigma]
+        };
+        let bias = all.bias().unwrap();
+        assert!((bias.mean_rad - TURNED).abs() < 4.0 * bias.sigma_rad);
+        for (sum, sigma) in alone.iter_mut().zip(sigmas(one.bias(), one.sigma_scale())) {
+            *sum += sigma;
+        }
+        for (sum, sigma) in together
+            .iter_mut()
+            .zip(sigmas(all.bias(), all.sigma_scale()))
+        {
+            *sum += sigma;
+        }
+    }
+    // A half with four times as many bearings, if nothing else was unknown.
+    assert!(together[0] < 0.75 * alone[0], "{together:?} {alone:?}");
+    assert!(together[1] < 0.75 * alone[1], "{together:?} {alone:?}");
+}
+
+#[test]
+fn one_more_source_is_pointed_at_before_it_has_a_fix() {
+    let mut pointed = 0;
+    for seed in 0..20 {
+        let places = (0..84).map(|i| stop(i / 4));
+        let sights = bearings(places, &ROOM, |_, i| Some(i % 4), seed);
+        let mut sources = Locator::<MultiTarget<6, One>>::new(Config::DEFAULT).unwrap();
+        let mut rng = generator(seed);
+        let mut candidates: Vec<Hypothesis> = Vec::new();
+        for observation in &sights {
+            sources.push(observation, &mut rng).unwrap();
+            candidates.extend(sources.candidates().filter(|one| one.probability > 0.5));
+            let known: Vec<f32> = sources.candidates().map(|one| one.probability).collect();
+            assert!(known.is_sorted_by(|a, b| a >= b) && known.iter().all(|p| *p <= 1.0));
+        }
+        let is_near = |one: &Hypothesis| {
+            let [x, y] = one.position;
+            ROOM.iter()
+                .any(|place| (x - place[0]).hypot(y - place[1]) < 3.0)
+        };
+        pointed += u32::from(!candidates.is_empty() && candidates.iter().all(is_near));
+        assert!(all(&sources).iter().all(|source| source.probability > 0.9));
+    }
+    assert!(pointed >= 15, "{pointed}");
+}

@@ -10,7 +10,7 @@
 //! | bearing | degrees from the bow, either way round | see [`Sense`]; any turn, so -30 is 330 |
 //! | confidence | maximum over mean of the spectrum, on either scale | see [`Confidence`] |
 //! | power | decibels | nothing |
-//! | frequency | hertz | see [`Config::frequency_hz`] |
+//! | frequency | hertz | see [`Config::frequencies_hz`] |
 //! | array | `UCA`, `ULA`, `Custom` | nothing |
 //! | latency | milliseconds | the length of that interval: the reading belongs to its middle |
 //! | station | any text, with commas and quotes | nothing |
@@ -32,7 +32,7 @@
 mod line;
 mod spectrum;
 
-use super::format::{Format, Layout, Ray, Reading, Reference, Sense, Sentence};
+use super::format::{Format, Layout, Ray, Reading, Reference, Sense, Sentence, channel_of};
 use crate::ConfigError;
 use crate::aoa::spectrum::Spectrum;
 use crate::config::{require, require_within};
@@ -91,9 +91,10 @@ pub struct Config {
     pub interval_ms: Option<u32>,
     /// Which heading holds, and when.
     pub heading: Heading,
-    /// The frequency of the source: a KrakenSDR with several channels sends a line for each, and those of another
-    /// frequency are rejected as [`Rejected::OtherFrequency`]. `None` reads lines of every frequency.
-    pub frequency_hz: Option<u32>,
+    /// The frequencies of the sources: a KrakenSDR with several channels sends a line for each, and those of another
+    /// frequency are rejected as [`Rejected::OtherFrequency`]. Each is a [channel](crate::aoa::Observation::channel) of its
+    /// own, from 1 on. Without any, lines of every frequency are taken for those of one source.
+    pub frequencies_hz: &'static [u32],
     /// Standard deviations by the quality, which is how far the maximum of the spectrum is above its mean, in percent of
     /// the maximum: 0 of a flat one, 99.7 of a needle. `None` takes those of [`gateway::Config`](crate::gateway::Config).
     pub sigmas: Option<&'static SigmaTable>,
@@ -108,7 +109,7 @@ impl Config {
         confidence: None,
         interval_ms: None,
         heading: Heading::Recognised,
-        frequency_hz: None,
+        frequencies_hz: &[],
         sigmas: Some(&SIGMAS),
         temper: 0.5,
     };
@@ -141,8 +142,8 @@ impl Config {
     /// Names the field that is out of range.
     pub const fn check(&self) -> Result<(), ConfigError> {
         require!(
-            !matches!(self.frequency_hz, Some(0)),
-            "frequency_hz must be above zero"
+            self.frequencies_hz.len() < 256,
+            "frequencies_hz must be at most 255"
         );
         require!(
             !matches!(self.interval_ms, Some(60_001..)),
@@ -177,9 +178,11 @@ impl<S: Kept> Kraken<S> {
     #[inline(never)]
     fn reading(&mut self, line: &[u8], config: &Config) -> Result<Reading, Rejected> {
         let fields = Fields::of(line).ok_or(Rejected::Unparsable)?;
-        if config.frequency_hz.is_some() && fields.frequency_hz()? != config.frequency_hz {
-            return Err(Rejected::OtherFrequency);
-        }
+        let channel = if config.frequencies_hz.is_empty() {
+            Some(0)
+        } else {
+            (fields.frequency_hz()?).and_then(|own| channel_of(own, config.frequencies_hz))
+        };
         let time = fields.time()?;
         let stated = fields.bearing()?;
         let interval_ms = config.interval_ms.map_or_else(|| fields.latency_ms(), Ok)?;
@@ -198,6 +201,7 @@ impl<S: Kept> Kraken<S> {
             None => self.clockwise(stated, digest.as_ref()),
         };
         let mut reading = Reading::new(stated, quality.max(0.0), config.sigmas)?;
+        reading.channel = channel.ok_or(Rejected::OtherFrequency)?;
         reading.time = Some(time);
         reading.latency_ms = interval_ms / 2;
         reading.place = pose.map(|(place, _)| place);

@@ -361,26 +361,29 @@ fn the_interval_may_be_told() {
 }
 
 #[test]
-fn only_the_wanted_frequency_is_read() {
-    let at = |text: &str, hertz| {
+fn only_the_wanted_frequencies_are_read() {
+    let at = |text: &str, frequencies_hz| {
         let config = Config {
-            frequency_hz: Some(hertz),
+            frequencies_hz,
             ..Config::DEFAULT
         };
-        with(text, config)
+        with(text, config).map(|reading| reading.channel)
     };
-    assert!(at(EXAMPLE, 433_920_000).is_ok());
-    assert!(at(&EXAMPLE.replace("433920000", "433920000.0"), 433_920_000).is_ok());
-    assert_eq!(at(EXAMPLE, 433_920_001), Err(Rejected::OtherFrequency));
+    assert_eq!(at(EXAMPLE, &[]), Ok(0));
+    assert_eq!(at(EXAMPLE, &[433_920_000]), Ok(1));
+    assert_eq!(at(EXAMPLE, &[1, 433_920_000]), Ok(2));
+    let fraction = EXAMPLE.replace("433920000", "433920000.0");
+    assert_eq!(at(&fraction, &[433_920_000]), Ok(1));
+    assert_eq!(at(EXAMPLE, &[433_920_001]), Err(Rejected::OtherFrequency));
     let huge = EXAMPLE.replace("433920000", "4339200000000");
-    assert_eq!(at(&huge, 1), Err(Rejected::OtherFrequency));
+    assert_eq!(at(&huge, &[1]), Err(Rejected::OtherFrequency));
     let unnamed = "1756823719250,5,50,-30,UHF,UCA,1,x,0,0,0,0,GPS";
-    assert_eq!(at(unnamed, 1), Err(Rejected::Unparsable));
-    let none = Config {
-        frequency_hz: Some(0),
+    assert_eq!(at(unnamed, &[1]), Err(Rejected::Unparsable));
+    let many = Config {
+        frequencies_hz: &[1; 256],
         ..Config::DEFAULT
     };
-    assert_eq!(none.check().unwrap_err().field(), "frequency_hz");
+    assert_eq!(many.check().unwrap_err().field(), "frequencies_hz");
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Lines of a KrakenSDR with their spectra.
 
 use super::*;
-use crate::aoa::Robust;
 use crate::aoa::robust::{self, Correlation, Errors};
 use crate::aoa::spectrum::Spectrum;
+use crate::aoa::{Channels, Robust};
 use crate::gateway::formats::{Agrelo, Kraken, Nmea};
 use crate::gateway::report::FullReport;
 
@@ -53,6 +53,43 @@ fn push<L: Locate>(gateway: &mut Whole<L>, text: &str) -> Vec<Event> {
     text.bytes()
         .filter_map(|byte| gateway.push(0, byte))
         .collect()
+}
+
+#[test]
+fn frequencies_are_channels() {
+    let mut config = BY_NORTH;
+    config.formats.kraken.frequencies_hz = &[433_920_000, 868_300_000];
+    let mut gateway = Whole::<Channels<2, Robust<256, 64>>>::new(config).unwrap();
+    // One source in the north, one in the south, in turns; a third one is none of them.
+    for number in 0..80 {
+        let east = 20.0 * number as f64;
+        let (hertz, north) = [
+            ("433920000", 900.0),
+            ("868300000", -700.0),
+            ("446000000", 300.0),
+        ][number % 3];
+        let compass = (800.0 - east).atan2(north).to_degrees().rem_euclid(360.0) as f32;
+        let text = line(number as i64, east, &[(compass, 40.0)]);
+        push(&mut gateway, &text.replace("433920000", hertz));
+    }
+    let identities = (0..).map_while(|i| Some(gateway.vehicle().locator().source(i)?.identity));
+    assert_eq!(identities.collect::<Vec<_>>(), [1, 2]);
+    push(&mut gateway, "$PFOXQ*50\r\n");
+    for number in [1, 2] {
+        let of_source = format!("$PFOXM,{number},");
+        assert!(
+            gateway.vehicle().report().contains(&of_source),
+            "{}",
+            gateway.vehicle().report()
+        );
+    }
+    assert_eq!(
+        gateway
+            .vehicle()
+            .counters()
+            .rejected(Rejected::OtherFrequency),
+        26
+    );
 }
 
 #[test]
