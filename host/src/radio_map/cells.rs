@@ -11,6 +11,8 @@ pub(super) struct Cells {
     pub places: Vec<[f64; 2]>,
     /// By beacon, the mean level in each, in dBm. Where a beacon was not heard, its weakest.
     pub values: Vec<Vec<f64>>,
+    /// By beacon, whether it was heard in each.
+    pub heard: Vec<Vec<bool>>,
     /// How much of the variance of the values is noise because there are few readings, by cell.
     pub noise: Vec<f64>,
     /// By place of the survey.
@@ -42,9 +44,16 @@ impl Cells {
             .iter()
             .map(|members| [0, 1].map(|axis| mean(&|place| survey.places[place][axis], members)));
         let values = (0..survey.beacons()).map(|beacon| levels(survey, &members, beacon));
+        let heard = (0..survey.beacons()).map(|beacon| {
+            let in_cell = |members: &Vec<usize>| {
+                (members.iter()).any(|place| !survey.samples[*place][beacon].is_empty())
+            };
+            members.iter().map(in_cell).collect()
+        });
         let mut cells = Self {
             places: places.collect(),
             values: values.collect(),
+            heard: heard.collect(),
             noise: Vec::new(),
             of_place,
         };

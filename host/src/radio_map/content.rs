@@ -3,7 +3,7 @@
 use foxhunt::fingerprint::Lattice;
 
 use super::{
-    cells::nearest,
+    cells::{Cells, nearest},
     kriging::Kriging,
     recipe::{Choices, Recipe},
     site::SiteSurvey,
@@ -16,13 +16,15 @@ pub(super) struct Content {
     pub points: Vec<(Vec<f64>, f64)>,
     /// By point: whether a tag can be there.
     pub possible: Vec<bool>,
+    /// By point, then by beacon: whether it was heard in the cell nearest to it.
+    pub heard: Vec<Vec<bool>>,
 }
 
 impl Content {
     pub fn new(
         survey: &SiteSurvey,
         lattice: &Lattice,
-        kriging: &Kriging,
+        (cells, kriging): (&Cells, &Kriging),
         choices: &Choices,
         recipe: &Recipe,
     ) -> Self {
@@ -36,10 +38,15 @@ impl Content {
                 nearest(&survey.survey().places, place(point)).is_some_and(|(_, d)| d <= reach)
             })
         };
+        let heard = |point| {
+            let cell = nearest(&cells.places, place(point)).map_or(0, |(cell, _)| cell);
+            cells.heard.iter().map(|heard| heard[cell]).collect()
+        };
         Self {
             lattice: *lattice,
             points: (0..lattice.points()).map(point).collect(),
             possible: (0..lattice.points()).map(near).collect(),
+            heard: (0..lattice.points()).map(heard).collect(),
         }
     }
 

@@ -44,13 +44,17 @@ pub(super) fn bytes(
     }));
     for (beacon, detection) in detections.iter().enumerate() {
         match &levels {
-            None => bytes.extend(content.points.iter().flat_map(|(means, sigma)| {
-                let mean = 2.0 * (means[beacon] + 128.0);
-                [
-                    (4.0 * sigma).round().clamp(1.0, 63.0) as u8,
-                    mean.round().clamp(0.0, 255.0) as u8,
-                ]
-            })),
+            None => {
+                let points = content.points.iter().zip(&content.heard);
+                bytes.extend(points.flat_map(|((means, sigma), heard)| {
+                    let mean = 2.0 * (means[beacon] + 128.0);
+                    let sigma = (4.0 * sigma).round().clamp(1.0, 63.0);
+                    [
+                        if heard[beacon] { sigma as u8 } else { 0 },
+                        mean.round().clamp(0.0, 255.0) as u8,
+                    ]
+                }));
+            }
             Some(levels) => {
                 let heard = survey.heard(beacon, content, choices);
                 levels.rows(&heard, *detection, sensitivity, recipe, &mut bytes);

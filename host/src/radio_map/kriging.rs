@@ -248,6 +248,7 @@ mod tests {
         Cells {
             places: places.to_vec(),
             values: vec![places.iter().map(|place| value(*place)).collect()],
+            heard: vec![vec![true; places.len()]],
             noise: vec![0.0; places.len()],
             of_place: (0..places.len()).collect(),
         }

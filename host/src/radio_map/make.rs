@@ -85,7 +85,7 @@ impl SiteSurvey {
                 None => self.best_lattice(&cells, &kriging, choices.sigma_db)?,
             },
         };
-        let content = Content::new(self, &lattice, &kriging, &choices, recipe);
+        let content = Content::new(self, &lattice, (&cells, &kriging), &choices, recipe);
         let expected = Expected::new(&content, &choices, self, &cells, &kriging);
         let bytes = encode::bytes(self, &content, &choices, recipe, recipe.by_hand());
         progress(1.0);

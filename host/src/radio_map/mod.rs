@@ -18,5 +18,6 @@ mod site;
 pub use encode::rust_constant;
 pub use expected::Expected;
 pub use make::Made;
+pub use reading::sources;
 pub use recipe::{Choices, Recipe, Shape};
 pub use site::{Reading, SiteSurvey};

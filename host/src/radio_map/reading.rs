@@ -1,6 +1,6 @@
 //! The rows of a survey.
 
-use std::{collections::BTreeMap, io::Read};
+use std::{collections::BTreeMap, io::Read, path::Path};
 
 use anyhow::{Context, Result, ensure};
 use csv::StringRecord;
@@ -122,4 +122,30 @@ fn cause(error: &csv::Error, headers: &csv::StringRecord) -> String {
         Some(column) => format!("{column}: {}", err.kind()),
         None => err.kind().to_string(),
     }
+}
+
+/// Where beacons are, by identifier, of a CSV file with the columns `id` (or `beacon`, `sensor`), `x` and `y`.
+///
+/// # Errors
+/// When it cannot be read.
+pub fn sources(file: &Path) -> Result<BTreeMap<u32, [f64; 2]>> {
+    #[derive(Deserialize)]
+    struct Row {
+        #[serde(alias = "beacon", alias = "sensor")]
+        id: u32,
+        #[serde(alias = "x_m")]
+        x: f64,
+        #[serde(alias = "y_m")]
+        y: f64,
+    }
+    let named = || format!("cannot read the beacons {}", file.display());
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .from_path(file)
+        .with_context(named)?;
+    let rows = reader.deserialize().map(|row| {
+        let Row { id, x, y } = row?;
+        Ok((id, [x, y]))
+    });
+    rows.collect::<Result<_>>().with_context(named)
 }

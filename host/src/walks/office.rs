@@ -70,6 +70,12 @@ impl Office {
         Ok(office)
     }
 
+    /// How well the maps predict places that are left out with their neighbours, in dB.
+    pub fn left_out_db(&self) -> f64 {
+        let first = self.walks.first();
+        first.map_or(f64::NAN, |walk| walk.choices.left_out_db)
+    }
+
     /// A map of the survey on a lattice.
     ///
     /// # Errors

@@ -69,6 +69,14 @@ pub(super) fn packet_variance(map: &RadioMap<'_>) -> f32 {
     noise * noise
 }
 
+/// The variance of the error of a mean, in squared halves of a dB, by the code of its sigma. Where a beacon was not heard,
+/// the mean is that of the weakest reading, and not known well.
+#[inline(always)]
+pub(super) fn error_variance(sigma: u8) -> f32 {
+    let sigma = f32::from(if sigma == 0 { 63 } else { sigma });
+    0.25 * sigma * sigma
+}
+
 impl<'a, const B: usize> Comparison<'a, B> {
     /// Of a scan, by what is remembered of the error of the map, if anything is.
     #[inline(never)]
@@ -192,8 +200,7 @@ impl<const B: usize> Comparison<'_, B> {
                 falls[0] = reading.weight * along;
                 difference += reading.weight * there;
             }
-            let sigma = f32::from(*sigma);
-            let error = (0.25 * sigma) * sigma + self.mismatch;
+            let error = error_variance(*sigma) + self.mismatch;
             let variance = error * reading.unknown + reading.noise;
             let weighted = sums.add(difference, 1.0 - reading.weight, variance, self);
             if let Some((weighted, precision)) = weighted {
@@ -213,8 +220,7 @@ impl<const B: usize> Comparison<'_, B> {
             let Some([sigma, mean]) = reading.row.get(point) else {
                 continue;
             };
-            let sigma = f32::from(*sigma);
-            let variance = (0.25 * sigma) * sigma + (self.mismatch + reading.noise);
+            let variance = error_variance(*sigma) + (self.mismatch + reading.noise);
             sums.add(reading.level - f32::from(*mean), 1.0, variance, self);
         }
         sums.conclude(self)

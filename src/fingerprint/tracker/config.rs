@@ -59,7 +59,7 @@ impl Config {
         velocity_memory_s: 7.0,
         mismatch_sigma_db: 2.0,
         error_memory_s: 5.0,
-        tempering: 0.5,
+        tempering: 0.35,
         gate_sigmas: 4.0,
         range_dbm: [-110.0, -10.0],
         offset_probability: 0.1,

@@ -290,6 +290,11 @@ fn a_walk_is_followed_along_a_map_of_one_column() {
     assert!((region.semi_major - 1.96 * fix.sigma_m()).abs() < 1e-3);
     assert!(region.contains([0.0, fix.position[1] + fix.sigma_m()]));
     assert!(yy > 0.0 && fix.state == State::Tracking);
+    // How far off the line people walk is not tracked.
+    for (sigmas, inside) in [(1.9, true), (-1.9, true), (2.0, false), (-2.0, false)] {
+        let place = [0.9, fix.position[1] + sigmas * fix.sigma_m()];
+        assert_eq!(fix.contains(place, 0.95), inside, "{sigmas}");
+    }
 }
 
 #[test]
@@ -309,4 +314,32 @@ fn a_restored_tracker_goes_on_as_if_nothing_had_happened() {
         (states, walk.tracker.fix())
     });
     assert_eq!(walks[0], walks[1]);
+}
+
+/// An hour at a place where every beacon is 4 dB off, up or down: where the nearest levels of the map are 2 m away.
+#[test]
+fn a_tag_at_rest_does_not_become_certain_of_a_wrong_place() {
+    let bytes = map(1);
+    for config in [Config::DEFAULT, Config::TUNNEL] {
+        let site = Site::new(RadioMap::new(&bytes).unwrap(), config).unwrap();
+        let mut walk = Walk::new();
+        let errors = [4.0, -4.0, 4.0, -4.0];
+        let mut sigmas = [0.0; 2];
+        for quarter in 0..4 * 3600 {
+            for (beacon, error) in errors.into_iter().enumerate() {
+                let level = level(beacon as u8, 18.0) + error;
+                walk.push(&site, beacon as u8, level).unwrap();
+            }
+            walk.time_ms = walk.time_ms.wrapping_add(250);
+            let fix = walk.tracker.fix();
+            match quarter {
+                240 => sigmas[0] = fix.unwrap().sigma_m(),
+                14_399 => sigmas[1] = fix.unwrap().sigma_m(),
+                _ => {}
+            }
+        }
+        assert!(sigmas[1] > 0.7 * sigmas[0], "{sigmas:?}");
+        let fix = walk.tracker.fix().unwrap();
+        assert!(fix.contains([18.0, 0.0], 0.95), "{fix:?}");
+    }
 }

@@ -1,7 +1,7 @@
 //! What an update does: predict, weigh, judge, summarise, resample.
 
 use super::cloud::{Moments, Sums};
-use super::comparison::{Comparison, packet_variance};
+use super::comparison::{Comparison, error_variance, packet_variance};
 use super::field::Field;
 use super::fix::seconds;
 use super::memory::Memory;
@@ -109,8 +109,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         let gate = OUTLIER * config.gate_sigmas * config.gate_sigmas;
         self.memory.learn(scan, |beacon, level| {
             let [sigma, mean] = *map.moments_row(beacon)?.get(point)?;
-            let sigma = f32::from(sigma);
-            let error = 0.25 * sigma * sigma + mismatch;
+            let error = error_variance(sigma) + mismatch;
             let noise = packet / f32::from(level.packets);
             let above = 2.0 * (level.mean_dbm - offset - LOWEST_MEAN_DBM) - f32::from(mean);
             (above * above < gate * (error + noise)).then_some(noise / error)
