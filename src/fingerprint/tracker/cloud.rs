@@ -25,8 +25,6 @@ pub(super) struct Cloud<const N: usize> {
 /// Sums over the weights.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sums {
-    /// The logarithm of what the weights were divided by.
-    pub top: f32,
     pub weights: f32,
     pub squares: f32,
 }
@@ -48,6 +46,9 @@ impl<const N: usize> Cloud<N> {
         opinions: [[0.0; 2]; N],
         precision: 0.0,
     };
+
+    /// Particles of which the evidence is taken: fewer are work saved, and noise.
+    const SAMPLE: usize = 32;
 
     /// Unpacks particles, moved along an axis, and returns the mean of the squares of their moves.
     #[inline(always)]
@@ -131,6 +132,32 @@ impl<const N: usize> Cloud<N> {
         self.precision = precision * (1.0 / N as f32);
     }
 
+    /// The mean likelihood of a scan by which nothing is remembered, relative to `top`, over some of the particles.
+    #[inline(never)]
+    pub fn evidence<const B: usize>(
+        &self,
+        scan: &Comparison<'_, B>,
+        lattice: &Lattice,
+        top: f32,
+    ) -> f32 {
+        let stride = N / Self::SAMPLE + 1;
+        let [x, y] = &self.places;
+        let (mut sum, mut count) = (0.0, 0u32);
+        for (x, y) in x.iter().zip(y).step_by(stride) {
+            let log_likelihood = if lattice.is_plane() {
+                let spot = Spot::in_plane([*x, *y], lattice.columns(), lattice.rows());
+                spot.map_or(Found::NOWHERE, |spot| scan.at::<true>(&spot, &spot))
+            } else {
+                let spot = Spot::on_line(*x, lattice.points());
+                spot.map_or(Found::NOWHERE, |spot| scan.at::<false>(&spot, &spot))
+            }
+            .log_likelihood;
+            sum += exp_of_weight(log_likelihood - top);
+            count += 1;
+        }
+        sum / count as f32
+    }
+
     /// Makes places impossible.
     pub fn exclude(&mut self, lattice: &Lattice, is_possible: impl Fn(usize) -> bool) {
         let [x, y] = &self.places;
@@ -175,7 +202,6 @@ impl<const N: usize> Cloud<N> {
             squares[0] += *weight * *weight;
         }
         Some(Sums {
-            top,
             weights: weights[0] + weights[1],
             squares: squares[0] + squares[1],
         })

@@ -61,12 +61,14 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             cloud.compare(&compared, lattice, self.memory.age_s);
             let anew = Comparison::new(map, config, &self.offset, None, scan);
             field.sample(map, &anew, time_ms);
+            // What is remembered of the error would explain any place that has been wrong for long.
+            let evidence = cloud.evidence(&anew, lattice, field.top);
             self.exclude_walls(site, &grain, workspace);
             if let Some(redrawn_s) = &mut self.redrawn_s {
                 *redrawn_s += dt;
             }
             let sums = workspace.cloud.weigh();
-            if self.is_right(sums.as_ref(), dt, site, &workspace.field) {
+            if sums.is_some() && self.is_right(evidence, dt, site, &workspace.field) {
                 sums
             } else {
                 if let Some(sums) = sums {
@@ -175,21 +177,24 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         }
     }
 
-    /// Smooths the evidence, which is how well the scan fits the particles, against as many spread over the whole map; returns
+    /// Smooths the evidence, which is how likely the scan is at the particles, against as many spread over the whole map; returns
     /// whether it supports the particles.
     fn is_right<const P: usize>(
         &mut self,
-        sums: Option<&Sums>,
+        evidence: f32,
         dt: f32,
         site: &Site<'_>,
         field: &Field<P>,
     ) -> bool {
-        let Some(sums) = sums else {
-            return false;
-        };
         let smoothing = dt * (1.0 / EVIDENCE_S);
         let smoothing = if smoothing < 1.0 { smoothing } else { 1.0 };
-        let evidence = sums.top - field.top + ln(sums.weights / (N as f32 * field.mean));
+        let evidence = ln(evidence / field.mean);
+        // Of nothing, the logarithm is none.
+        let evidence = if evidence.is_finite() {
+            evidence
+        } else {
+            -20.0
+        };
         self.evidence += smoothing * (evidence.clamp(-20.0, 20.0) - self.evidence);
         !(self.evidence < LOST_BELOW && site.config.redraw_fraction > 0.0)
     }
@@ -315,7 +320,6 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         let weights = cloud.weights.iter().sum();
         // Each is 0 or 1.
         (weights > 0.0).then_some(Sums {
-            top: 0.0,
             weights,
             squares: weights,
         })
