@@ -71,16 +71,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             if sums.is_some() && self.is_right(evidence, dt, site, &workspace.field) {
                 sums
             } else {
-                if let Some(sums) = sums {
-                    (workspace.cloud).resample(sums.weights, &mut self.particles, &grain, rng);
-                    workspace.cloud.unpack(&self.particles, &grain);
-                }
-                let fraction = sums.map_or(1.0, |_| config.redraw_fraction);
-                self.evidence = 0.0;
-                self.redrawn_s = Some(0.0);
-                self.memory = Memory::EMPTY;
-                (workspace.field).look_up_all(map, &anew);
-                self.draw(fraction, site, workspace, rng)
+                self.start_again(sums, &anew, site, workspace, rng)
             }
         } else {
             self.offset = OffsetBelief::prior(config);
@@ -99,6 +90,29 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             self.remember(scan, site);
             (workspace.cloud).resample(sums.weights, &mut self.particles, &grain, rng);
         }
+    }
+
+    /// Draws a fraction of the particles anew, or all if none is possible.
+    fn start_again<const P: usize, R: Rng + ?Sized>(
+        &mut self,
+        sums: Option<Sums>,
+        anew: &Comparison<'_, B>,
+        site: &Site<'_>,
+        workspace: &mut Workspace<N, P>,
+        rng: &mut R,
+    ) -> Option<Sums> {
+        let Site { map, config, .. } = site;
+        let grain = Grain::of(map.lattice(), config);
+        if let Some(sums) = sums {
+            (workspace.cloud).resample(sums.weights, &mut self.particles, &grain, rng);
+            workspace.cloud.unpack(&self.particles, &grain);
+        }
+        let fraction = sums.map_or(1.0, |_| config.redraw_fraction);
+        self.evidence = 0.0;
+        self.redrawn_s = Some(0.0);
+        self.memory = Memory::EMPTY;
+        workspace.field.look_up_all(map, anew);
+        self.draw(fraction, site, workspace, rng)
     }
 
     /// Keeps a scan for those that will be heard nearby, except what is an outlier where the tag is.

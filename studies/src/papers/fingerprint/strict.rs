@@ -144,15 +144,15 @@ fn at(field: &[f64], place: f64) -> f64 {
     (1.0 - part) * field[first] + part * field[first + 1]
 }
 
-fn walk(length: f64, speed: f64, seed: u64, run: u64) -> Result<Outcome> {
-    let mut rng = generator(seed ^ 0x51, run);
+/// The map as it is surveyed, its bytes, and by beacon by how much it is wrong.
+fn draw(length: f64, rng: &mut impl Rng) -> Result<(LineMap, Vec<u8>, Vec<Vec<f64>>)> {
     let points = TUNNEL as usize + 1;
     let mut readings = Vec::new();
     let mut errors = Vec::new();
     let mut levels = vec![Vec::new(); points];
     for (beacon, source) in BEACONS.into_iter().enumerate() {
-        let shadow = field(4.0, 5.0, &mut rng);
-        errors.push(field(ERROR, length, &mut rng));
+        let shadow = field(4.0, 5.0, rng);
+        errors.push(field(ERROR, length, rng));
         for (point, levels) in levels.iter_mut().enumerate() {
             let x = point as f64;
             let level = -40.0 - 10.0 * ((x - source).powi(2) + 3.0).log10() + at(&shadow, x);
@@ -181,7 +181,12 @@ fn walk(length: f64, speed: f64, seed: u64, run: u64) -> Result<Outcome> {
         ..Recipe::on(Lattice::new([0.0, 0.0], 1.0, points as u16, 1)?)
     };
     let made = SiteSurvey::new(readings).map(&recipe, &mut |_| ())?;
+    Ok((map, made.bytes, errors))
+}
 
+fn walk(length: f64, speed: f64, seed: u64, run: u64) -> Result<Outcome> {
+    let mut rng = generator(seed ^ 0x51, run);
+    let (map, bytes, errors) = draw(length, &mut rng)?;
     let seconds = if speed > 1.0 { 28.0 } else { 60.0 };
     let span = speed * seconds;
     let first = rng.random::<f64>() * (TUNNEL - span);
@@ -212,7 +217,7 @@ fn walk(length: f64, speed: f64, seed: u64, run: u64) -> Result<Outcome> {
         .map(|step| 2.0 * f64::from(step))
         .collect();
 
-    let site = Site::new(RadioMap::new(&made.bytes)?, config())?;
+    let site = Site::new(RadioMap::new(&bytes)?, config())?;
     let found: Vec<Fix> = fixes(&site, &packets, &times, run)?;
     let told = [PARTICLES, 2 * PARTICLES].map(|particles| {
         if particles > PARTICLES && run >= TWICE {
