@@ -193,6 +193,21 @@ const fn split(bytes: &[u8], length: usize) -> (&[u8], &[u8]) {
     }
 }
 
+/// Whether there are enough bytes, of a map, and of this version.
+const fn check_beginning(bytes: &[u8]) -> Result<(), MapError> {
+    if bytes.len() < HEADER + CHECKSUM {
+        return Err(MapError::Length);
+    }
+    if u32::from_le_bytes(take(bytes, 0)) != u32::from_le_bytes(*b"FXRM") {
+        return Err(MapError::Magic);
+    }
+    let [version] = take(bytes, 4);
+    if version != RadioMap::VERSION {
+        return Err(MapError::Version);
+    }
+    Ok(())
+}
+
 /// Whether the bits of all points are set.
 const fn is_complete(possible: &[u8], points: usize) -> bool {
     let mut i = 0;
@@ -221,16 +236,10 @@ impl<'a> RadioMap<'a> {
     /// # Errors
     /// When the bytes are no map, or a damaged one.
     pub const fn new(bytes: &'a [u8]) -> Result<Self, MapError> {
-        if bytes.len() < HEADER + CHECKSUM {
-            return Err(MapError::Length);
+        if let Err(error) = check_beginning(bytes) {
+            return Err(error);
         }
-        if u32::from_le_bytes(take(bytes, 0)) != u32::from_le_bytes(*b"FXRM") {
-            return Err(MapError::Magic);
-        }
-        let [version, encoding, beacons, levels] = take(bytes, 4);
-        if version != Self::VERSION {
-            return Err(MapError::Version);
-        }
+        let [encoding, beacons, levels] = take(bytes, 5);
         let columns = u16::from_le_bytes(take(bytes, 8));
         let rows = u16::from_le_bytes(take(bytes, 10));
         let points = columns as u64 * rows as u64;

@@ -24,12 +24,15 @@ pub struct Model {
     pub window: f64,
 }
 
-#[derive(Clone)]
+/// Most beacons.
+const BEACONS: usize = 8;
+
+#[derive(Clone, Copy)]
 struct Particle {
     place: f64,
     velocity: f64,
     /// By beacon, the mean and the variance of the error where it is.
-    errors: Vec<[f64; 2]>,
+    errors: [[f64; 2]; BEACONS],
 }
 
 /// Where somebody is at each of `times`, by the packets before it: the posterior mean, in metres.
@@ -44,13 +47,12 @@ pub fn follow(
     particles: usize,
     rng: &mut impl Rng,
 ) -> Vec<f64> {
-    let beacons = map.levels.first().map_or(0, Vec::len);
     let fresh = [0.0, model.error * model.error];
     let mut cloud: Vec<Particle> = (0..particles)
         .map(|n| Particle {
             place: model.length * (n as f64 + rng.random::<f64>()) / particles as f64,
             velocity: model.velocity * normal(rng),
-            errors: vec![fresh; beacons],
+            errors: [fresh; BEACONS],
         })
         .collect();
     let mut found = Vec::new();
@@ -143,7 +145,7 @@ fn update(
             number += 1;
             sum += weights[number];
         }
-        chosen.push(cloud[number].clone());
+        chosen.push(cloud[number]);
         next += gap;
     }
     *cloud = chosen;

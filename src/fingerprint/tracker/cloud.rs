@@ -1,5 +1,6 @@
 //! The particles of the tag that is being updated, unpacked: columns in steps of the lattice.
 
+use super::comparison::Comparison;
 use super::field::Field;
 use super::motion::{Noise, Step};
 use super::stored::{Grain, Stored};
@@ -23,8 +24,6 @@ pub(super) struct Cloud<const N: usize> {
 /// Sums over the weights.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sums {
-    /// The logarithm of what the weights were divided by.
-    pub top: f32,
     pub weights: f32,
     pub squares: f32,
 }
@@ -156,6 +155,47 @@ impl<const N: usize> Cloud<N> {
     }
 
     /// Makes places impossible, by the points nearest to them.
+    /// Particles of which the evidence is taken: fewer are work saved, and noise.
+    const SAMPLE: usize = 10;
+
+    /// The mean likelihood of a scan by which nothing is remembered, relative to `top`, over some of the particles, others at
+    /// every time: each as the point that is nearest to it.
+    #[inline(never)]
+    pub fn evidence<const B: usize>(
+        &self,
+        scan: &Comparison<'_, B>,
+        lattice: &Lattice,
+        top: f32,
+        time: u32,
+    ) -> f32 {
+        let stride = N / Self::SAMPLE + 1;
+        let first = (time as usize).checked_rem(stride).unwrap_or(0);
+        let [x, y] = &self.places;
+        let (mut sum, mut count) = (0.0, 0u32);
+        for (x, y) in x.iter().zip(y).skip(first).step_by(stride) {
+            let place = [*x, if lattice.is_plane() { *y } else { 0.0 }];
+            if let Some(point) = Self::nearest(place, lattice) {
+                sum += exp_of_weight(scan.anew_at(point).log_likelihood - top);
+            }
+            count += 1;
+        }
+        sum / count.max(1) as f32
+    }
+
+    /// The point that is nearest to a place on the map.
+    fn nearest( [x, y]: [f32; 2], lattice: &Lattice) -> Option<usize> {
+        let (columns, rows) = if lattice.is_plane() {
+            (lattice.columns(), lattice.rows())
+        } else {
+            (lattice.points(), 1)
+        };
+        let is_on = |steps: f32, points: usize| steps >= 0.0 && steps <= last_of(points);
+        if !(is_on(x, columns) && is_on(y, rows)) {
+            return None;
+        }
+        Some((y + 0.5) as usize * columns + (x + 0.5) as usize)
+    }
+
     pub fn exclude(&mut self, lattice: &Lattice, is_possible: impl Fn(usize) -> bool) {
         let [x, y] = &self.places;
         // Saturates; NaN becomes 0.
@@ -196,7 +236,6 @@ impl<const N: usize> Cloud<N> {
             squares[0] += *weight * *weight;
         }
         Some(Sums {
-            top,
             weights: weights[0] + weights[1],
             squares: squares[0] + squares[1],
         })

@@ -148,7 +148,7 @@ fn is_lost_and_recovers_when_a_tag_is_carried_away() {
         walk.rng = Xoshiro128PlusPlus::seed_from_u64(*seed);
         walk.go(&site, 20, |_| 5.0);
         let states = walk.go(&site, 40, |_| 35.0);
-        assert!(walk.error(35.0) < 2.0);
+        assert!(walk.error(35.0) < 2.0, "{seed} {}", walk.error(35.0));
         assert_eq!(states.last(), Some(&State::Tracking));
         let is_lost = states.contains(&State::Lost);
         assert_eq!(is_lost, states.contains(&State::Recovered), "{states:?}");
@@ -316,14 +316,14 @@ fn a_restored_tracker_goes_on_as_if_nothing_had_happened() {
     assert_eq!(walks[0], walks[1]);
 }
 
-/// An hour at a place where every beacon is 4 dB off, up or down: where the nearest levels of the map are 2 m away.
+/// An hour at a place where every beacon is off by as much as the map says, and the tracker allows for.
 #[test]
 fn a_tag_at_rest_does_not_become_certain_of_a_wrong_place() {
     let bytes = map(1);
     for config in [Config::DEFAULT, Config::TUNNEL] {
         let site = Site::new(RadioMap::new(&bytes).unwrap(), config).unwrap();
         let mut walk = Walk::new();
-        let errors = [4.0, -4.0, 4.0, -4.0];
+        let errors = [2.0, -2.0, 2.0, -2.0];
         let mut sigmas = [0.0; 2];
         for quarter in 0..4 * 3600 {
             for (beacon, error) in errors.into_iter().enumerate() {

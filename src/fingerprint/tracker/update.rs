@@ -65,24 +65,17 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             cloud.look_up(field, lattice, age_s, velocity);
             let anew = Comparison::new(map, config, &self.offset, None, scan);
             field.sample(map, &anew, time_ms);
+            // What is remembered of the error would explain any place that has been wrong for long.
+            let evidence = cloud.evidence(&anew, lattice, field.top, time_ms);
             self.exclude_walls(site, &grain, workspace);
             if let Some(redrawn_s) = &mut self.redrawn_s {
                 *redrawn_s += dt;
             }
             let sums = workspace.cloud.weigh();
-            if self.is_right(sums.as_ref(), dt, site, &workspace.field) {
+            if sums.is_some() && self.is_right(evidence, dt, site, &workspace.field) {
                 sums
             } else {
-                if let Some(sums) = sums {
-                    (workspace.cloud).resample(sums.weights, &mut self.particles, &grain, rng);
-                    workspace.cloud.unpack(&self.particles, &grain);
-                }
-                let fraction = sums.map_or(1.0, |_| config.redraw_fraction);
-                self.evidence = 0.0;
-                self.redrawn_s = Some(0.0);
-                self.memory = Memory::EMPTY;
-                (workspace.field).look_up_all(map, &anew);
-                self.draw(fraction, site, workspace, rng)
+                self.start_again(sums, &anew, site, workspace, rng)
             }
         } else {
             self.offset = OffsetBelief::prior(config);
@@ -96,6 +89,29 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             self.remember(scan, site);
             (workspace.cloud).resample(sums.weights, &mut self.particles, &grain, rng);
         }
+    }
+
+    /// Draws a fraction of the particles anew, or all if none is possible.
+    fn start_again<const P: usize, R: Rng + ?Sized>(
+        &mut self,
+        sums: Option<Sums>,
+        anew: &Comparison<'_, B>,
+        site: &Site<'_>,
+        workspace: &mut Workspace<N, P>,
+        rng: &mut R,
+    ) -> Option<Sums> {
+        let Site { map, config, .. } = site;
+        let grain = Grain::of(map.lattice(), config);
+        if let Some(sums) = sums {
+            (workspace.cloud).resample(sums.weights, &mut self.particles, &grain, rng);
+            workspace.cloud.unpack(&self.particles, &grain);
+        }
+        let fraction = sums.map_or(1.0, |_| config.redraw_fraction);
+        self.evidence = 0.0;
+        self.redrawn_s = Some(0.0);
+        self.memory = Memory::EMPTY;
+        workspace.field.look_up_all(map, anew);
+        self.draw(fraction, site, workspace, rng)
     }
 
     /// Keeps a scan for those that will be heard nearby, except what is an outlier where the tag is.
@@ -174,21 +190,24 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         }
     }
 
-    /// Smooths the evidence, which is how well the scan fits the particles, against as many spread over the whole map; returns
+    /// Smooths the evidence, which is how likely the scan is at the particles, against as many spread over the whole map; returns
     /// whether it supports the particles.
     fn is_right<const P: usize>(
         &mut self,
-        sums: Option<&Sums>,
+        evidence: f32,
         dt: f32,
         site: &Site<'_>,
         field: &Field<P>,
     ) -> bool {
-        let Some(sums) = sums else {
-            return false;
-        };
         let smoothing = dt * (1.0 / EVIDENCE_S);
         let smoothing = if smoothing < 1.0 { smoothing } else { 1.0 };
-        let evidence = sums.top - field.top + ln(sums.weights / (N as f32 * field.mean));
+        let evidence = ln(evidence / field.mean);
+        // Of nothing, the logarithm is none.
+        let evidence = if evidence.is_finite() {
+            evidence
+        } else {
+            -20.0
+        };
         self.evidence += smoothing * (evidence.clamp(-20.0, 20.0) - self.evidence);
         !(self.evidence < LOST_BELOW && site.config.redraw_fraction > 0.0)
     }
@@ -313,7 +332,6 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         let weights = cloud.weights.iter().sum();
         // Each is 0 or 1.
         (weights > 0.0).then_some(Sums {
-            top: 0.0,
             weights,
             squares: weights,
         })

@@ -141,6 +141,7 @@ fn track(
 fn matches(map: RadioMap<'_>, drive: &Drive, times: &[(f64, bool)]) -> Result<Vec<[f64; 2]>> {
     let matcher = Matcher::new(map, &Matching::DEFAULT)?;
     let mut posterior = Box::new(Posterior::<4096>::EMPTY);
+    let mut last = [0.0; 2];
     let mut at = |time: f64| {
         let scan: Vec<Reading> = means(drive, map.beacons(), time - 2.0..time)
             .into_iter()
@@ -152,9 +153,13 @@ fn matches(map: RadioMap<'_>, drive: &Drive, times: &[(f64, bool)]) -> Result<Ve
                 })
             })
             .collect();
-        Ok(matcher.locate(&scan, &mut posterior)?.mean.map(f64::from))
+        // Where nothing is heard, it is where it was.
+        if let Ok(found) = matcher.locate(&scan, &mut posterior) {
+            last = found.mean.map(f64::from);
+        }
+        last
     };
-    times.iter().map(|(time, _)| at(*time)).collect()
+    Ok(times.iter().map(|(time, _)| at(*time)).collect())
 }
 
 /// The mean level of each beacon.
