@@ -138,7 +138,10 @@ mod target {
                 region("m4f.beacon.t64.second", usize::from(half > BEFORE), work);
             }
         }
-        assert_eq!(gateway.counters().packets as usize, (BEFORE as usize + 2) * TAGS * RADIOS);
+        assert_eq!(
+            gateway.counters().packets as usize,
+            (BEFORE as usize + 2) * TAGS * RADIOS
+        );
         assert_eq!(fixes as usize, 2 * TAGS);
         assert_eq!(gateway.tags().count(), TAGS);
         hprintln!(

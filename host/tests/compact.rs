@@ -44,7 +44,9 @@ fn rounding_costs_less_than_a_hundredth_in_the_tunnel() {
             ("plane", in_the_tunnel::<Packed<2>>(noise, packets)),
             ("line", in_the_tunnel::<Packed<1>>(noise, packets)),
         ] {
-            println!("{noise} dB, {packets}: exact {exact:.4} m, packed for a {name} {packed:.4} m");
+            println!(
+                "{noise} dB, {packets}: exact {exact:.4} m, packed for a {name} {packed:.4} m"
+            );
             assert!((packed / exact - 1.0).abs() < 0.01);
         }
     }

@@ -184,7 +184,8 @@ pub fn crowd(seed: u64, seconds: f64) -> Scene {
     let (site, map) = surveyed(&mut rng);
     let mut recording = Recording::default();
     for tag in 1..=MAX_TAGS as u32 {
-        let [from, to] = [(); 2].map(|()| [rng.random_range(2.0..78.0), rng.random_range(1.0..2.5)]);
+        let [from, to] =
+            [(); 2].map(|()| [rng.random_range(2.0..78.0), rng.random_range(1.0..2.5)]);
         let path = Path::new(&[(0.0, from), (seconds, to)]);
         let radio = Radio {
             noise: NOISE,

@@ -183,7 +183,7 @@ impl<const N: usize> Cloud<N> {
     }
 
     /// The point that is nearest to a place on the map.
-    fn nearest( [x, y]: [f32; 2], lattice: &Lattice) -> Option<usize> {
+    fn nearest([x, y]: [f32; 2], lattice: &Lattice) -> Option<usize> {
         let (columns, rows) = if lattice.is_plane() {
             (lattice.columns(), lattice.rows())
         } else {

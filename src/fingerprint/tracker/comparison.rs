@@ -160,8 +160,7 @@ impl Slope {
     pub fn at<const PLANE: bool>(&self, [x, y]: [f32; 2]) -> f32 {
         let [xx, xy, yy] = self.curvature;
         if PLANE {
-            x * (self.gradient[0] - 0.5 * xx * x - xy * y)
-                + y * (self.gradient[1] - 0.5 * yy * y)
+            x * (self.gradient[0] - 0.5 * xx * x - xy * y) + y * (self.gradient[1] - 0.5 * yy * y)
         } else {
             x * (self.gradient[0] - 0.5 * xx * x)
         }

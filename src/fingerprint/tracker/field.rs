@@ -216,13 +216,7 @@ impl<const P: usize> Field<P> {
 
     /// The same on a map of several rows and columns.
     #[inline(always)]
-    pub fn in_plane(
-        &self,
-        cell: u16,
-        columns: usize,
-        [s, t]: [f32; 2],
-        further: [f32; 2],
-    ) -> f32 {
+    pub fn in_plane(&self, cell: u16, columns: usize, [s, t]: [f32; 2], further: [f32; 2]) -> f32 {
         let first = usize::from(cell);
         let pair = |first: usize| self.points.get(first..).and_then(|rest| rest.first_chunk());
         let (Some([a, b]), Some([c, d])) = (pair(first), pair(first + columns)) else {
