@@ -68,18 +68,18 @@ mod target {
     fn updates() {
         let mut floor = [0; FLOOR_BYTES];
         write_floor(&mut floor);
-        follow::<80>("m4f.tracker.n300.update", open(MOMENTS), [0.5, 0.0]);
+        follow::<80, 1>("m4f.tracker.n300.update", open(MOMENTS), [0.5, 0.0]);
         let floor = RadioMap::new(black_box(&floor)).expect("it was just written");
-        follow::<440>("m4f.tracker.n300.plane.update", floor, [0.2, 0.25]);
+        follow::<440, 2>("m4f.tracker.n300.plane.update", floor, [0.2, 0.25]);
     }
 
     /// Updates before the cost is taken, and those of which it is.
     const UPDATES: [u32; 2] = [8, 8];
 
-    fn follow<const P: usize>(name: &str, map: RadioMap<'_>, step: [f32; 2]) {
+    fn follow<const P: usize, const D: usize>(name: &str, map: RadioMap<'_>, step: [f32; 2]) {
         let site = black_box(Site::new(map, tracker::Config::DEFAULT).expect("moments"));
         let mut workspace = black_box(Workspace::<300, P>::EMPTY);
-        let mut tracker = black_box(Tracker::<300, 16>::EMPTY);
+        let mut tracker = black_box(Tracker::<300, 16, D>::EMPTY);
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
         let lattice = map.lattice();
         for update in 0..UPDATES[0] + UPDATES[1] {
@@ -113,11 +113,11 @@ mod target {
     const COLUMNS: usize = 22;
     const POINTS: usize = 440;
     const BEACONS: usize = 12;
-    const FLOOR_BYTES: usize = 34 + 6 * BEACONS + POINTS / 8 + 2 * BEACONS * POINTS + 4;
+    const FLOOR_BYTES: usize = 44 + 6 * BEACONS + POINTS / 8 + 2 * BEACONS * POINTS + 4;
 
     /// The map of a floor, 22 by 20 points, whose beacons stand in three rows.
     fn write_floor(bytes: &mut [u8; FLOOR_BYTES]) {
-        let header = *b"FXRM\x01\x01\x0c\x00\x16\x00\x14\x00";
+        let header = *b"FXRM\x02\x01\x0c\x00\x16\x00\x14\x00";
         let end = FLOOR_BYTES - 4;
         let (content, checksum) = bytes.split_at_mut(end);
         let written = header.into_iter();
@@ -125,6 +125,8 @@ mod target {
             .chain([0; 8])
             .chain(1.0_f32.to_le_bytes())
             .chain([0; 10])
+            .chain(1.0_f32.to_le_bytes())
+            .chain([0, 0, 0, 0, 16, 0])
             .chain((0..6 * BEACONS).map(|i| if i % 6 == 0 { i as u8 / 6 } else { 0 }))
             .chain([0xff; POINTS / 8])
             .chain((0..BEACONS * POINTS).flat_map(|i| {
@@ -151,7 +153,8 @@ mod target {
 
     fn sizes() {
         for (name, bytes) in [
-            ("tracker.n300", size_of::<Tracker<300, 16>>()),
+            ("tracker.n300.plane", size_of::<Tracker<300, 16, 2>>()),
+            ("tracker.n300", size_of::<Tracker<300, 16, 1>>()),
             ("fingerprint.map.moments", MOMENTS.len()),
             ("fingerprint.map.levels", LEVELS.len()),
         ] {

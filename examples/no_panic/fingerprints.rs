@@ -36,7 +36,9 @@ pub fn track(rng: &mut Xoshiro128PlusPlus) {
     let mut workspace = any(Workspace::<50, 64>::EMPTY);
     let mut trackers = any(Trackers::<3, 50, 8>::EMPTY);
     for _ in 0..any(100) {
-        let (tracker, _) = trackers.of(any(0), any(0));
+        let Some((tracker, _)) = trackers.of(any(0), any(0)) else {
+            continue;
+        };
         let packet = any(Reading {
             beacon: 0,
             rssi_dbm: 0.0,
@@ -49,9 +51,10 @@ pub fn track(rng: &mut Xoshiro128PlusPlus) {
                 fix.sigma_m(),
             ));
         }
-        black_box(tracker.particles().get(any(0)));
+        black_box(tracker.particles(&site).next());
         tracker.reset();
     }
+    black_box(trackers.now_ms());
     black_box(
         trackers
             .iter()
@@ -98,7 +101,7 @@ pub fn fingerprints() {
         return;
     };
     black_box((map.beacon(any(0)), map.beacon_index(any(0))));
-    black_box((map.moments(any(0), any(0)), map.is_surveyed(any(0))));
+    black_box((map.moments(any(0), any(0)), map.is_possible(any(0))));
     black_box(map.log_density(any(0), any(0.0), any(0)));
     black_box((
         map.lattice().position(any(0)),

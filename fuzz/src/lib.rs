@@ -211,11 +211,13 @@ fn framed(class: u8, identifier: u8, payload: &[u8]) -> Vec<u8> {
 
 /// A map of three points and two beacons.
 fn small_map() -> Vec<u8> {
-    let mut bytes = b"FXRM\x01\x01\x02\x00\x03\x00\x01\x00".to_vec();
+    let mut bytes = b"FXRM\x02\x01\x02\x00\x03\x00\x01\x00".to_vec();
     for number in [0.0f32, 0.0, 1.0] {
         bytes.extend(number.to_le_bytes());
     }
     bytes.extend([0; 10]);
+    bytes.extend(1.0f32.to_le_bytes());
+    bytes.extend([0, 0, 0, 0, 16, 0]);
     for beacon in 0..2u8 {
         bytes.extend([beacon, 0, 0, 0, 255, -90i8 as u8]);
     }
@@ -280,7 +282,7 @@ pub fn beacon_frame(text: &[u8]) -> Vec<u8> {
 /// Opens a map of any bytes, with a right checksum, and asks it everything.
 pub fn radio_map(data: &[u8]) {
     let _ = RadioMap::new(data);
-    let bytes = sealed([b"FXRM\x01", data].concat());
+    let bytes = sealed([b"FXRM\x02", data].concat());
     let Ok(map) = RadioMap::new(&bytes) else {
         return;
     };

@@ -17,8 +17,14 @@ const MAP: RadioMap<'static> = match RadioMap::new(include_bytes!(env!("FOXHUNT_
     Err(_) => panic!("FOXHUNT_MAP is no radio map, or a damaged one"),
 };
 
-/// Eight tags at once, three hundred particles for each, and room for this very map.
-pub type Gateway = BeaconGateway<8, 300, { MAP.lattice().points() }, { MAP.beacons() }>;
+/// Sixty-four tags at once, three hundred particles for each, and room for this very map.
+pub type Gateway = BeaconGateway<
+    64,
+    300,
+    { MAP.lattice().points() },
+    { MAP.beacons() },
+    { MAP.lattice().axes() },
+>;
 
 /// With packets as sentences.
 pub const LINES: Config<'static> = foxhunt::config!(Config::new(Site {

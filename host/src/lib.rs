@@ -7,6 +7,7 @@
 //! - [`tunnel`]: a tunnel with beacons, its survey and walks through it; [`survey`]: what a survey is;
 //! - [`radio_map`]: from the readings of a survey to a radio map in flash;
 //! - [`tetam`]: a survey and walks measured in an office floor; [`walks`]: those, and simulated ones, tracked;
+//! - [`robot`]: a survey and a drive of a robot in a flat;
 //! - [`simulate`]: noisy bearings along a track; [`faults`]: what goes wrong with them; [`drive`]: a whole drive
 //!   of a vehicle, as the bytes that its receiver and its direction finder put on the line;
 //! - [`accuracy`]: the largest error of each function of `foxhunt::math`;
@@ -42,6 +43,7 @@ pub mod picture;
 pub mod radio_map;
 pub mod reference;
 pub mod replay;
+pub mod robot;
 pub mod scripts;
 pub mod simulate;
 pub mod stations;

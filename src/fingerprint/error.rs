@@ -25,6 +25,8 @@ pub enum MapError {
     Levels,
     /// It has more points than there is room for.
     Points,
+    /// The length of its error is impossible.
+    ErrorLength,
 }
 
 messages!(MapError {
@@ -37,6 +39,7 @@ messages!(MapError {
     Self::Beacons => "no beacon, or more than there is room for",
     Self::Levels => "impossible levels",
     Self::Points => "more points than there is room for",
+    Self::ErrorLength => "impossible length of its error",
 });
 
 /// Why a reading or a scan was not used. What it was for is as before.
@@ -52,7 +55,9 @@ pub enum ReadingError {
     TooOld,
     /// The map has more points than there is room for.
     Points,
-    /// No point of the map was surveyed.
+    /// The map is a plane, and there is room for one axis.
+    Axes,
+    /// A tag can be at no point of the map.
     Survey,
 }
 
@@ -61,5 +66,6 @@ messages!(ReadingError {
     Self::Strength => "no receiver can report such a strength",
     Self::TooOld => "the reading is older than the last update",
     Self::Points => "the map has more points than there is room for",
-    Self::Survey => "no point of the map was surveyed",
+    Self::Axes => "the map is a plane, and there is room for one axis",
+    Self::Survey => "a tag can be at no point of the map",
 });

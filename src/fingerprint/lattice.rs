@@ -114,22 +114,36 @@ impl Lattice {
         1.0 / self.spacing
     }
 
-    /// Whether there are several points along x and along y. There are along one of them at least.
-    pub(super) const fn extends(&self) -> [bool; 2] {
-        [self.columns > 1, self.rows > 1]
+    /// The axes along which there are several points: two, or one on a map of one row or one column.
+    pub const fn axes(&self) -> usize {
+        if self.is_plane() { 2 } else { 1 }
     }
 
-    /// A place in the cell of a point, by fractions from 0 to 1 of its sides; a cell at the edge is cut off there.
+    /// Whether there are several points along x and along y. There are along one of them at least.
+    pub(super) const fn is_plane(&self) -> bool {
+        self.columns > 1 && self.rows > 1
+    }
+
+    /// A vector by its components along the axes that have several points: on a map of one column, the first is along y.
+    pub(super) const fn along_axes(&self, [first, second]: [f32; 2]) -> [f32; 2] {
+        if self.columns > 1 {
+            [first, second]
+        } else {
+            [second, first]
+        }
+    }
+
+    /// A place in the cell of a point, in steps, by fractions from 0 to 1 of its sides; a cell at the edge is cut off there.
     pub(super) fn in_cell(&self, point: usize, fractions: [f32; 2]) -> [f32; 2] {
         let along = |number: usize, fraction: f32, points: usize| {
             let last = points.saturating_sub(1) as f32;
             (number as f32 - 0.5 + fraction).clamp(0.0, last)
         };
         let [column, row] = self.cell(point);
-        self.place([
+        [
             along(column, fractions[0], self.columns()),
             along(row, fractions[1], self.rows()),
-        ])
+        ]
     }
 
     /// Column and row of a point.
@@ -139,7 +153,7 @@ impl Lattice {
         [point - row * self.columns(), row]
     }
 
-    /// Metres from columns and rows.
+    /// Metres from columns and rows, whole or not.
     pub(super) fn place(&self, [column, row]: [f32; 2]) -> [f32; 2] {
         [
             self.origin[0] + self.spacing * column,

@@ -25,14 +25,14 @@ use crate::checksum::crc32;
 /// assert_eq!(RadioMap::new(&BYTES[1..]).err(), Some(MapError::Magic));
 /// ```
 ///
-/// # Format, version 1
+/// # Format, version 2
 ///
 /// Little-endian, without padding:
 ///
 /// | offset | bytes | holds |
 /// |---|---|---|
 /// | 0 | 4 | `FXRM` |
-/// | 4 | 1 | version: 1 |
+/// | 4 | 1 | version: 2 |
 /// | 5 | 1 | [`Encoding`]: 1 or 2 |
 /// | 6 | 1 | beacons: 1 to 255 |
 /// | 7 | 1 | levels: 2 to 255; 0 in encoding 1, as are the fields from offset 24 |
@@ -43,8 +43,12 @@ use crate::checksum::crc32;
 /// | 25 | 1 | dB from one level to the next |
 /// | 26 | 4 | natural logarithm of the density, per dB, that code 0 stands for, f32 |
 /// | 30 | 4 | what every step of a code takes off that, f32 |
-/// | 34 | 6 each | beacons: identifier, 4; detection probability in 255ths; sensitivity in dBm, signed |
-/// | | 1 for 8 | points: a bit each, the lowest first, set where the point was surveyed |
+/// | 34 | 4 | length of the map's error in metres, f32; 0: not known |
+/// | 38 | 4 | date of the survey, days since 1970-01-01; 0: not known |
+/// | 42 | 1 | sigma of a packet in quarters of a dB |
+/// | 43 | 1 | what was not chosen by the survey but by hand: a bit each for lattice, cells, field, sigma, length and packets |
+/// | 44 | 6 each | beacons: identifier, 4; detection probability in 255ths; sensitivity in dBm, signed |
+/// | | 1 for 8 | points: a bit each, the lowest first, set where a tag can be |
 /// | | | the data, see [`Encoding`] |
 /// | | 4 | CRC-32 (IEEE 802.3) of all bytes before it |
 #[derive(Debug, Clone, Copy)]
@@ -52,9 +56,10 @@ pub struct RadioMap<'a> {
     lattice: Lattice,
     encoding: Encoding,
     levels: Levels,
+    origin: Origin,
     beacons: &'a [u8],
-    surveyed: &'a [u8],
-    /// Whether all points were surveyed.
+    possible: &'a [u8],
+    /// Whether all points are possible.
     complete: bool,
     data: &'a [u8],
 }
@@ -65,7 +70,8 @@ pub struct RadioMap<'a> {
 #[non_exhaustive]
 pub enum Encoding {
     /// Mean and sigma, in two bytes: by beacon, then by point; the sigma in quarters of a dB (1 to 63, or 0 where the
-    /// beacon was not heard), then the mean in halves of a dB above -128 dBm.
+    /// beacon was not heard), then the mean in halves of a dB above -128 dBm. The sigma is that of the mean: how far the
+    /// map may be wrong there. What packets scatter about their mean is in the header.
     Moments,
     /// The logarithm of a kernel density, in four bits for each level: rows by beacon and by level, and after the levels
     /// of a beacon a row for its absence. A row holds eight points in four bytes: the low halves of the bytes are the
@@ -108,6 +114,31 @@ impl Levels {
     }
 }
 
+/// What the map says of the survey that it was made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Origin {
+    error_length_m: f32,
+    days: u32,
+    noise: u8,
+    by_hand: u8,
+}
+
+impl Origin {
+    const fn read(bytes: &[u8]) -> Self {
+        let [noise, by_hand] = take(bytes, 42);
+        Self {
+            error_length_m: f32_at(bytes, 34),
+            days: u32::from_le_bytes(take(bytes, 38)),
+            noise,
+            by_hand,
+        }
+    }
+
+    const fn is_possible(&self) -> bool {
+        self.error_length_m >= 0.0 && self.error_length_m <= 1e4
+    }
+}
+
 /// A beacon of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -131,7 +162,7 @@ pub struct Moments {
     pub sigma_db: f32,
 }
 
-const HEADER: usize = 34;
+const HEADER: usize = 44;
 const BEACON: usize = 6;
 const CHECKSUM: usize = 4;
 /// Means count from here, in dBm.
@@ -162,13 +193,28 @@ const fn split(bytes: &[u8], length: usize) -> (&[u8], &[u8]) {
     }
 }
 
+/// Whether there are enough bytes, of a map, and of this version.
+const fn check_beginning(bytes: &[u8]) -> Result<(), MapError> {
+    if bytes.len() < HEADER + CHECKSUM {
+        return Err(MapError::Length);
+    }
+    if u32::from_le_bytes(take(bytes, 0)) != u32::from_le_bytes(*b"FXRM") {
+        return Err(MapError::Magic);
+    }
+    let [version] = take(bytes, 4);
+    if version != RadioMap::VERSION {
+        return Err(MapError::Version);
+    }
+    Ok(())
+}
+
 /// Whether the bits of all points are set.
-const fn is_complete(surveyed: &[u8], points: usize) -> bool {
+const fn is_complete(possible: &[u8], points: usize) -> bool {
     let mut i = 0;
-    while i < surveyed.len() {
+    while i < possible.len() {
         let last = points < 8 * (i + 1);
         let mask = if last { !(0xff << (points % 8)) } else { 0xff };
-        if surveyed[i] & mask != mask {
+        if possible[i] & mask != mask {
             return false;
         }
         i += 1;
@@ -183,23 +229,17 @@ const fn row_length(points: usize) -> usize {
 
 impl<'a> RadioMap<'a> {
     /// The version of the format that this library reads.
-    pub const VERSION: u8 = 1;
+    pub const VERSION: u8 = 2;
 
     /// Opens a map.
     ///
     /// # Errors
     /// When the bytes are no map, or a damaged one.
     pub const fn new(bytes: &'a [u8]) -> Result<Self, MapError> {
-        if bytes.len() < HEADER + CHECKSUM {
-            return Err(MapError::Length);
+        if let Err(error) = check_beginning(bytes) {
+            return Err(error);
         }
-        if u32::from_le_bytes(take(bytes, 0)) != u32::from_le_bytes(*b"FXRM") {
-            return Err(MapError::Magic);
-        }
-        let [version, encoding, beacons, levels] = take(bytes, 4);
-        if version != Self::VERSION {
-            return Err(MapError::Version);
-        }
+        let [encoding, beacons, levels] = take(bytes, 5);
         let columns = u16::from_le_bytes(take(bytes, 8));
         let rows = u16::from_le_bytes(take(bytes, 10));
         let points = columns as u64 * rows as u64;
@@ -213,9 +253,9 @@ impl<'a> RadioMap<'a> {
             _ => return Err(MapError::Encoding),
         };
         let beacons_length = beacons as usize * BEACON;
-        let surveyed_length = points.div_ceil(8);
+        let possible_length = points.div_ceil(8);
         // At most 65,536 points by 255 beacons by 256 rows in 4 bits: below 2^31.
-        let end = HEADER + beacons_length + surveyed_length + beacons as usize * of_beacon;
+        let end = HEADER + beacons_length + possible_length + beacons as usize * of_beacon;
         if bytes.len() != end + CHECKSUM {
             return Err(MapError::Length);
         }
@@ -235,16 +275,21 @@ impl<'a> RadioMap<'a> {
         if matches!(encoding, Encoding::Levels) != levels.is_possible() {
             return Err(MapError::Levels);
         }
+        let origin = Origin::read(bytes);
+        if !origin.is_possible() {
+            return Err(MapError::ErrorLength);
+        }
         let (_, rest) = split(checked, HEADER);
         let (beacons, rest) = split(rest, beacons_length);
-        let (surveyed, data) = split(rest, surveyed_length);
+        let (possible, data) = split(rest, possible_length);
         Ok(Self {
             lattice,
             encoding,
             levels,
+            origin,
             beacons,
-            surveyed,
-            complete: is_complete(surveyed, points),
+            possible,
+            complete: is_complete(possible, points),
             data,
         })
     }
@@ -281,6 +326,30 @@ impl<'a> RadioMap<'a> {
         }
     }
 
+    /// The distance in metres over which the correlation of the map's error falls to 1/e; 0 when that is not known, and
+    /// readings are taken for independent.
+    pub const fn error_length_m(&self) -> f32 {
+        self.origin.error_length_m
+    }
+
+    /// Standard deviation of a packet about the mean at its place, in dB.
+    pub const fn noise_db(&self) -> f32 {
+        0.25 * self.origin.noise as f32
+    }
+
+    /// When the survey was made, in days since 1970-01-01, if that is known.
+    pub const fn surveyed_on(&self) -> Option<u32> {
+        match self.origin.days {
+            0 => None,
+            days => Some(days),
+        }
+    }
+
+    /// What was not chosen by the survey but by hand: see the format.
+    pub const fn by_hand(&self) -> u8 {
+        self.origin.by_hand
+    }
+
     /// The number of beacons.
     pub const fn beacons(&self) -> usize {
         self.beacons.len() / BEACON
@@ -305,22 +374,22 @@ impl<'a> RadioMap<'a> {
         })
     }
 
-    /// Whether there was a survey at or near a point. Matching leaves out the others.
+    /// Whether a tag can be at a point. Matching leaves out the others, and no particle goes there.
     #[inline(always)]
-    pub fn is_surveyed(&self, point: usize) -> bool {
-        self.surveyed
+    pub fn is_possible(&self, point: usize) -> bool {
+        self.possible
             .get(point / 8)
             .is_some_and(|bits| bits >> (point % 8) & 1 == 1)
     }
 
-    /// Whether all points were surveyed.
+    /// Whether a tag can be at every point.
     pub(super) const fn is_complete(&self) -> bool {
         self.complete
     }
 
-    /// A bit for each point, set where it was surveyed.
-    pub(super) const fn surveyed(&self) -> &'a [u8] {
-        self.surveyed
+    /// A bit for each point, set where a tag can be.
+    pub(super) const fn possible(&self) -> &'a [u8] {
+        self.possible
     }
 
     /// How strong a beacon is at a point. `None` where it was not heard, for unknown numbers, and in a map of

@@ -97,7 +97,7 @@ fn check<const P: usize>(
     }
     // At least one point must have been surveyed. Bits beyond the last point mean nothing.
     let mut points = 0..map.lattice().points();
-    if !map.is_complete() && !points.any(|point| map.is_surveyed(point)) {
+    if !map.is_complete() && !points.any(|point| map.is_possible(point)) {
         return Err(ReadingError::Survey);
     }
     let mut used = 0;

@@ -117,7 +117,7 @@ impl<const P: usize> Posterior<P> {
     fn least_cost(&mut self, map: &RadioMap<'_>) -> Option<(usize, u16)> {
         let costs = self.costs.get_mut(..map.lattice().points())?;
         if !map.is_complete() {
-            for (eight, bits) in costs.chunks_mut(8).zip(map.surveyed()) {
+            for (eight, bits) in costs.chunks_mut(8).zip(map.possible()) {
                 for (bit, cost) in eight.iter_mut().enumerate() {
                     if bits >> bit & 1 == 0 {
                         *cost = NOWHERE;

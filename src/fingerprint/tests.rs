@@ -9,9 +9,9 @@ use proptest::prelude::*;
 use super::*;
 use crate::checksum::crc32;
 
-/// A header of version 1: encoding, beacons, levels, columns, rows.
+/// A header of version 2: encoding, beacons, levels, columns, rows.
 fn header([encoding, beacons, levels, columns, rows]: [u8; 5]) -> Vec<u8> {
-    let mut bytes = b"FXRM\x01".to_vec();
+    let mut bytes = b"FXRM\x02".to_vec();
     bytes.extend([encoding, beacons, levels, columns, 0, rows, 0]);
     for number in [10.0f32, -5.0, 0.5] {
         bytes.extend(number.to_le_bytes());
@@ -23,6 +23,9 @@ fn header([encoding, beacons, levels, columns, rows]: [u8; 5]) -> Vec<u8> {
     } else {
         bytes.extend([0; 10]);
     }
+    bytes.extend(1.5f32.to_le_bytes());
+    bytes.extend(20_000u32.to_le_bytes());
+    bytes.extend([16, 0b101]);
     bytes
 }
 
@@ -67,6 +70,8 @@ fn a_map_reads_as_it_was_written() {
         *map.lattice(),
         Lattice::new([10.0, -5.0], 0.5, 3, 1).unwrap()
     );
+    assert_eq!((map.error_length_m(), map.noise_db()), (1.5, 4.0));
+    assert_eq!((map.surveyed_on(), map.by_hand()), (Some(20_000), 0b101));
     assert_eq!(map.beacons(), 2);
     let beacon = map.beacon(1).unwrap();
     assert_eq!(beacon.identifier, 0xdead_beef);
@@ -74,7 +79,7 @@ fn a_map_reads_as_it_was_written() {
     assert_eq!(beacon.sensitivity_dbm, -95.0);
     assert_eq!(map.beacon(2), None);
     assert_eq!(
-        [0, 1, 2, 3].map(|point| map.is_surveyed(point)),
+        [0, 1, 2, 3].map(|point| map.is_possible(point)),
         [true, false, true, false]
     );
     let moments = |mean_dbm, sigma_db| Some(Moments { mean_dbm, sigma_db });
@@ -143,22 +148,27 @@ fn what_is_wrong_is_named() {
     };
     assert_eq!(refusal(&|_| ()), None);
     assert_eq!(refusal(&|b| b[0] = b'f'), Some(MapError::Magic));
-    assert_eq!(refusal(&|b| b[4] = 2), Some(MapError::Version));
+    assert_eq!(refusal(&|b| b[4] = 1), Some(MapError::Version));
     assert_eq!(refusal(&|b| b[5] = 3), Some(MapError::Encoding));
     assert_eq!(refusal(&|b| b[6] = 3), Some(MapError::Length));
     assert_eq!(refusal(&|b| b[8] = 4), Some(MapError::Length));
     assert_eq!(refusal(&|b| b[7] = 2), None);
     assert_eq!(refusal(&|b| b[23] |= 0x80), Some(MapError::Lattice));
     assert_eq!(refusal(&|b| b[12..16].fill(0xff)), Some(MapError::Lattice));
+    assert_eq!(refusal(&|b| b[37] |= 0x80), Some(MapError::ErrorLength));
+    assert_eq!(
+        refusal(&|b| b[34..38].fill(0xff)),
+        Some(MapError::ErrorLength)
+    );
     assert_eq!(refusal(&|b| b[8..12].fill(0xff)), Some(MapError::Lattice));
     let mut flipped = small();
-    flipped[40] ^= 1;
+    flipped[50] ^= 1;
     assert_eq!(RadioMap::new(&flipped).err(), Some(MapError::Checksum));
     let none = map([1, 0, 0, 3, 1], || 0);
     assert_eq!(RadioMap::new(&none).err(), Some(MapError::Beacons));
     let mut levels = header([2, 1, 2, 3, 1]);
     levels[25] = 0;
-    levels.resize(34 + 6 + 1 + 12, 0);
+    levels.resize(44 + 6 + 1 + 12, 0);
     assert_eq!(RadioMap::new(&sealed(levels)).err(), Some(MapError::Levels));
     assert_eq!(
         RadioMap::new(&map([2, 1, 1, 3, 1], || 0)).err(),
@@ -174,7 +184,7 @@ fn exercise(bytes: &[u8], scan: &[Reading], x: f32, y: f32) {
     let points = map.lattice().points();
     for beacon in 0..map.beacons() + 2 {
         for point in [0, 1, points - 1, points, usize::MAX] {
-            _ = (map.moments(beacon, point), map.is_surveyed(point));
+            _ = (map.moments(beacon, point), map.is_possible(point));
             let log_density = map.log_density(beacon, x, point);
             assert!(log_density.is_none_or(f32::is_finite));
         }
@@ -190,7 +200,7 @@ fn exercise(bytes: &[u8], scan: &[Reading], x: f32, y: f32) {
         };
         let matcher = Matcher::new(map, &config).unwrap();
         if let Ok(found) = matcher.locate(scan, &mut posterior) {
-            assert!(found.point < points && map.is_surveyed(found.point));
+            assert!(found.point < points && map.is_possible(found.point));
             assert_eq!(found.position, map.lattice().position(found.point));
             let [a, b] = posterior.covariance(map.lattice()).rows();
             let numbers = [found.mean, a, b];
@@ -266,7 +276,7 @@ proptest! {
     }
 
     #[test]
-    fn damage_is_found(at in 0usize..57, change in 1u8..=255) {
+    fn damage_is_found(at in 0usize..67, change in 1u8..=255) {
         let mut bytes = small();
         let at = at % bytes.len();
         bytes[at] ^= change;

@@ -36,8 +36,14 @@ pub fn uniform_open<R: Rng + ?Sized>(rng: &mut R) -> f32 {
 /// same time for each, tails to 6.3 sigma, quantiles exact to 4e-4.
 #[inline(always)]
 pub fn normal<R: Rng + ?Sized>(rng: &mut R) -> f32 {
+    normal_of(rng.next_u32())
+}
+
+/// The standard normal sample that stands for these bits.
+#[inline(always)]
+pub(crate) fn normal_of(bits: u32) -> f32 {
     // A signed odd integer, never zero.
-    normal_quantile((rng.next_u32() | 1) as i32 as f32)
+    normal_quantile((bits | 1) as i32 as f32)
 }
 
 /// The number of sigmas beyond which a normal distribution has the probability `outside`, both tails together; exact to

@@ -109,9 +109,8 @@ fn a_walk_is_tracked() -> Digest {
                 digest.add_bytes(&[fix.state as u8]);
             }
         }
-        let [x, y, vx, vy] = tracker.particles().columns();
-        for column in [x, y, vx, vy] {
-            digest.add(column);
+        for particle in tracker.particles(&site) {
+            digest.add(&particle);
         }
         // In the hall it is carried no further than it is uncertain.
         assert!(was_lost || map.lattice().rows() > 1, "it was carried off");

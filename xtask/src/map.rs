@@ -1,30 +1,66 @@
 //! The task `map`: from a survey to a radio map, for the flash of a gateway.
 
-use std::{fs, path::PathBuf};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 use anyhow::{Context, Result, bail};
 use foxhunt::fingerprint::{self, RadioMap};
-use foxhunt_host::radio_map::{Options as Building, SiteSurvey, rust_constant};
+use foxhunt_host::{
+    picture::{self, Heat},
+    radio_map::{Expected, Made, Recipe, Shape, SiteSurvey, rust_constant},
+};
+use indicatif::{ProgressBar, ProgressStyle};
 
 /// The options of `cargo xtask map`.
 #[derive(clap::Args)]
 pub struct Options {
-    /// The survey: CSV with the columns x, y (metres), beacon (a number) and rssi (dBm).
+    /// The survey: CSV with the columns x, y (metres), beacon (a number) and rssi (dBm), a reading in each row; or x, y
+    /// and rssi_1, rssi_2 and so on, a place in each row. A column floor makes a map of each floor.
     survey: PathBuf,
-    /// Where the map is written: as Rust if it ends in .rs, otherwise as the bytes themselves.
+    /// Where the map is written: as Rust if it ends in .rs, otherwise as the bytes themselves. Beside it a picture of what
+    /// the map promises.
     #[arg(long, value_name = "FILE")]
     output: PathBuf,
-    /// Metres from one point of the map to the next.
-    #[arg(long, value_name = "METRES", default_value_t = 1.0)]
-    spacing: f64,
+    /// Metres from one point of the map to the next [default: by the survey].
+    #[arg(long, value_name = "METRES")]
+    spacing: Option<f64>,
+    /// Side of the cells in which places are put together, 0 for none [default: by the survey].
+    #[arg(long, value_name = "METRES")]
+    cell: Option<f64>,
+    /// Distance over which the strengths of the beacons are alike; with --field-noise [default: by the survey].
+    #[arg(long, value_name = "METRES", requires = "field_noise")]
+    field_length: Option<f64>,
+    /// Fraction of the variance of the strengths that is noise of single places [default: by the survey].
+    #[arg(long, value_name = "FRACTION", requires = "field_length")]
+    field_noise: Option<f64>,
+    /// Standard deviation of the map's error where the survey has been [default: by the survey].
+    #[arg(long, value_name = "DB")]
+    sigma: Option<f64>,
+    /// Distance over which the map's error is alike [default: by the survey].
+    #[arg(long, value_name = "METRES")]
+    length: Option<f64>,
+    /// Standard deviation of a packet at one place [default: by the survey].
+    #[arg(long, value_name = "DB")]
+    packet_sigma: Option<f64>,
+    /// Points further than this from the survey are impossible [default: none is].
+    #[arg(long, value_name = "METRES")]
+    reach: Option<f64>,
+    /// Where beacons are: CSV with the columns id, x and y.
+    #[arg(long, value_name = "FILE")]
+    beacons: Option<PathBuf>,
+    /// The day of the survey.
+    #[arg(long, value_name = "YYYY-MM-DD", value_parser = days)]
+    date: Option<u32>,
     /// What the map holds of each beacon at each point.
     #[arg(long, value_enum, default_value_t = Encoding::Moments)]
     encoding: Encoding,
     /// Width of the kernel of levels, in dB: how much a scan differs from a survey.
-    #[arg(long, value_name = "DB", default_value_t = Building::default().bandwidth)]
+    #[arg(long, value_name = "DB", default_value_t = Recipe::default().bandwidth_db)]
     bandwidth: f64,
     /// How many levels there are.
-    #[arg(long, value_name = "NUMBER", default_value_t = Building::default().levels)]
+    #[arg(long, value_name = "NUMBER", default_value_t = Recipe::default().levels)]
     levels: u8,
     /// Name of the Rust constant.
     #[arg(long, value_name = "NAME", default_value = "MAP")]
@@ -41,38 +77,95 @@ enum Encoding {
 
 /// Runs the task.
 pub fn run(options: &Options) -> Result<()> {
-    let survey = SiteSurvey::open(&options.survey)?;
-    let lattice = survey.lattice(options.spacing)?;
-    let encoding = match options.encoding {
-        Encoding::Moments => fingerprint::Encoding::Moments,
-        Encoding::Levels => fingerprint::Encoding::Levels,
-    };
-    let building = Building {
-        bandwidth: options.bandwidth,
-        levels: options.levels,
-        ..Building::default()
-    };
-    let bytes = survey.radio_map(&lattice, encoding, &building)?;
-    if let Err(error) = RadioMap::new(&bytes) {
-        bail!("the map that was made is not one: {error}");
+    let survey = options.survey.display().to_string();
+    let file = fs::File::open(&options.survey)
+        .with_context(|| format!("cannot read the survey {survey}"))?;
+    let floors =
+        SiteSurvey::floors(file).with_context(|| format!("cannot read the survey {survey}"))?;
+    let recipe = options.recipe()?;
+    let several = floors.len() > 1;
+    for (floor, survey) in floors {
+        let file = if several {
+            println!("floor {floor}:");
+            with_floor(&options.output, floor)
+        } else {
+            options.output.clone()
+        };
+        make(options, &recipe, &survey, &file)?;
     }
+    Ok(())
+}
 
-    let file = &options.output;
+impl Options {
+    fn recipe(&self) -> Result<Recipe> {
+        let sources = match &self.beacons {
+            Some(file) => foxhunt_host::radio_map::sources(file)?,
+            None => Default::default(),
+        };
+        let shape = self.field_length.zip(self.field_noise);
+        Ok(Recipe {
+            spacing_m: self.spacing,
+            cell_m: self.cell,
+            shape: shape.map(|(length_m, noise)| Shape { length_m, noise }),
+            sigma_db: self.sigma,
+            length_m: self.length,
+            packet_sigma_db: self.packet_sigma,
+            reach_m: self.reach,
+            sources,
+            days: self.date,
+            encoding: match self.encoding {
+                Encoding::Moments => fingerprint::Encoding::Moments,
+                Encoding::Levels => fingerprint::Encoding::Levels,
+            },
+            bandwidth_db: self.bandwidth,
+            levels: self.levels,
+            ..Recipe::default()
+        })
+    }
+}
+
+/// The file of a floor: its number comes before the ending.
+fn with_floor(output: &Path, floor: i32) -> PathBuf {
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    match output.extension() {
+        Some(ending) => {
+            output.with_file_name(format!("{stem}-{floor}.{}", ending.to_string_lossy()))
+        }
+        None => output.with_file_name(format!("{stem}-{floor}")),
+    }
+}
+
+fn make(options: &Options, recipe: &Recipe, survey: &SiteSurvey, file: &Path) -> Result<()> {
+    let bar = ProgressBar::new(100).with_style(ProgressStyle::with_template(
+        "leaving places out {wide_bar} {percent} %",
+    )?);
+    let made = survey.map(recipe, &mut |fraction| {
+        bar.set_position((100.0 * fraction) as u64)
+    })?;
+    bar.finish_and_clear();
+    let map = match RadioMap::new(&made.bytes) {
+        Ok(map) => map,
+        Err(error) => bail!("the map that was made is not one: {error}"),
+    };
     let is_rust = file.extension().is_some_and(|extension| extension == "rs");
     let written = if is_rust {
-        fs::write(file, rust_constant(&options.name, &bytes))
+        fs::write(file, rust_constant(&options.name, &made.bytes))
     } else {
-        fs::write(file, &bytes)
+        fs::write(file, &made.bytes)
     };
     written.with_context(|| format!("cannot write {}", file.display()))?;
+    let lattice = map.lattice();
     println!(
-        "{}: {} bytes, {} beacons at {} x {} points",
+        "{}: {} bytes, {} beacons at {} x {} points, {} m apart",
         file.display(),
-        bytes.len(),
+        made.bytes.len(),
         survey.beacons().len(),
         lattice.columns(),
         lattice.rows(),
+        lattice.spacing(),
     );
+    println!("{}", made.choices);
+    promise(survey, &made, file)?;
     if survey.gated() > 0 {
         println!(
             "{} readings left out: no radio measures such strengths",
@@ -80,4 +173,78 @@ pub fn run(options: &Options) -> Result<()> {
         );
     }
     Ok(())
+}
+
+/// Says and draws how well places will be found.
+fn promise(survey: &SiteSurvey, made: &Made, file: &Path) -> Result<()> {
+    let expected = &made.expected;
+    if let (Some(median), Some(most)) = (expected.quantile_m(0.5), expected.quantile_m(0.9)) {
+        println!(
+            "expected of {} packets of each beacon without memory, at {} places that were left out with their neighbours: \
+             median {median:.2} m, 90 % within {most:.2} m, {:.0} % within 2 m",
+            Expected::PACKETS,
+            expected.left_out_m.len(),
+            100.0 * expected.within(2.0),
+        );
+    }
+    let heat = Heat {
+        title: "What the map promises: expected error of a look without memory, in metres".into(),
+        panels: vec![picture::Field::of_points(
+            "by the survey",
+            &made.lattice,
+            &expected.by_point_m,
+        )],
+        places: survey.survey().places.clone(),
+    };
+    let stem = file.with_extension("expected");
+    picture::save(&heat.svg()?, &stem)?;
+    println!("picture: {}", stem.with_extension("svg").display());
+    Ok(())
+}
+
+/// Days since 1970-01-01 of a date of the Gregorian calendar.
+fn days(date: &str) -> Result<u32> {
+    let parts: Vec<i64> = date
+        .split('-')
+        .map(|part| part.parse().with_context(|| format!("{date} is no date")))
+        .collect::<Result<_>>()?;
+    let [year, month, day] = parts[..] else {
+        bail!("{date} is not of the form YYYY-MM-DD");
+    };
+    if !(1970..=9999).contains(&year) || !(1..=12).contains(&month) || !(1..=31).contains(&day) {
+        bail!("{date} is no date since 1970");
+    }
+    // Years begin in March, so that the leap day is the last.
+    let shifted = year - i64::from(month <= 2);
+    let of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
+    let days = 365 * shifted + shifted / 4 - shifted / 100 + shifted / 400 + of_year - 719_468;
+    u32::try_from(days).with_context(|| format!("{date} is no date since 1970"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_are_those_of_the_calendar() {
+        for (date, expected) in [
+            ("1970-01-01", 0),
+            ("2000-02-29", 11_016),
+            ("2026-11-27", 20_784),
+        ] {
+            assert_eq!(days(date).unwrap(), expected, "{date}");
+        }
+        for wrong in ["2026-13-01", "2026-11", "yesterday", "1969-12-31"] {
+            assert!(days(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn floors_have_files_of_their_own() {
+        assert_eq!(
+            with_floor(Path::new("a/site.map"), -1),
+            Path::new("a/site--1.map")
+        );
+        assert_eq!(with_floor(Path::new("site"), 2), Path::new("site-2"));
+    }
 }

@@ -89,12 +89,21 @@ pub fn compare() -> Result<()> {
     })
 }
 
-/// Fails unless the firmwares of the tunnel answer the shipped packets, as sentences and as frames, byte for byte as the
-/// host does; or if a damaged map compiles.
+/// Seconds that a full gateway is compared for.
+const CROWD_S: f64 = 20.0;
+
+/// Fails unless the firmwares of the tunnel answer the shipped packets, as sentences and as frames, and those of as many tags
+/// as they have trackers, byte for byte as the host does; or if a damaged map compiles.
 pub fn compare_tunnel() -> Result<()> {
     let scene = tunnel::scene()?;
-    for framed in [Framed::Lines, Framed::Frames] {
-        let mut replay = packets::Replay::new(&scene, framed.framing())?;
+    let crowd = packets::crowd(packets::EXAMPLE_SEED, CROWD_S);
+    ensure!(scene.map == crowd.map, "the map is not that of the seed");
+    for (scene, framed) in [
+        (&scene, Framed::Lines),
+        (&scene, Framed::Frames),
+        (&crowd, Framed::Lines),
+    ] {
+        let mut replay = packets::Replay::new(scene, framed.framing())?;
         let bytes = framed.bytes(&scene.recording);
         replay.push(&bytes);
         let host = lines(replay.output());

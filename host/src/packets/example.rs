@@ -1,13 +1,14 @@
 //! The tunnel that comes with the project: its radio map, and a minute of eight people in it.
 
-use foxhunt::{fingerprint::Encoding, gateway::beacon::Packet};
+use foxhunt::gateway::beacon::{MAX_TAGS, Packet};
+use rand::{Rng, RngExt};
 
 use super::{Path, Recording, Scene, Walks};
 use crate::{
-    radio_map::{Options, SiteSurvey},
+    radio_map::{Recipe, SiteSurvey},
     simulate::generator,
     tunnel::{
-        Radio, Tunnel,
+        Radio, Site, Tunnel,
         experiment::{SAMPLES, SURVEYED},
     },
 };
@@ -124,15 +125,7 @@ const PEOPLE: [Person; 8] = [
 /// Never: the survey of this tunnel makes a map.
 pub fn example(seed: u64) -> Scene {
     let mut rng = generator(seed, 0);
-    let site = Tunnel::default().draw(&mut rng);
-    let places: Vec<[f64; 2]> = (0..=80).map(|x| [f64::from(x), SURVEYED]).collect();
-    let survey = site.survey(&places, SAMPLES, &Radio::new(NOISE), &mut rng);
-    let survey = SiteSurvey::of(&survey, &RADIOS);
-    let map = survey
-        .lattice(1.0)
-        .and_then(|lattice| survey.radio_map(&lattice, Encoding::Moments, &Options::default()))
-        .expect("the survey is whole");
-
+    let (site, map) = surveyed(&mut rng);
     let mut recording = Recording::default();
     let last = RADIOS.len() - 1;
     for person in PEOPLE {
@@ -157,6 +150,58 @@ pub fn example(seed: u64) -> Scene {
             }
         }
         recording.truth.insert(person.tag, path);
+    }
+    recording.packets.sort_by_key(|packet| packet.time_ms);
+    Scene {
+        map,
+        recording,
+        radios: site.tunnel.beacons,
+        walks: Walks::Tunnel,
+    }
+}
+
+/// The tunnel, and its radio map.
+fn surveyed(rng: &mut impl Rng) -> (Site, Vec<u8>) {
+    let site = Tunnel::default().draw(rng);
+    let places: Vec<[f64; 2]> = (0..=80).map(|x| [f64::from(x), SURVEYED]).collect();
+    let survey = site.survey(&places, SAMPLES, &Radio::new(NOISE), rng);
+    let survey = SiteSurvey::of(&survey, &RADIOS);
+    let recipe = Recipe {
+        spacing_m: Some(1.0),
+        ..Recipe::default()
+    };
+    let map = survey.map(&recipe, &mut |_| ());
+    (site, map.expect("the survey is whole").bytes)
+}
+
+/// The same tunnel with as many tags as the gateway of the firmware has trackers, for so many seconds: each walks from
+/// somewhere to somewhere else.
+///
+/// # Panics
+/// Never: the survey of this tunnel makes a map.
+pub fn crowd(seed: u64, seconds: f64) -> Scene {
+    let mut rng = generator(seed, 0);
+    let (site, map) = surveyed(&mut rng);
+    let mut recording = Recording::default();
+    for tag in 1..=MAX_TAGS as u32 {
+        let [from, to] =
+            [(); 2].map(|()| [rng.random_range(2.0..78.0), rng.random_range(1.0..2.5)]);
+        let path = Path::new(&[(0.0, from), (seconds, to)]);
+        let radio = Radio {
+            noise: NOISE,
+            offset: 0.0,
+            loss: LOSS,
+        };
+        let place = |time| path.at(time).unwrap_or(from);
+        for heard in site.walk(place, seconds, RATE, &radio, &mut rng) {
+            recording.packets.push(Packet {
+                time_ms: (1e3 * heard.time) as u32,
+                radio: RADIOS[heard.beacon] as u16,
+                tag,
+                rssi_dbm: heard.level as i8,
+            });
+        }
+        recording.truth.insert(tag, path);
     }
     recording.packets.sort_by_key(|packet| packet.time_ms);
     Scene {

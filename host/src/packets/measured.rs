@@ -2,57 +2,42 @@
 
 use std::path::Path as Directory;
 
-use anyhow::{Context, Result};
-use foxhunt::{
-    fingerprint::{Encoding, Lattice},
-    gateway::beacon::Packet,
-};
+use anyhow::Result;
+use foxhunt::gateway::beacon::Packet;
 
 use super::{Path, Recording, Scene, Walks};
 use crate::{
-    radio_map::{Options, SiteSurvey},
-    survey::Survey,
-    tetam,
+    radio_map::{Recipe, SiteSurvey},
+    tetam, walks,
 };
 
 /// Milliseconds from one true place to the next.
 const STEP_MS: f64 = 250.0;
-/// Everywhere on the floor counts as surveyed.
-const REACH: f64 = 5.0;
 
-/// A walk of the data set in `directory`, one of [`tetam::WALKS`].
+/// A walk of the data set in `directory`, such as [`tetam::WALKS`].
 ///
-/// Straight walks are tracked along the middle of their corridor, on a map of one row; x is along it, also where it runs
-/// along the y of the data set. The others are tracked on a map of the whole floor.
+/// Walks that keep to a corridor are tracked along its middle, on a map of one row or one column; the others on a map of the
+/// whole floor.
 ///
 /// # Errors
-/// When the files are not there, or not of that form.
+/// When there is no such walk, or the files are not of that form.
 pub fn measured(directory: &Directory, name: &str) -> Result<Scene> {
     let survey = tetam::survey(directory)?;
     let walk = tetam::walk(directory, name)?;
     let receivers = tetam::receivers(directory)?;
-    let (origin, columns, rows) = match name {
-        "straight_01" => ([-0.2, 8.46], 22, 1),
-        "straight_02" => ([-0.2, 4.36], 22, 1),
-        "straight_03" => ([-0.5, 11.5], 20, 1),
-        _ => ([-0.25, -0.5], 22, 20),
-    };
-    let turned = |[x, y]: [f64; 2]| match name {
-        "straight_03" => [y, x],
-        _ => [x, y],
-    };
-    let survey = Survey {
-        places: survey.places.into_iter().map(turned).collect(),
-        samples: survey.samples,
-    };
     let identifiers: Vec<u32> = (0..survey.beacons() as u32).collect();
-    let lattice = Lattice::new(origin, 1.0, columns, rows).context("the lattice is impossible")?;
-    let options = Options {
-        reach: Some(REACH),
-        ..Options::default()
+    let (lattice, _) = walks::lattice(&walk.truth)?;
+    let recipe = Recipe {
+        sources: identifiers
+            .iter()
+            .copied()
+            .zip(receivers.iter().copied())
+            .collect(),
+        ..Recipe::on(lattice)
     };
-    let map =
-        SiteSurvey::of(&survey, &identifiers).radio_map(&lattice, Encoding::Moments, &options)?;
+    let map = SiteSurvey::of(&survey, &identifiers)
+        .map(&recipe, &mut |_| ())?
+        .bytes;
 
     let mut path = Path::default();
     let mut recording = Recording::default();
@@ -60,7 +45,7 @@ pub fn measured(directory: &Directory, name: &str) -> Result<Scene> {
     for (heard, place) in walk.packets.iter().zip(walk.truth) {
         let time_ms = 1e3 * heard.time;
         if time_ms >= next_ms {
-            path.push(heard.time, turned(place));
+            path.push(heard.time, place);
             next_ms = time_ms + STEP_MS;
         }
         recording.packets.push(Packet {
@@ -74,7 +59,7 @@ pub fn measured(directory: &Directory, name: &str) -> Result<Scene> {
     Ok(Scene {
         map,
         recording,
-        radios: receivers.into_iter().map(turned).collect(),
+        radios: receivers,
         walks: Walks::Floor,
     })
 }
@@ -97,7 +82,7 @@ mod tests {
             let scene = measured(&Directory::new(&data).join("tetam"), name).unwrap();
             let map = RadioMap::new(&scene.map).unwrap();
             assert_eq!(map.beacons(), 12);
-            assert!((0..map.lattice().points()).all(|point| map.is_surveyed(point)));
+            assert!((0..map.lattice().points()).all(|point| map.is_possible(point)));
             let [low, high] =
                 [0, map.lattice().points() - 1].map(|point| map.lattice().position(point));
             for (_, place) in scene.recording.truth[&TAG].corners() {

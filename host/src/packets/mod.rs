@@ -5,7 +5,7 @@ mod measured;
 mod path;
 mod replay;
 
-pub use example::{EXAMPLE_SEED, example};
+pub use example::{EXAMPLE_SEED, crowd, example};
 pub use measured::measured;
 pub use path::Path;
 pub use replay::{Gateway, Replay};

@@ -8,13 +8,20 @@ use foxhunt::{
 
 use super::Scene;
 
-/// The gateway of the firmware `beacon_gateway`, with as many tags and particles, and room for larger maps.
-pub type Gateway = BeaconGateway<8, 300, 4096, 16>;
+/// The gateway of the firmware `beacon_gateway`, with as many tags and particles, and room for larger maps, of so many axes.
+pub type Gateway<const D: usize> = BeaconGateway<64, 300, 4096, 16, D>;
+
+/// The gateway for a map.
+#[derive(Debug)]
+enum ForMap {
+    Line(Box<Gateway<1>>),
+    Plane(Box<Gateway<2>>),
+}
 
 /// A gateway and all that it has said so far.
 #[derive(Debug)]
 pub struct Replay<'a> {
-    gateway: Box<Gateway>,
+    gateway: ForMap,
     config: Config<'a>,
     output: Vec<u8>,
     events: Vec<Event>,
@@ -29,7 +36,10 @@ impl<'a> Replay<'a> {
         let map = RadioMap::new(&scene.map)?.limited(4096, 16)?;
         let site = Site::new(map, scene.walks.config())?;
         Ok(Self {
-            gateway: Box::new(Gateway::EMPTY),
+            gateway: match map.lattice().axes() {
+                1 => ForMap::Line(Box::new(Gateway::EMPTY)),
+                _ => ForMap::Plane(Box::new(Gateway::EMPTY)),
+            },
             config: Config {
                 framing,
                 ..Config::new(site)
@@ -42,9 +52,12 @@ impl<'a> Replay<'a> {
     /// Lets the gateway read on.
     pub fn push(&mut self, bytes: &[u8]) {
         for byte in bytes {
-            if let Some(event) = self.gateway.push(*byte, &self.config) {
-                self.output
-                    .extend_from_slice(self.gateway.report().as_bytes());
+            let (event, report) = match &mut self.gateway {
+                ForMap::Line(gateway) => (gateway.push(*byte, &self.config), gateway.report()),
+                ForMap::Plane(gateway) => (gateway.push(*byte, &self.config), gateway.report()),
+            };
+            if let Some(event) = event {
+                self.output.extend_from_slice(report.as_bytes());
                 self.events.push(event);
             }
         }
@@ -62,15 +75,18 @@ impl<'a> Replay<'a> {
 
     /// The places of the particles of a tag, in metres; none if it has no fix.
     pub fn particles(&self, tag: u32) -> Vec<[f64; 2]> {
-        let mut trackers = self.gateway.tags();
-        let Some((_, tracker)) = trackers.find(|(known, _)| *known == tag) else {
-            return Vec::new();
-        };
-        if tracker.fix().is_none() {
-            return Vec::new();
+        match &self.gateway {
+            ForMap::Line(gateway) => particles(gateway, tag, &self.config.site),
+            ForMap::Plane(gateway) => particles(gateway, tag, &self.config.site),
         }
-        let [x, y, ..] = tracker.particles().columns();
-        let places = x.iter().zip(y);
-        places.map(|(x, y)| [*x, *y].map(f64::from)).collect()
     }
+}
+
+fn particles<const D: usize>(gateway: &Gateway<D>, tag: u32, site: &Site<'_>) -> Vec<[f64; 2]> {
+    let mut trackers = gateway.tags();
+    let Some((_, tracker)) = trackers.find(|(known, _)| *known == tag) else {
+        return Vec::new();
+    };
+    let particles = tracker.particles(site);
+    particles.map(|[x, y, ..]| [x, y].map(f64::from)).collect()
 }

@@ -5,11 +5,13 @@
 
 mod curves;
 mod frame;
+mod heat;
 mod map;
 mod walks;
 
 pub use curves::{Axis, Curve, Curves, Style};
 pub use frame::outline;
+pub use heat::{Field, Heat};
 pub use map::Map;
 pub use walks::{Walk, Walks};
 

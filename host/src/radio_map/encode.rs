@@ -1,89 +1,83 @@
 //! The bytes of a radio map.
 
-use std::{cell::LazyCell, collections::BTreeMap};
-
-use anyhow::{Context, Result, ensure};
-use foxhunt::fingerprint::{Encoding, Lattice, RadioMap};
+use foxhunt::fingerprint::{Encoding, RadioMap};
 
 use super::{
-    field::{Field, Series, nearest, nearest_neighbour},
+    cells::nearest,
+    content::Content,
+    recipe::{Choices, Recipe},
     site::SiteSurvey,
 };
 
-/// How a survey becomes a map.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Options {
-    /// Points further than this from any place of the survey, in metres, count as not surveyed. By default one
-    /// and a half times the spacing of the lattice or the distance between the places, whichever is larger.
-    pub reach: Option<f64>,
-    /// Where beacons are, in metres, by identifier, as far as that is known: between the places of the survey and beyond
-    /// them, the level of those is expected to fall with the logarithm of the distance.
-    pub sources: BTreeMap<u32, [f64; 2]>,
-    /// Width of the kernel of [`Encoding::Levels`], in dB: besides the noise it has to cover how a scan differs from
-    /// a survey.
-    pub bandwidth: f64,
-    /// Rate of the readings that may have any strength, in [`Encoding::Levels`].
-    pub outliers: f64,
-    /// Levels of [`Encoding::Levels`], up to 255: half a byte for each of them, each point and each beacon.
-    pub levels: u8,
-}
-
-impl Default for Options {
-    /// A bandwidth of 4 dB, 32 levels, one outlier in a thousand; the places of the beacons are unknown.
-    fn default() -> Self {
-        Self {
-            reach: None,
-            sources: BTreeMap::new(),
-            bandwidth: 4.0,
-            outliers: 1e-3,
-            levels: 32,
+/// The bytes of a map, see [`RadioMap`].
+///
+/// The detection probability of a beacon is the rate of packets that were received of it, compared with the
+/// beacon that was received best at the same place; its sensitivity is the weakest of all readings.
+pub(super) fn bytes(
+    survey: &SiteSurvey,
+    content: &Content,
+    choices: &Choices,
+    recipe: &Recipe,
+    by_hand: u8,
+) -> Vec<u8> {
+    let levels = match recipe.encoding {
+        Encoding::Levels => Some(survey.levels(recipe)),
+        _ => None,
+    };
+    let mut bytes = header(survey, content, levels.as_ref());
+    bytes.extend((choices.length_m as f32).to_le_bytes());
+    bytes.extend(recipe.days.unwrap_or(0).to_le_bytes());
+    bytes.push((4.0 * choices.packet_sigma_db).round().clamp(1.0, 255.0) as u8);
+    bytes.push(by_hand);
+    let sensitivity = survey.weakest().floor().max(-128.0);
+    let detections: Vec<f64> = (0..survey.beacons().len())
+        .map(|beacon| survey.detection(beacon))
+        .collect();
+    for (identifier, detection) in survey.beacons().iter().zip(&detections) {
+        bytes.extend(identifier.to_le_bytes());
+        bytes.push((255.0 * detection).round() as u8);
+        bytes.extend((sensitivity as i8).to_le_bytes());
+    }
+    bytes.extend(content.possible.chunks(8).map(|eight| {
+        let bits = eight.iter().enumerate();
+        bits.fold(0, |byte, (bit, possible)| byte | u8::from(*possible) << bit)
+    }));
+    for (beacon, detection) in detections.iter().enumerate() {
+        match &levels {
+            None => {
+                let points = content.points.iter().zip(&content.heard);
+                bytes.extend(points.flat_map(|((means, sigma), heard)| {
+                    let mean = 2.0 * (means[beacon] + 128.0);
+                    let sigma = (4.0 * sigma).round().clamp(1.0, 63.0);
+                    [
+                        if heard[beacon] { sigma as u8 } else { 0 },
+                        mean.round().clamp(0.0, 255.0) as u8,
+                    ]
+                }));
+            }
+            Some(levels) => {
+                let heard = survey.heard(beacon, content, choices);
+                levels.rows(&heard, *detection, sensitivity, recipe, &mut bytes);
+            }
         }
     }
+    let mut checksum = crc32fast::Hasher::new();
+    checksum.update(&bytes);
+    bytes.extend(checksum.finalize().to_le_bytes());
+    bytes
 }
 
-impl Options {
-    /// Fails with the name of an option that is out of its range.
-    fn check(&self) -> Result<()> {
-        ensure!(
-            self.bandwidth > 0.0 && self.bandwidth <= 50.0,
-            "bandwidth must be from 0 to 50 dB"
-        );
-        ensure!(
-            self.outliers > 0.0 && self.outliers < 0.5,
-            "outliers must be from 0 to 0.5"
-        );
-        ensure!(
-            self.reach.is_none_or(|reach| reach >= 0.0),
-            "reach is negative"
-        );
-        ensure!(self.levels >= 2, "levels is below 2");
-        Ok(())
-    }
-}
-
-/// The fields of all beacons, when they are needed: levels, and logarithms of variances.
-type Fields<F> = LazyCell<[Vec<Option<Field>>; 2], F>;
-
-/// What there is to say about a beacon at a point of the lattice.
+/// What there is to say about a beacon at a point of the lattice, for a kernel density.
 enum Heard<'a> {
     /// The readings of a place of the survey, which is the point.
     Samples(&'a [f64]),
     /// Between the places: the mean and the standard deviation that are expected.
     Expected(f64, f64),
-    /// Not surveyed nearby, or surveyed and not heard.
+    /// Impossible, or surveyed and not heard.
     Nothing,
 }
 
 impl Heard<'_> {
-    /// Mean and standard deviation.
-    fn moments(&self) -> Option<[f64; 2]> {
-        match self {
-            Self::Samples(samples) => moments(samples),
-            Self::Expected(mean, sigma) => Some([*mean, *sigma]),
-            Self::Nothing => None,
-        }
-    }
-
     /// Mean of a function of a reading and of the width of the kernel around it.
     fn average(&self, bandwidth: f64, kernel: impl Fn(f64, f64) -> f64) -> Option<f64> {
         match self {
@@ -100,153 +94,29 @@ impl Heard<'_> {
     }
 }
 
-fn moments(samples: &[f64]) -> Option<[f64; 2]> {
-    let n = samples.len() as f64;
-    let mean = samples.iter().sum::<f64>() / n;
-    let squares: f64 = samples.iter().map(|sample| (sample - mean).powi(2)).sum();
-    (n > 0.0).then(|| [mean, (squares / (n - 1.0).max(1.0)).sqrt()])
-}
-
 impl SiteSurvey {
-    /// The bytes of a map, see [`RadioMap`].
-    ///
-    /// Points of the lattice that are places of the survey, to a thousandth of the spacing, take exactly what was
-    /// measured there. Between the places a Gaussian process fills in; its doubt about the mean adds to the sigma.
-    ///
-    /// The detection probability of a beacon is the rate of packets that were received of it, compared with the
-    /// beacon that was received best at the same place; its sensitivity is the weakest of all readings.
-    ///
-    /// # Errors
-    /// When an option is out of range, or there are no beacons or too many.
-    pub fn radio_map(
-        &self,
-        lattice: &Lattice,
-        encoding: Encoding,
-        options: &Options,
-    ) -> Result<Vec<u8>> {
-        options.check()?;
-        let beacons = u8::try_from(self.beacons().len())
-            .ok()
-            .filter(|beacons| *beacons > 0)
-            .with_context(|| format!("{} beacons: not within 1 and 255", self.beacons().len()))?;
-
-        let levels = match encoding {
-            Encoding::Levels => Some(self.levels(options)),
-            Encoding::Moments => None,
-            _ => anyhow::bail!("unknown encoding"),
-        };
-        let mut bytes = header(lattice, beacons, levels.as_ref());
-        let sensitivity = self.weakest().floor().max(-128.0);
-        let detections: Vec<f64> = (0..self.beacons().len())
-            .map(|b| self.detection(b))
-            .collect();
-        for (identifier, detection) in self.beacons().iter().zip(&detections) {
-            bytes.extend(identifier.to_le_bytes());
-            bytes.push((255.0 * detection).round() as u8);
-            bytes.extend((sensitivity as i8).to_le_bytes());
-        }
-        let spacing = f64::from(lattice.spacing());
-        let between = nearest_neighbour(&self.survey().places).unwrap_or(spacing);
-        let reach = options.reach.unwrap_or(1.5 * spacing.max(between));
-        let positions: Vec<[f64; 2]> = (0..lattice.points())
-            .map(|point| lattice.position(point).map(f64::from))
-            .collect();
-        let near = |position: &[f64; 2]| {
-            nearest(&self.survey().places, *position).filter(|(_, d)| *d <= reach)
-        };
-        bytes.extend(positions.chunks(8).map(|eight| {
-            let bits = eight.iter().enumerate();
-            bits.fold(0, |byte, (bit, position)| {
-                byte | u8::from(near(position).is_some()) << bit
-            })
-        }));
-        // A lattice that has all its points in the survey needs none.
-        let fields = LazyCell::new(|| self.fields(options));
-        for (beacon, detection) in detections.iter().enumerate() {
-            let heard = self.heard(beacon, &positions, near, 1e-3 * spacing, &fields);
-            match &levels {
-                None => bytes.extend(moments_rows(&heard, &positions)),
-                Some(levels) => levels.rows(&heard, *detection, sensitivity, options, &mut bytes),
-            }
-        }
-        let mut checksum = crc32fast::Hasher::new();
-        checksum.update(&bytes);
-        bytes.extend(checksum.finalize().to_le_bytes());
-        Ok(bytes)
-    }
-
     /// A beacon at every point.
-    fn heard(
-        &self,
-        beacon: usize,
-        positions: &[[f64; 2]],
-        near: impl Fn(&[f64; 2]) -> Option<(usize, f64)>,
-        same: f64,
-        fields: &Fields<impl FnOnce() -> [Vec<Option<Field>>; 2]>,
-    ) -> Vec<Heard<'_>> {
+    fn heard(&self, beacon: usize, content: &Content, choices: &Choices) -> Vec<Heard<'_>> {
         let survey = self.survey();
-        let samples = |place: usize| survey.samples[place][beacon].as_slice();
-        let at = |position: &[f64; 2]| {
-            let Some((place, distance)) = near(position) else {
-                return Heard::Nothing;
-            };
-            if samples(place).is_empty() {
+        let same = 1e-3 * f64::from(content.lattice.spacing());
+        let at = |(point, ((means, sigma), possible)): (usize, (&(Vec<f64>, f64), &bool))| {
+            if !possible {
                 return Heard::Nothing;
             }
-            if distance <= same {
-                return Heard::Samples(samples(place));
-            }
-            let [levels, spreads] = &**fields;
-            match (&levels[beacon], &spreads[beacon]) {
-                (Some(level), Some(spread)) => {
-                    let (mean, doubt) = level.at(*position);
-                    Heard::Expected(mean, (spread.at(*position).0.exp() + doubt).sqrt())
+            match nearest(&survey.places, content.place(point)) {
+                Some((place, distance)) if distance <= same => {
+                    let samples = survey.samples[place][beacon].as_slice();
+                    if samples.is_empty() {
+                        Heard::Nothing
+                    } else {
+                        Heard::Samples(samples)
+                    }
                 }
-                _ => Heard::Nothing,
+                _ => Heard::Expected(means[beacon], sigma.hypot(choices.packet_sigma_db)),
             }
         };
-        positions.iter().map(at).collect()
-    }
-
-    /// The means of the beacons anywhere, and the logarithms of their variances.
-    fn fields(&self, options: &Options) -> [Vec<Option<Field>>; 2] {
-        // Of the variances, the logarithm: it is never negative.
-        let logarithm = |sigma: f64| sigma.powi(2).max(0.0625).ln();
-        [
-            Field::fit(&self.series(|[mean, _]| mean, &options.sources)),
-            Field::fit(&self.series(|[_, sigma]| logarithm(sigma), &BTreeMap::new())),
-        ]
-    }
-
-    /// A function of mean and sigma, by beacon, where it was heard.
-    fn series(
-        &self,
-        of: impl Fn([f64; 2]) -> f64,
-        sources: &BTreeMap<u32, [f64; 2]>,
-    ) -> Vec<Series> {
-        let survey = self.survey();
-        let one = |(beacon, identifier): (usize, &u32)| {
-            let each = survey.places.iter().zip(&survey.samples);
-            let heard =
-                each.filter_map(|(place, samples)| Some((*place, of(moments(&samples[beacon])?))));
-            let (places, values) = heard.unzip();
-            Series {
-                places,
-                values,
-                source: sources.get(identifier).copied(),
-            }
-        };
-        self.beacons().iter().enumerate().map(one).collect()
-    }
-
-    /// How well the map is known between the places: the root mean square, in dB, of how far the mean level at each place
-    /// is from what all other places predict for it. Of all beacons; not a number without any.
-    pub fn left_out(&self, options: &Options) -> f64 {
-        let [levels, _] = self.fields(options);
-        let errors = levels.iter().flatten().flat_map(Field::left_out);
-        let (count, sum) =
-            errors.fold((0.0, 0.0), |(n, sum), error| (n + 1.0, sum + error * error));
-        (sum / count).sqrt()
+        let points = content.points.iter().zip(&content.possible);
+        points.enumerate().map(at).collect()
     }
 
     fn readings(&self) -> impl Iterator<Item = f64> {
@@ -269,18 +139,18 @@ impl SiteSurvey {
     }
 
     /// The scale of the levels: they reach a kernel's width beyond all readings.
-    fn levels(&self, options: &Options) -> Levels {
+    fn levels(&self, recipe: &Recipe) -> Levels {
         let strongest = self.readings().fold(f64::NEG_INFINITY, f64::max);
-        let lowest = (self.weakest() - options.bandwidth).floor().max(-128.0);
-        let range = strongest + options.bandwidth - lowest;
-        let spacing = (range / f64::from(options.levels - 1)).ceil().max(1.0);
-        let floor = (options.outliers / RANGE_DB).ln();
+        let lowest = (self.weakest() - recipe.bandwidth_db).floor().max(-128.0);
+        let range = strongest + recipe.bandwidth_db - lowest;
+        let spacing = (range / f64::from(recipe.levels - 1)).ceil().max(1.0);
+        let floor = (recipe.outliers / RANGE_DB).ln();
         // The density of the kernel alone: no other is higher.
-        let top = log_mixture(normal_density(0.0, options.bandwidth), options.outliers);
+        let top = log_mixture(normal_density(0.0, recipe.bandwidth_db), recipe.outliers);
         Levels {
             lowest: lowest as i8,
             spacing: spacing as u8,
-            count: options.levels,
+            count: recipe.levels,
             top,
             step: (top - floor) / 15.0,
         }
@@ -289,12 +159,13 @@ impl SiteSurvey {
 
 const RANGE_DB: f64 = SiteSurvey::RANGE_DBM[1] - SiteSurvey::RANGE_DBM[0];
 
-/// All that comes before the beacons.
-fn header(lattice: &Lattice, beacons: u8, levels: Option<&Levels>) -> Vec<u8> {
+/// All that comes before what is said of the survey.
+fn header(survey: &SiteSurvey, content: &Content, levels: Option<&Levels>) -> Vec<u8> {
+    let lattice = &content.lattice;
     let mut bytes = b"FXRM".to_vec();
     bytes.push(RadioMap::VERSION);
     bytes.push(if levels.is_some() { 2 } else { 1 });
-    bytes.push(beacons);
+    bytes.push(survey.beacons().len() as u8);
     bytes.push(levels.map_or(0, |levels| levels.count));
     bytes.extend((lattice.columns() as u16).to_le_bytes());
     bytes.extend((lattice.rows() as u16).to_le_bytes());
@@ -323,29 +194,6 @@ fn log_mixture(density: f64, outliers: f64) -> f64 {
     ((1.0 - outliers) * density + outliers / RANGE_DB).ln()
 }
 
-/// Sigma and mean of every point. Where there is none, the sigma is 0 and the mean that of the nearest point,
-/// so that one can interpolate up to there.
-fn moments_rows(heard: &[Heard<'_>], positions: &[[f64; 2]]) -> Vec<u8> {
-    let known = heard.iter().zip(positions);
-    let (known, places): (Vec<[f64; 2]>, Vec<[f64; 2]>) = known
-        .filter_map(|(heard, position)| Some((heard.moments()?, *position)))
-        .unzip();
-    let two_bytes = |(heard, position): (&Heard<'_>, &[f64; 2])| {
-        let (mean, sigma) = match heard.moments() {
-            Some([mean, sigma]) => (mean, (4.0 * sigma).round().clamp(1.0, 63.0)),
-            None => (
-                nearest(&places, *position).map_or(-128.0, |(n, _)| known[n][0]),
-                0.0,
-            ),
-        };
-        [
-            sigma as u8,
-            (2.0 * (mean + 128.0)).round().clamp(0.0, 255.0) as u8,
-        ]
-    };
-    heard.iter().zip(positions).flat_map(two_bytes).collect()
-}
-
 struct Levels {
     lowest: i8,
     spacing: u8,
@@ -361,25 +209,25 @@ impl Levels {
         heard: &[Heard<'_>],
         detection: f64,
         sensitivity: f64,
-        options: &Options,
+        recipe: &Recipe,
         bytes: &mut Vec<u8>,
     ) {
         for level in 0..self.count {
             let rssi = f64::from(self.lowest) + f64::from(self.spacing) * f64::from(level);
             self.row(heard, bytes, |heard| {
-                let density = heard.average(options.bandwidth, |reading, width| {
+                let density = heard.average(recipe.bandwidth_db, |reading, width| {
                     normal_density(rssi - reading, width)
                 });
-                self.top - log_mixture(density.unwrap_or(0.0), options.outliers)
+                self.top - log_mixture(density.unwrap_or(0.0), recipe.outliers)
             });
         }
         self.row(heard, bytes, |heard| {
-            let audible = heard.average(options.bandwidth, |reading, width| {
+            let audible = heard.average(recipe.bandwidth_db, |reading, width| {
                 // Very nearly the normal distribution.
                 1.0 / (1.0 + (-1.702 * (reading - sensitivity) / width).exp())
             });
             let missing = 1.0 - detection * audible.unwrap_or(0.0);
-            -missing.max(options.outliers).ln()
+            -missing.max(recipe.outliers).ln()
         });
     }
 

@@ -4,26 +4,10 @@ use std::{collections::BTreeMap, fs::File, io::Read, path::Path};
 
 use anyhow::{Context, Result, ensure};
 use foxhunt::fingerprint::Lattice;
-use serde::Deserialize;
 
+use super::reading;
+pub use super::reading::Reading;
 use crate::survey::Survey;
-
-/// One packet of a beacon, received at a known place.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-pub struct Reading {
-    /// Metres.
-    #[serde(alias = "x_m")]
-    pub x: f64,
-    /// Metres.
-    #[serde(alias = "y_m")]
-    pub y: f64,
-    /// Identifier of the beacon.
-    #[serde(alias = "sensor")]
-    pub beacon: u32,
-    /// dBm.
-    #[serde(alias = "rssi_dbm")]
-    pub rssi: f64,
-}
 
 /// A survey, and which beacons it is of.
 #[derive(Debug, Clone, Default)]
@@ -81,45 +65,45 @@ impl SiteSurvey {
         Self::new(readings)
     }
 
-    /// Reads CSV with the columns `x`, `y` (metres), `beacon` (a number) and `rssi` (dBm), in any order; `x_m`, `y_m`,
-    /// `sensor` and `rssi_dbm` are understood, too.
+    /// Reads CSV, of points or of poses.
+    ///
+    /// A row of points is one reading, with the columns `x`, `y` (metres), `beacon` (a number) and `rssi` (dBm). A row of poses
+    /// is a place and the strength of every beacon there, in columns `rssi_1`, `rssi_2` and so on by identifier; a field is
+    /// empty where the beacon was not heard. The columns may be in any order, others are left out; `x_m`, `y_m`, `sensor`,
+    /// `rssi_dbm` and `rssi_1_dbm` are understood, too. Where there is a column `floor`, all must be of one.
     ///
     /// # Errors
-    /// When a column is missing or a value is no number; the error names the line.
+    /// When a column is missing, a value is no number, or there are several floors; the error names the line.
     pub fn read(csv: impl Read) -> Result<Self> {
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .from_reader(csv);
-        let headers = reader.headers().context("line 1")?.clone();
-        let mut readings = Vec::new();
-        let mut record = csv::StringRecord::new();
-        // The errors of the reader name their lines themselves.
-        while reader.read_record(&mut record)? {
-            // A record begins with the blank lines before it.
-            let begins = record.position().map_or(0, csv::Position::line);
-            let line = begins.max(reader.position().line() - 1);
-            let reading: Reading = record
-                .deserialize(Some(&headers))
-                .map_err(|error| anyhow::anyhow!("line {line}: {}", cause(&error, &headers)))?;
-            for (name, value) in [("x", reading.x), ("y", reading.y), ("rssi", reading.rssi)] {
-                ensure!(value.is_finite(), "line {line}: {name} is not finite");
-            }
-            for (name, value) in [("x", reading.x), ("y", reading.y)] {
-                ensure!(
-                    value.abs() <= f64::from(Lattice::MAX_COORDINATE_M),
-                    "line {line}: {name} is more than 1000 km from the origin"
-                );
-            }
-            readings.push(reading);
-        }
-        let site = Self::new(readings);
+        let mut floors = Self::floors(csv)?;
         ensure!(
-            !site.survey.places.is_empty(),
-            "there is no reading within {} and {} dBm",
-            Self::RANGE_DBM[0],
-            Self::RANGE_DBM[1]
+            floors.len() == 1,
+            "there are {} floors: each needs a map of its own",
+            floors.len()
         );
-        Ok(site)
+        Ok(floors
+            .pop_first()
+            .map(|(_, survey)| survey)
+            .unwrap_or_default())
+    }
+
+    /// The same, by floor; 0 where there is no such column.
+    ///
+    /// # Errors
+    /// As [`SiteSurvey::read`].
+    pub fn floors(csv: impl Read) -> Result<BTreeMap<i32, Self>> {
+        let mut floors = BTreeMap::new();
+        for (floor, readings) in reading::read(csv)? {
+            let site = Self::new(readings);
+            ensure!(
+                !site.survey.places.is_empty(),
+                "there is no reading within {} and {} dBm",
+                Self::RANGE_DBM[0],
+                Self::RANGE_DBM[1]
+            );
+            floors.insert(floor, site);
+        }
+        Ok(floors)
     }
 
     /// Reads a CSV file, see [`SiteSurvey::read`].
@@ -174,18 +158,6 @@ impl SiteSurvey {
         let origin = [x as f32, y as f32];
         Lattice::new(origin, spacing as f32, columns as u16, rows as u16)
             .with_context(|| format!("{columns} x {rows} points"))
-    }
-}
-
-/// What is wrong with a record, without its line.
-fn cause(error: &csv::Error, headers: &csv::StringRecord) -> String {
-    let csv::ErrorKind::Deserialize { err, .. } = error.kind() else {
-        return error.to_string();
-    };
-    let column = err.field().and_then(|field| headers.get(field as usize));
-    match column {
-        Some(column) => format!("{column}: {}", err.kind()),
-        None => err.kind().to_string(),
     }
 }
 

@@ -14,6 +14,7 @@ mod line;
 mod model;
 mod pending;
 mod posterior;
+pub mod remembering;
 mod scales;
 mod sums;
 mod von_mises;

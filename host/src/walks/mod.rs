@@ -5,32 +5,36 @@ mod office;
 use anyhow::{Context, Result, bail};
 use foxhunt::{
     fingerprint::{
-        Encoding, Lattice, RadioMap, Reading, ReadingError,
-        tracker::{Config, Site, Tracker, Workspace},
+        Lattice, RadioMap, Reading, ReadingError,
+        tracker::{Config, Fix, Packed, Site, Stored, Tracker, Workspace},
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
 
+pub(crate) use office::lattice;
 pub use office::{Office, Walk};
 
 use crate::{
     packets::Walks,
-    radio_map::{Options, SiteSurvey},
+    radio_map::{Recipe, SiteSurvey},
     survey::Survey,
     tunnel::{
         Packet,
-        experiment::{INTERVAL, MISMATCH, Run, SAMPLES, SURVEYED},
+        experiment::{INTERVAL, MISMATCH, Run, SURVEYED},
     },
 };
 
 /// Particles of every tracker here.
 pub const PARTICLES: usize = 300;
 /// Points of the largest map here.
-const POINTS: usize = 512;
+const POINTS: usize = 4096;
 
-type Fresh = (Tracker<PARTICLES>, Box<Workspace<PARTICLES, POINTS>>);
+type Fresh<S> = (
+    Tracker<PARTICLES, 16, 2, S>,
+    Box<Workspace<PARTICLES, POINTS>>,
+);
 
-fn fresh() -> Fresh {
+fn fresh<S: Stored>() -> Fresh<S> {
     (Tracker::EMPTY, Box::new(Workspace::EMPTY))
 }
 
@@ -42,7 +46,6 @@ pub fn of_simulated_scans() -> Config {
         velocity_noise_m2_s3: 0.5,
         velocity_memory_s: f32::INFINITY,
         mismatch_sigma_db: MISMATCH.sqrt() as f32,
-        survey_samples: SAMPLES as u16,
         tempering: 1.0,
         gate_sigmas: f32::INFINITY,
         offset_probability: 0.0,
@@ -65,7 +68,8 @@ pub fn of_simulated_packets() -> Config {
 pub fn tunnel_map(survey: &Survey) -> Result<Vec<u8>> {
     let beacons: Vec<u32> = (0..survey.beacons() as u32).collect();
     let lattice = Lattice::new([0.0, SURVEYED as f32], 1.0, survey.places.len() as u16, 1)?;
-    SiteSurvey::of(survey, &beacons).radio_map(&lattice, Encoding::Moments, &Options::default())
+    let made = SiteSurvey::of(survey, &beacons).map(&Recipe::on(lattice), &mut |_| ())?;
+    Ok(made.bytes)
 }
 
 /// Where the tracker thinks each scan of a run was taken, in metres along the tunnel.
@@ -73,9 +77,22 @@ pub fn tunnel_map(survey: &Survey) -> Result<Vec<u8>> {
 /// # Errors
 /// If the bytes are no map or a scan is refused.
 pub fn follow_scans(run: &Run, map: &[u8], config: Config, seed: u64) -> Result<Vec<f64>> {
+    follow_scans_as::<Packed<2>>(run, map, config, seed)
+}
+
+/// The same with particles that are stored in another form.
+///
+/// # Errors
+/// As [`follow_scans`].
+pub fn follow_scans_as<S: Stored>(
+    run: &Run,
+    map: &[u8],
+    config: Config,
+    seed: u64,
+) -> Result<Vec<f64>> {
     let site = Site::new(RadioMap::new(map)?, config)?;
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
-    let (mut tracker, mut workspace) = fresh();
+    let (mut tracker, mut workspace) = fresh::<S>();
     let mut places = Vec::new();
     for (step, scan) in run.scans.iter().enumerate() {
         for (beacon, level) in scan.iter().enumerate() {
@@ -98,21 +115,47 @@ pub fn follow_scans(run: &Run, map: &[u8], config: Config, seed: u64) -> Result<
 
 /// Where the tracker thinks a tag is at each of `times`, by the packets before it.
 ///
-/// As a gateway does that is asked, packets that wait for the end of their window are taken in first.
-///
 /// # Errors
-/// If a packet is refused for another reason than its strength, or there is none before the first time.
+/// As [`fixes`].
 pub fn follow(
     site: &Site<'_>,
     packets: &[Packet],
     times: &[f64],
     seed: u64,
 ) -> Result<Vec<[f64; 2]>> {
+    let fixes = fixes(site, packets, times, seed)?;
+    Ok(fixes
+        .into_iter()
+        .map(|fix| fix.position.map(f64::from))
+        .collect())
+}
+
+/// What the tracker knows of a tag at each of `times`, by the packets before it, on any map of up to 4096 points: the last fix,
+/// with the place where the tag is then if the velocity stays.
+///
+/// As a gateway does that is asked, packets that wait for the end of their window are taken in first.
+///
+/// # Errors
+/// If a packet is refused for another reason than its strength, or there is none before the first time.
+pub fn fixes(site: &Site<'_>, packets: &[Packet], times: &[f64], seed: u64) -> Result<Vec<Fix>> {
+    fixes_as::<Packed<2>>(site, packets, times, seed)
+}
+
+/// The same with particles that are stored in another form.
+///
+/// # Errors
+/// As [`fixes`].
+pub fn fixes_as<S: Stored>(
+    site: &Site<'_>,
+    packets: &[Packet],
+    times: &[f64],
+    seed: u64,
+) -> Result<Vec<Fix>> {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
-    let (mut tracker, mut workspace) = fresh();
+    let (mut tracker, mut workspace) = fresh::<S>();
     let milliseconds = |time: f64| (1000.0 * time).round() as u32;
     let mut packets = packets.iter().peekable();
-    let mut places = Vec::new();
+    let mut found = Vec::new();
     for time in times {
         while let Some(packet) = packets.next_if(|packet| packet.time < *time) {
             let time_ms = milliseconds(packet.time);
@@ -129,7 +172,10 @@ pub fn follow(
         let fix = tracker
             .fix()
             .with_context(|| format!("nothing was heard before {time} s"))?;
-        places.push(fix.position_at(milliseconds(*time)).map(f64::from));
+        found.push(Fix {
+            position: fix.position_at(milliseconds(*time)),
+            ..fix
+        });
     }
-    Ok(places)
+    Ok(found)
 }

@@ -2,51 +2,52 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use foxhunt::fingerprint::{
-    Config, Encoding, Lattice, Matcher, Posterior, RadioMap, Reading,
-    tracker::{self, Site},
+    Config, Lattice, Matcher, Posterior, RadioMap, Reading,
+    tracker::{self, Fix, Site},
 };
 
-use super::{POINTS, follow};
+use super::{POINTS, fixes};
 use crate::{
-    radio_map::{Options, SiteSurvey},
-    survey::Survey,
+    radio_map::{Choices, Made, Recipe, SiteSurvey},
     tetam,
     tunnel::Packet,
 };
 
-/// All walks of the data set.
+/// The survey of the data set, and all of its walks.
 #[derive(Debug, Clone)]
 pub struct Office {
     /// Places of the receivers, in metres.
     pub receivers: Vec<[f64; 2]>,
+    /// The readings that maps are made of.
+    pub survey: SiteSurvey,
     /// The walks, the straight ones first.
     pub walks: Vec<Walk>,
-    /// The survey's error between its places, in dB: see [`SiteSurvey::left_out`].
-    pub left_out_db: f64,
 }
 
 /// A walk, and the map that it is tracked on.
 #[derive(Debug, Clone)]
 pub struct Walk {
     /// Its name in the data set.
-    pub name: &'static str,
+    pub name: String,
     /// What was heard, in order of time; the "beacon" is the receiver.
     pub packets: Vec<Packet>,
     /// Where the tag was at each packet, in metres.
     pub truth: Vec<[f64; 2]>,
-    /// Whether it keeps to a corridor, whose map is one row along its middle.
+    /// Whether it keeps to a corridor, whose map is one row or one column along its middle.
     pub is_straight: bool,
-    /// Whether the map has x and y exchanged: its row goes north.
-    turned: bool,
+    /// How its map was made.
+    pub choices: Choices,
+    /// By point of the map, the error of a look that is expected there, in metres.
+    pub expected_m: Vec<f64>,
     map: Vec<u8>,
 }
 
 /// Seconds from one estimate to the next, and from the first packet to the first estimate.
 const EVERY: f64 = 2.0;
-/// Metres within which places count as surveyed: all of the floor does.
-const REACH: f64 = 10.0;
+/// A walk that does not leave a strip so wide, in metres, keeps to a corridor.
+const CORRIDOR: f64 = 1.0;
 
 impl Office {
     /// Reads the data set in `directory`, and makes the maps, with points every metre.
@@ -54,81 +55,88 @@ impl Office {
     /// # Errors
     /// If a file is missing or damaged.
     pub fn open(directory: &Path) -> Result<Self> {
-        let receivers = tetam::receivers(directory)?;
         let survey = tetam::survey(directory)?;
-        let plane = map_of(
-            &survey,
-            &receivers,
-            Lattice::new([-0.25, -0.5], 1.0, 22, 20)?,
-        )?;
-        let straight = |south: f32| -> Result<_> {
-            map_of(
-                &survey,
-                &receivers,
-                Lattice::new([-0.2, south], 1.0, 22, 1)?,
-            )
-        };
-        let turn = |places: &[[f64; 2]]| places.iter().map(|&[x, y]| [y, x]).collect();
-        let turned = Survey {
-            places: turn(&survey.places),
-            ..survey.clone()
-        };
-        let turned_receivers: Vec<[f64; 2]> = turn(&receivers);
-        let north = map_of(
-            &turned,
-            &turned_receivers,
-            Lattice::new([-0.5, 11.5], 1.0, 20, 1)?,
-        )?;
-        let maps = [
-            straight(8.46)?,
-            straight(4.36)?,
-            north,
-            plane.clone(),
-            plane,
-        ];
-        let walks = tetam::WALKS.into_iter().zip(maps).enumerate();
-        let walk = |(number, (name, map)): (usize, (&'static str, Vec<u8>))| {
-            let walk = tetam::walk(directory, name)?;
-            Ok(Walk {
-                name,
-                packets: walk.packets,
-                truth: walk.truth,
-                is_straight: number < 3,
-                turned: number == 2,
-                map,
-            })
-        };
-        let site = SiteSurvey::of(&survey, &numbers(&receivers));
-        Ok(Self {
-            walks: walks.map(walk).collect::<Result<_>>()?,
-            left_out_db: site.left_out(&options(&receivers)),
+        let receivers = tetam::receivers(directory)?;
+        let mut office = Self {
+            survey: SiteSurvey::of(&survey, &numbers(&receivers)),
             receivers,
+            walks: Vec::new(),
+        };
+        let walks: Vec<Walk> = tetam::WALKS
+            .iter()
+            .map(|name| office.walk(directory, name))
+            .collect::<Result<_>>()?;
+        office.walks = walks;
+        Ok(office)
+    }
+
+    /// How well the maps predict places that are left out with their neighbours, in dB.
+    pub fn left_out_db(&self) -> f64 {
+        let first = self.walks.first();
+        first.map_or(f64::NAN, |walk| walk.choices.left_out_db)
+    }
+
+    /// A map of the survey on a lattice.
+    ///
+    /// # Errors
+    /// If none can be made.
+    pub fn map(&self, lattice: Lattice) -> Result<Made> {
+        let receivers = self.receivers.iter().copied();
+        let recipe = Recipe {
+            sources: numbers(&self.receivers)
+                .into_iter()
+                .zip(receivers)
+                .collect(),
+            ..Recipe::on(lattice)
+        };
+        self.survey.map(&recipe, &mut |_| ())
+    }
+
+    /// Any walk of the data set in `directory`, with its map: of the corridor that it keeps to, or of the floor.
+    ///
+    /// # Errors
+    /// If there is no such walk.
+    pub fn walk(&self, directory: &Path, name: &str) -> Result<Walk> {
+        let tetam::Walk { packets, truth } = tetam::walk(directory, name)?;
+        let (lattice, is_straight) = lattice(&truth)?;
+        let made = self.map(lattice)?;
+        Ok(Walk {
+            name: name.to_owned(),
+            packets,
+            truth,
+            is_straight,
+            choices: made.choices,
+            expected_m: made.expected.by_point_m,
+            map: made.bytes,
         })
     }
+}
+
+/// Where a walk is tracked: along the corridor that it keeps to, or on the whole floor; and whether it keeps to one.
+pub(crate) fn lattice(truth: &[[f64; 2]]) -> Result<(Lattice, bool)> {
+    ensure!(!truth.is_empty(), "the walk has no packets");
+    let [x, y] = [0, 1].map(|axis| {
+        let along = truth.iter().map(|place| place[axis]);
+        let least = along.clone().fold(f64::INFINITY, f64::min);
+        let most = along.fold(f64::NEG_INFINITY, f64::max);
+        (0.5 * (least + most), most - least)
+    });
+    let lattice = if y.1 < CORRIDOR {
+        Lattice::new([-0.2, y.0 as f32], 1.0, 22, 1)
+    } else if x.1 < CORRIDOR {
+        Lattice::new([x.0 as f32, -0.5], 1.0, 1, 20)
+    } else {
+        Lattice::new([-0.25, -0.5], 1.0, 22, 20)
+    }?;
+    Ok((lattice, y.1.min(x.1) < CORRIDOR))
 }
 
 fn numbers(receivers: &[[f64; 2]]) -> Vec<u32> {
     (0..receivers.len() as u32).collect()
 }
 
-fn options(receivers: &[[f64; 2]]) -> Options {
-    Options {
-        reach: Some(REACH),
-        sources: numbers(receivers)
-            .into_iter()
-            .zip(receivers.iter().copied())
-            .collect(),
-        ..Options::default()
-    }
-}
-
-fn map_of(survey: &Survey, receivers: &[[f64; 2]], lattice: Lattice) -> Result<Vec<u8>> {
-    let site = SiteSurvey::of(survey, &numbers(receivers));
-    site.radio_map(&lattice, Encoding::Moments, &options(receivers))
-}
-
 impl Walk {
-    /// The map: in its frame, not in that of the truth.
+    /// The map.
     ///
     /// # Errors
     /// Never: it was made by the same program.
@@ -136,9 +144,10 @@ impl Walk {
         RadioMap::new(&self.map).context("the bytes of its own map are not valid")
     }
 
-    /// A place of the map's frame in that of the truth, and the other way round.
+    /// A place with x along the corridor, if the walk keeps to one that goes along y; and the other way round.
     pub fn turn(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        if self.turned { [y, x] } else { [x, y] }
+        let is_column = RadioMap::new(&self.map).is_ok_and(|map| map.lattice().columns() == 1);
+        if is_column { [y, x] } else { [x, y] }
     }
 
     /// When the tag's place is asked for: every 2 s, from 2 s after the first packet.
@@ -157,6 +166,20 @@ impl Walk {
         self.truth[packet.saturating_sub(1)]
     }
 
+    /// What the tracker knew at each of `times`, by `packets`, which may be others than its own.
+    ///
+    /// # Errors
+    /// If a packet is refused.
+    pub fn fixes(
+        &self,
+        packets: &[Packet],
+        times: &[f64],
+        config: tracker::Config,
+        seed: u64,
+    ) -> Result<Vec<Fix>> {
+        fixes(&Site::new(self.map()?, config)?, packets, times, seed)
+    }
+
     /// Where the tracker thinks the tag was at each of `times`, by `packets`, which may be others than its own.
     ///
     /// # Errors
@@ -168,9 +191,11 @@ impl Walk {
         config: tracker::Config,
         seed: u64,
     ) -> Result<Vec<[f64; 2]>> {
-        let site = Site::new(self.map()?, config)?;
-        let places = follow(&site, packets, times, seed)?;
-        Ok(places.into_iter().map(|place| self.turn(place)).collect())
+        let fixes = self.fixes(packets, times, config, seed)?;
+        Ok(fixes
+            .into_iter()
+            .map(|fix| fix.position.map(f64::from))
+            .collect())
     }
 
     /// Where a matcher with Gaussian levels puts the packets of the last 2 s before each of `times`: the mean over the
@@ -185,7 +210,7 @@ impl Walk {
             let beacons = self.map()?.beacons();
             let scan = mean_levels(packets, beacons, time - EVERY..*time, &Config::DEFAULT);
             let found = matcher.locate(&scan, &mut posterior)?;
-            Ok(self.turn(found.mean.map(f64::from)))
+            Ok(found.mean.map(f64::from))
         };
         times.iter().map(&mut at).collect()
     }

@@ -3,7 +3,7 @@
 use std::{fs, path::PathBuf};
 
 use foxhunt::fingerprint::{Encoding, MapError, RadioMap};
-use foxhunt_host::radio_map::{Options, SiteSurvey, rust_constant};
+use foxhunt_host::radio_map::{Recipe, SiteSurvey, rust_constant};
 
 use crate::site::*;
 
@@ -52,13 +52,14 @@ fn a_map_holds_what_was_surveyed() {
                 .map(|i| f64::from(sample(beacon, place, i)))
                 .collect();
             let mean = values.iter().sum::<f64>() / EACH as f64;
-            let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-            let sigma = (squares / (EACH - 1) as f64).sqrt();
             let moments = map.moments(beacon, point).unwrap();
-            assert!((f64::from(moments.mean_dbm) - mean).abs() <= 0.2501);
-            assert!((f64::from(moments.sigma_db) - sigma).abs() <= 0.1251);
+            // Neighbours have a say, and noise of 3 dB in 16 readings.
+            assert!((f64::from(moments.mean_dbm) - mean).abs() <= 2.0);
+            assert!(moments.sigma_db < 2.0);
         }
     }
+    assert!((f64::from(map.noise_db()) - 2.8).abs() < 1.5);
+    assert!(map.error_length_m() > 0.0 && map.by_hand() == 1);
     assert!(map.moments(4, 0).is_none() && map.moments(0, 80).is_none());
     assert!(map.moments(usize::MAX, usize::MAX).is_none());
     assert_eq!(map.log_density(0, -50.0, 0), None);
@@ -97,10 +98,7 @@ fn the_table_is_the_kernel_density_to_half_a_step() {
 fn between_the_places_of_a_survey_the_field_is_smooth() {
     // Every other metre surveyed, every metre in the map.
     let survey = survey(&line().into_iter().step_by(2).collect::<Vec<_>>());
-    let lattice = survey.lattice(1.0).unwrap();
-    let bytes = survey
-        .radio_map(&lattice, Encoding::Moments, &Options::default())
-        .unwrap();
+    let bytes = map(&survey, 1.0, Encoding::Moments);
     let sparse = RadioMap::new(&bytes).unwrap();
     let dense = tunnel(Encoding::Moments);
     let dense = RadioMap::new(&dense).unwrap();
@@ -111,68 +109,62 @@ fn between_the_places_of_a_survey_the_field_is_smooth() {
                 sparse.moments(beacon, point).unwrap(),
                 dense.moments(beacon, point).unwrap(),
             );
-            if point % 2 == 0 {
-                assert_eq!(got, truth);
-            } else {
-                squares += (got.mean_dbm - truth.mean_dbm).powi(2) / 156.0;
-            }
+            squares += (got.mean_dbm - truth.mean_dbm).powi(2) / 316.0;
         }
     }
     assert!(squares.sqrt() < 1.2, "{}", squares.sqrt());
 }
 
 #[test]
-fn options_that_make_no_sense_are_refused() {
+fn recipes_that_make_no_sense_are_refused() {
     let survey = survey(&line());
-    let lattice = survey.lattice(1.0).unwrap();
-    for (options, name) in [
-        (
-            Options {
-                bandwidth: 0.0,
-                ..Options::default()
-            },
-            "bandwidth",
-        ),
-        (
-            Options {
-                bandwidth: f64::NAN,
-                ..Options::default()
-            },
-            "bandwidth",
-        ),
-        (
-            Options {
-                outliers: 0.0,
-                ..Options::default()
-            },
-            "outliers",
-        ),
-        (
-            Options {
-                levels: 1,
-                ..Options::default()
-            },
-            "levels",
-        ),
-        (
-            Options {
-                reach: Some(f64::NAN),
-                ..Options::default()
-            },
-            "reach",
-        ),
-    ] {
-        let error = survey
-            .radio_map(&lattice, Encoding::Levels, &options)
-            .unwrap_err();
+    type Change = fn(&mut Recipe);
+    let changes: [(Change, &str); 9] = [
+        (|r| r.bandwidth_db = 0.0, "bandwidth"),
+        (|r| r.bandwidth_db = f64::NAN, "bandwidth"),
+        (|r| r.outliers = 0.0, "outliers"),
+        (|r| r.levels = 1, "levels"),
+        (|r| r.reach_m = Some(f64::NAN), "reach"),
+        (|r| r.cell_m = Some(-1.0), "cell"),
+        (|r| r.sigma_db = Some(16.0), "sigma"),
+        (|r| r.length_m = Some(f64::INFINITY), "length"),
+        (|r| r.spacing_m = Some(0.0), "spacing"),
+    ];
+    for (change, name) in changes {
+        let mut recipe = Recipe::default();
+        change(&mut recipe);
+        let error = survey.map(&recipe, &mut |_| ()).unwrap_err();
         assert!(error.to_string().contains(name), "{error}");
     }
     let none = SiteSurvey::new([]);
     assert!(none.lattice(1.0).is_err());
-    let error = none
-        .radio_map(&lattice, Encoding::Moments, &Options::default())
-        .unwrap_err();
+    let error = none.map(&Recipe::default(), &mut |_| ()).unwrap_err();
     assert!(error.to_string().contains("0 beacons"), "{error}");
+}
+
+#[test]
+fn what_was_stated_is_in_the_header() {
+    let survey = survey(&line());
+    let recipe = Recipe {
+        sigma_db: Some(3.0),
+        length_m: Some(4.0),
+        packet_sigma_db: Some(5.0),
+        days: Some(20_000),
+        ..Recipe::default()
+    };
+    let mut done = 0.0;
+    let mut progress = |fraction: f64| {
+        assert!(fraction >= done && fraction <= 1.0);
+        done = fraction;
+    };
+    let made = survey.map(&recipe, &mut progress).unwrap();
+    assert_eq!(done, 1.0);
+    let map = RadioMap::new(&made.bytes).unwrap();
+    assert_eq!((map.error_length_m(), map.noise_db()), (4.0, 5.0));
+    assert_eq!((map.surveyed_on(), map.by_hand()), (Some(20_000), 0b111000));
+    let sigma = map.moments(0, 0).unwrap().sigma_db;
+    assert!((3.0..4.0).contains(&sigma), "{sigma}");
+    assert_eq!(made.expected.by_point_m.len(), map.lattice().points());
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use foxhunt::fingerprint::{
     Config, Encoding, Match, Matcher, Posterior, RadioMap, Reading, ReadingError,
 };
-use foxhunt_host::radio_map::{self, Options, SiteSurvey};
+use foxhunt_host::radio_map::{self, Recipe, SiteSurvey};
 
 use crate::site::*;
 
@@ -29,12 +29,7 @@ fn half_heard() -> [Vec<u8>; 2] {
         }
     }
     let survey = SiteSurvey::new(readings);
-    let lattice = survey.lattice(1.0).unwrap();
-    [Encoding::Moments, Encoding::Levels].map(|encoding| {
-        survey
-            .radio_map(&lattice, encoding, &Options::default())
-            .unwrap()
-    })
+    [Encoding::Moments, Encoding::Levels].map(|encoding| map(&survey, 1.0, encoding))
 }
 
 /// The weight of the left half, by each of the matchers.
@@ -75,26 +70,36 @@ fn a_missing_beacon_says_something_only_if_asked() {
 }
 
 #[test]
-fn points_far_from_the_survey_are_left_out() {
+fn where_nobody_has_been_a_map_is_uncertain_and_not_impossible() {
     let gap: Vec<[f64; 2]> = line()
         .into_iter()
         .filter(|[x, _]| !(30.0..50.0).contains(x))
         .collect();
     let survey = survey(&gap);
-    let lattice = survey.lattice(1.0).unwrap();
-    for encoding in [Encoding::Moments, Encoding::Levels] {
-        let bytes = survey
-            .radio_map(&lattice, encoding, &Options::default())
-            .unwrap();
-        let map = RadioMap::new(&bytes).unwrap();
-        let surveyed: Vec<bool> = (0..80).map(|point| map.is_surveyed(point)).collect();
-        assert!(surveyed[30] && surveyed[49] && !surveyed[31..49].contains(&true));
-        assert!(!map.is_surveyed(80) && !map.is_surveyed(usize::MAX));
+    let bytes = map(&survey, 1.0, Encoding::Moments);
+    let free = RadioMap::new(&bytes).unwrap();
+    assert!((0..80).all(|point| free.is_possible(point)));
+    for beacon in 0..BEACONS {
+        let [known, near, far] = [20, 31, 40].map(|point| free.moments(beacon, point).unwrap());
+        assert!(known.sigma_db < near.sigma_db && near.sigma_db < far.sigma_db);
+    }
+    let recipe = Recipe {
+        spacing_m: Some(1.0),
+        reach_m: Some(1.5),
+        ..Recipe::default()
+    };
+    let bytes = survey.map(&recipe, &mut |_| ()).unwrap().bytes;
+    let walled = RadioMap::new(&bytes).unwrap();
+    let possible: Vec<bool> = (0..80).map(|point| walled.is_possible(point)).collect();
+    assert!(possible[30] && possible[49] && !possible[31..49].contains(&true));
+    assert!(!walled.is_possible(80) && !walled.is_possible(usize::MAX));
+    let scan = scan([40.0, 1.75]);
+    for (map, is_free) in [(free, true), (walled, false)] {
         let mut posterior = Posterior::<80>::EMPTY;
-        let scan = scan([40.0, 1.75]);
         let matcher = Matcher::new(map, &UNTEMPERED).unwrap();
         matcher.locate(&scan, &mut posterior).unwrap();
-        assert!(posterior.weights()[31..49].iter().all(|w| *w == 0.0));
+        let inside: f32 = posterior.weights()[31..49].iter().sum();
+        assert_eq!(inside > 0.0, is_free, "{inside}");
         assert!((posterior.weights().iter().sum::<f32>() - 1.0).abs() < 1e-5);
     }
 }

@@ -1,7 +1,7 @@
 //! A tunnel and a hall, their surveys and scans, and the same sums in f64.
 
 use foxhunt::fingerprint::{Config, Encoding, Reading};
-use foxhunt_host::radio_map::{self, Options, SiteSurvey};
+use foxhunt_host::radio_map::{self, Recipe, SiteSurvey};
 
 pub const POINTS: usize = 80;
 pub const BEACONS: usize = 4;
@@ -40,20 +40,22 @@ pub fn hall() -> Vec<[f64; 2]> {
         .collect()
 }
 
+/// A map with points so many metres apart.
+pub fn map(survey: &SiteSurvey, spacing: f64, encoding: Encoding) -> Vec<u8> {
+    let recipe = Recipe {
+        spacing_m: Some(spacing),
+        encoding,
+        ..Recipe::default()
+    };
+    survey.map(&recipe, &mut |_| ()).unwrap().bytes
+}
+
 pub fn tunnel(encoding: Encoding) -> Vec<u8> {
-    let survey = survey(&line());
-    let lattice = survey.lattice(1.0).unwrap();
-    survey
-        .radio_map(&lattice, encoding, &Options::default())
-        .unwrap()
+    map(&survey(&line()), 1.0, encoding)
 }
 
 pub fn hall_map() -> Vec<u8> {
-    let survey = survey(&hall());
-    let lattice = survey.lattice(2.5).unwrap();
-    survey
-        .radio_map(&lattice, Encoding::Moments, &Options::default())
-        .unwrap()
+    map(&survey(&hall()), 2.5, Encoding::Moments)
 }
 
 pub fn scan(position: [f64; 2]) -> [Reading; BEACONS] {

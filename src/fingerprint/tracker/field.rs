@@ -1,288 +1,292 @@
-//! The likelihood of a scan at every point of the map, and between the points.
+//! The likelihood of a scan at the points of the map, and between them.
 
-use super::Config;
+use super::cloud::Cloud;
+use super::comparison::{Comparison, Found, Past, Slope};
 use super::offset::OffsetBelief;
-use super::pending::Level;
-use crate::fingerprint::{Lattice, RadioMap, map::LOWEST_MEAN_DBM};
-use crate::math::{exp_of_weight, ln};
+use crate::fingerprint::{Lattice, RadioMap};
+use crate::math::exp_of_weight;
 
-/// The log-likelihood of every point, up to a common summand.
+/// What a scan says of the points about the particles.
 ///
-/// It is computed for each point, not for each particle: there are about as many points as particles, and a particle then
-/// takes only an interpolation.
+/// It is computed for each point, not for each particle: there are fewer points about a cloud than particles in it, and a
+/// particle then takes only an interpolation. Where a particle was when it heard what is remembered is not the same for
+/// all that are at a point: that is what the slopes are for.
 #[derive(Debug, Clone)]
 pub(super) struct Field<const P: usize> {
-    log_likelihoods: [f32; P],
-    /// By point: the correction of the mean of the offset, if the tag has one.
-    shifts: [f32; P],
-    /// By point: the probability that the tag has an offset.
-    probabilities: [f32; P],
+    points: [Point; P],
     /// How much the scan adds to the precision of the offset, per dB^2: the mean over the points.
-    pub precision: f32,
-    /// The mean over the points of the likelihood, relative to that of the best point.
+    precision: f32,
+    /// The log-likelihood of the best point, if nothing is remembered.
+    pub top: f32,
+    /// The mean over the map of the likelihood, relative to that of the best point, if nothing is remembered.
     pub mean: f32,
 }
 
-/// A beacon of a scan, ready to be compared. Levels are in halves of a dB, as the means of the map.
-struct Comparison<'a> {
-    row: &'a [[u8; 2]],
-    /// Above the lowest mean.
-    level: f32,
-    /// The factor of the squared sigma, in quarters of a dB, for the mean of several packets.
-    scale: f32,
+/// What a scan says of a point.
+#[derive(Debug, Clone, Copy)]
+struct Point {
+    log_likelihood: f32,
+    slope: Slope,
+    /// The correction of the mean of the offset, if the tag has one, and the probability that it has one.
+    shift: f32,
+    probability: f32,
+    /// Of the particles that are nearest to it; or a mark.
+    weight: f32,
+}
+
+impl Point {
+    const EMPTY: Self = Self {
+        log_likelihood: 0.0,
+        slope: Slope::ZERO,
+        shift: 0.0,
+        probability: 0.0,
+        weight: 0.0,
+    };
+
+    #[inline(always)]
+    fn set(&mut self, found: &Found, slope: &Slope) {
+        self.log_likelihood = found.log_likelihood;
+        self.slope = *slope;
+        self.shift = found.shift;
+        self.probability = found.probability;
+    }
+}
+
+/// The mean of likelihoods relative to the largest, as they come.
+struct Mean {
+    top: f32,
+    sum: f32,
+    count: u16,
+}
+
+impl Mean {
+    const EMPTY: Self = Self {
+        top: f32::NEG_INFINITY,
+        sum: 0.0,
+        count: 0,
+    };
+
+    #[inline(always)]
+    fn add(&mut self, log_likelihood: f32) {
+        if log_likelihood > self.top {
+            self.sum *= exp_of_weight(self.top - log_likelihood);
+            self.top = log_likelihood;
+        }
+        // Nothing for NaN: both may be minus infinity.
+        self.sum += exp_of_weight(log_likelihood - self.top);
+        self.count = self.count.saturating_add(1);
+    }
 }
 
 impl<const P: usize> Field<P> {
     pub const EMPTY: Self = Self {
-        log_likelihoods: [0.0; P],
-        shifts: [0.0; P],
-        probabilities: [0.0; P],
+        points: [Point::EMPTY; P],
         precision: 0.0,
+        top: 0.0,
         mean: 0.0,
     };
 
-    /// Compares a scan with every point: under the better of two hypotheses, that the tag has no offset and that it has
-    /// one.
-    pub fn look_up<const B: usize>(
+    /// Points of which the mean over a large map is taken at the least: fewer are work saved, and noise in the evidence.
+    const SAMPLE: usize = 16;
+
+    /// Compares a scan with every point, by nothing that is remembered.
+    #[inline(never)]
+    pub fn look_up_all<const B: usize>(&mut self, map: &RadioMap<'_>, scan: &Comparison<'_, B>) {
+        let mut mean = Mean::EMPTY;
+        let mut precision = 0.0;
+        let points = map.lattice().points();
+        for (number, point) in self.points.iter_mut().enumerate().take(points) {
+            let found = if map.is_possible(number) {
+                scan.anew_at(number)
+            } else {
+                Found::NOWHERE
+            };
+            point.set(&found, &Slope::ZERO);
+            precision += found.precision;
+            mean.add(found.log_likelihood);
+        }
+        self.precision = precision / points as f32;
+        (self.top, self.mean) = (mean.top, mean.sum / f32::from(mean.count));
+    }
+
+    /// Takes the mean over the map, by points that are spread evenly: others at every time.
+    #[inline(never)]
+    pub fn sample<const B: usize>(
         &mut self,
         map: &RadioMap<'_>,
-        config: &Config,
-        belief: &OffsetBelief,
-        scan: &[Level; B],
+        scan: &Comparison<'_, B>,
+        time: u32,
     ) {
-        let mut comparisons: heapless::Vec<Comparison<'_>, B> = heapless::Vec::new();
-        for (beacon, level) in scan.iter().enumerate() {
-            if let (Some(row), 1..) = (map.moments_row(beacon), level.packets) {
-                // There are no more than levels.
-                let _ = comparisons.push(Comparison {
-                    row,
-                    level: 2.0 * (level.mean_dbm - LOWEST_MEAN_DBM),
-                    scale: 0.25 / f32::from(level.packets)
-                        + 0.25 / f32::from(config.survey_samples),
-                });
+        let points = map.lattice().points();
+        // Even strides would stay in some columns of a map whose rows have an even number of points.
+        let stride = points / Self::SAMPLE | 1;
+        let mut mean = Mean::EMPTY;
+        let mut point = (time as usize).checked_rem(stride).unwrap_or(0);
+        while point < points {
+            if map.is_complete() || map.is_possible(point) {
+                mean.add(scan.anew_at(point).log_likelihood);
+            } else {
+                mean.add(f32::NEG_INFINITY);
+            }
+            point += stride;
+        }
+        (self.top, self.mean) = (mean.top, mean.sum / f32::from(mean.count));
+    }
+
+    /// Compares a scan with the corners of the cells that have particles, which moved by about so many steps since what is
+    /// remembered.
+    #[inline(never)]
+    pub fn look_up_at<const N: usize, const B: usize>(
+        &mut self,
+        cloud: &Cloud<N>,
+        lattice: &Lattice,
+        scan: &Comparison<'_, B>,
+        moved: [f32; 2],
+    ) {
+        for point in &mut self.points {
+            point.weight = 0.0;
+        }
+        for cell in &cloud.cells {
+            if let Some(point) = self.points.get_mut(usize::from(*cell)) {
+                point.weight = 1.0;
             }
         }
-        let points = map.lattice().points();
-        let mut top = f32::NEG_INFINITY;
-        let mut precision = 0.0;
-        let each = self
-            .log_likelihoods
-            .iter_mut()
-            .zip(&mut self.shifts)
-            .zip(&mut self.probabilities);
-        for (point, ((log_likelihood, shift), probability)) in each.enumerate().take(points) {
-            let mut sums = Sums::new(config, belief);
-            for Comparison { row, level, scale } in &comparisons {
-                if let Some([sigma, mean]) = row.get(point) {
-                    let sigma = f32::from(*sigma);
-                    sums.add(level - f32::from(*mean), sigma * sigma * scale);
+        let is_plane = lattice.is_plane();
+        let [columns, rows] = if is_plane {
+            [lattice.columns(), lattice.rows()]
+        } else {
+            [lattice.points(), 1]
+        };
+        let (mut precision, mut count) = (0.0, 0u16);
+        let mut first = 0;
+        for row in 0..rows {
+            let (below, across) = back(row, rows, moved[1]);
+            for column in 0..columns {
+                let number = first + column;
+                if !self.is_corner(number, columns) {
+                    continue;
+                }
+                let (left, along) = back(column, columns, moved[0]);
+                let past = Past {
+                    first: below * columns + left,
+                    fractions: [along, across],
+                };
+                let (found, slope) = if is_plane {
+                    scan.at_point::<true>(number, &past)
+                } else {
+                    scan.at_point::<false>(number, &past)
+                };
+                precision += found.precision;
+                count += 1;
+                if let Some(point) = self.points.get_mut(number) {
+                    point.set(&found, &slope);
                 }
             }
-            let found = sums.conclude();
-            precision += found.precision;
-            *shift = found.shift;
-            *probability = found.probability;
-            *log_likelihood = if map.is_surveyed(point) {
-                found.log_likelihood
+            first += columns;
+        }
+        self.precision = precision / f32::from(count.max(1));
+    }
+
+    /// Whether one of the cells that a point is a corner of is marked.
+    #[inline(always)]
+    fn is_corner(&self, point: usize, columns: usize) -> bool {
+        let is_marked = |cell: Option<usize>| {
+            let cell = cell.and_then(|cell| self.points.get(cell));
+            cell.is_some_and(|cell| cell.weight > 0.0)
+        };
+        is_marked(Some(point))
+            || is_marked(point.checked_sub(1))
+            || is_marked(point.checked_sub(columns))
+            || is_marked(point.checked_sub(columns + 1))
+    }
+
+    /// The log-likelihood on a map of one row or one column, in a cell, a fraction of it beyond its first point, after a move
+    /// that is by so much larger than that of the others.
+    #[inline(always)]
+    pub fn on_line(&self, cell: u16, fraction: f32, further: f32) -> f32 {
+        let pair = self.points.get(usize::from(cell)..);
+        match pair.and_then(|rest| rest.first_chunk()) {
+            Some([a, b]) => {
+                let nearest = if fraction < 0.5 { a } else { b };
+                mix(a, b, fraction) + nearest.slope.at::<false>([further, 0.0])
+            }
+            None => f32::NEG_INFINITY,
+        }
+    }
+
+    /// The same on a map of several rows and columns.
+    #[inline(always)]
+    pub fn in_plane(&self, cell: u16, columns: usize, [s, t]: [f32; 2], further: [f32; 2]) -> f32 {
+        let first = usize::from(cell);
+        let pair = |first: usize| self.points.get(first..).and_then(|rest| rest.first_chunk());
+        let (Some([a, b]), Some([c, d])) = (pair(first), pair(first + columns)) else {
+            return f32::NEG_INFINITY;
+        };
+        let [near, far] = if s < 0.5 { [a, c] } else { [b, d] };
+        let nearest = if t < 0.5 { near } else { far };
+        let [below, above] = [mix(a, b, s), mix(c, d, s)];
+        below + t * (above - below) + nearest.slope.at::<true>(further)
+    }
+
+    /// Teaches the belief about the offset what the particles think of it, whose weights add up to `total`: each as the point
+    /// that is nearest to it.
+    #[inline(never)]
+    pub fn teach<const N: usize>(
+        &mut self,
+        belief: &mut OffsetBelief,
+        lattice: &Lattice,
+        cloud: &Cloud<N>,
+        total: f32,
+    ) {
+        if !belief.is_estimated() {
+            return;
+        }
+        let points = self.points.get_mut(..lattice.points()).unwrap_or_default();
+        for point in points.iter_mut() {
+            point.weight = 0.0;
+        }
+        // Saturates; NaN becomes 0.
+        let nearest = |steps: f32| (steps + 0.5) as usize;
+        let [x, y] = &cloud.places;
+        let is_plane = lattice.is_plane();
+        for (weight, (x, y)) in cloud.weights.iter().zip(x.iter().zip(y)) {
+            let column = nearest(*x);
+            let number = if is_plane {
+                nearest(*y) * lattice.columns() + column
             } else {
-                f32::NEG_INFINITY
+                column
             };
-            if *log_likelihood > top {
-                top = *log_likelihood;
+            if let Some(point) = points.get_mut(number) {
+                point.weight += weight;
             }
         }
-        let mut sum = 0.0;
-        for log_likelihood in self.log_likelihoods.iter_mut().take(points) {
-            *log_likelihood -= top;
-            sum += exp_of_weight(*log_likelihood);
-        }
-        let each = 1.0 / points as f32;
-        self.precision = precision * each;
-        self.mean = sum * each;
-    }
-
-    /// The log-likelihood of a place on a map of one row or one column, by its coordinate along that; minus infinity
-    /// beyond the map.
-    #[inline(always)]
-    pub fn on_line(&self, lattice: &Lattice, coordinate: f32, origin: f32) -> f32 {
-        let steps = (coordinate - origin) * lattice.per_metre();
-        match before(steps, lattice.points()) {
-            Some((first, fraction)) => self.between(first, fraction),
-            None => f32::NEG_INFINITY,
-        }
-    }
-
-    /// The log-likelihood of a place on a map of several rows and columns; minus infinity beyond the map.
-    #[inline(always)]
-    pub fn in_plane(&self, lattice: &Lattice, [x, y]: [f32; 2]) -> f32 {
-        let [x0, y0] = lattice.origin();
-        let Some((column, s)) = before((x - x0) * lattice.per_metre(), lattice.columns()) else {
-            return f32::NEG_INFINITY;
-        };
-        let Some((row, t)) = before((y - y0) * lattice.per_metre(), lattice.rows()) else {
-            return f32::NEG_INFINITY;
-        };
-        let first = row * lattice.columns() + column;
-        let above = first + lattice.columns();
-        mix(self.between(first, s), self.between(above, s), t)
-    }
-
-    /// Interpolates between a point and the next one.
-    #[inline(always)]
-    fn between(&self, first: usize, fraction: f32) -> f32 {
-        let pair = self.log_likelihoods.get(first..);
-        match pair.and_then(|rest| rest.first_chunk()) {
-            Some([a, b]) => mix(*a, *b, fraction),
-            None => f32::NEG_INFINITY,
-        }
-    }
-
-    /// By the point nearest to a place: the probability of an offset, and the correction of its mean.
-    #[inline(always)]
-    pub fn offset_at(&self, lattice: &Lattice, place: [f32; 2]) -> [f32; 2] {
-        let point = lattice.nearest(place);
-        match (self.probabilities.get(point), self.shifts.get(point)) {
-            (Some(probability), Some(shift)) => [*probability, *shift],
-            _ => [0.0; 2],
-        }
+        let opinions = points
+            .iter()
+            .map(|point| (point.weight, [point.probability, point.shift]));
+        belief.learn(self.precision, total, opinions);
     }
 
     /// The likelihood of every point, relative to the best one.
     pub fn likelihoods(&self, lattice: &Lattice) -> impl Iterator<Item = f32> {
-        let points = self.log_likelihoods.iter().take(lattice.points());
-        points.map(|log_likelihood| exp_of_weight(*log_likelihood))
+        let points = self.points.iter().take(lattice.points());
+        points.map(|point| exp_of_weight(point.log_likelihood - self.top))
     }
 }
 
-/// The last point at or before a place, so many `steps` from the first of `points` in a line, and the fraction of a step
-/// beyond it; none beyond the line, or for NaN.
+/// The point and the fraction of a step beyond it where a tag was, so many steps before, that is at a point of a line; within
+/// the line.
 #[inline(always)]
-fn before(steps: f32, points: usize) -> Option<(usize, f32)> {
+fn back(point: usize, points: usize, moved: f32) -> (usize, f32) {
     let last = points.saturating_sub(1);
-    if !(steps >= 0.0 && steps <= last as f32) {
-        return None;
-    }
-    let first = (steps as usize).min(last.saturating_sub(1));
-    Some((first, steps - first as f32))
+    let place = point as f32 - moved;
+    // Saturates; NaN becomes 0.
+    let first = (place as usize).min(last.saturating_sub(1));
+    let fraction = place - first as f32;
+    (first, fraction.clamp(0.0, 1.0))
 }
 
-/// Interpolates between `a` and `b`; minus infinity if one of them is.
+/// Interpolates between `a` and `b`.
 #[inline(always)]
-fn mix(a: f32, b: f32, fraction: f32) -> f32 {
-    let lowest = if a < b { a } else { b };
-    if lowest == f32::NEG_INFINITY {
-        lowest
-    } else {
-        a + fraction * (b - a)
-    }
-}
-
-/// Sums over the beacons of a scan at one point, in halves of a dB.
-struct Sums<'a> {
-    config: &'a Config,
-    belief: &'a OffsetBelief,
-    /// Of the offset.
-    mean: f32,
-    variance: f32,
-    /// The largest cost of a reading, doubled as all costs.
-    gate: f32,
-    mismatch: f32,
-    /// Without an offset.
-    cost: f32,
-    /// With the mean of the offset.
-    cost_with: f32,
-    /// Over the readings within the gate of the offset: precisions, and differences weighted by them.
-    precision: f32,
-    weighted: f32,
-    /// Product of all precisions; its logarithm is taken when it gets small.
-    product: f32,
-}
-
-/// The result of one point.
-struct Found {
-    log_likelihood: f32,
-    precision: f32,
-    shift: f32,
-    probability: f32,
-}
-
-impl<'a> Sums<'a> {
-    #[inline(always)]
-    fn new(config: &'a Config, belief: &'a OffsetBelief) -> Self {
-        Self {
-            config,
-            belief,
-            mean: 2.0 * belief.mean_db,
-            variance: 4.0 * belief.variance,
-            gate: config.gate_sigmas * config.gate_sigmas,
-            mismatch: 4.0 * config.mismatch_sigma_db * config.mismatch_sigma_db,
-            cost: 0.0,
-            cost_with: 0.0,
-            precision: 0.0,
-            weighted: 0.0,
-            product: 1.0,
-        }
-    }
-
-    /// Adds a reading that differs so much from the mean of the map, which has this variance.
-    #[inline(always)]
-    fn add(&mut self, difference: f32, variance: f32) {
-        let precision = 1.0 / (variance + self.mismatch);
-        let least = |a: f32, b: f32| if a < b { a } else { b };
-        self.cost += least(difference * difference * precision, self.gate);
-        if self.belief.is_estimated() {
-            let difference = difference - self.mean;
-            let cost = difference * difference * precision;
-            // An offset that is not known well leaves room for larger differences.
-            if cost < self.gate * (1.0 + self.variance * precision) {
-                self.cost_with += cost;
-                self.precision += precision;
-                self.weighted += difference * precision;
-            } else {
-                self.cost_with += self.gate;
-            }
-        }
-        self.product *= precision;
-        if self.product < 1e-25 {
-            let logarithm = ln(self.product);
-            self.cost -= logarithm;
-            self.cost_with -= logarithm;
-            self.product = 1.0;
-        }
-    }
-
-    #[inline(always)]
-    fn conclude(self) -> Found {
-        let tempering = self.config.tempering;
-        let logarithm = ln(self.product);
-        let half = 0.5 * tempering;
-        let without = half * (logarithm - self.cost);
-        if !self.belief.is_estimated() {
-            return Found {
-                log_likelihood: without,
-                precision: 0.0,
-                shift: 0.0,
-                probability: 0.0,
-            };
-        }
-        let precision = tempering * self.precision;
-        let weighted = tempering * self.weighted;
-        let known = 1.0 + self.variance * precision;
-        let gain = self.variance / known;
-        let with =
-            half * (logarithm - self.cost_with) + 0.5 * (gain * weighted * weighted - ln(known));
-        // The sum of both is at most ln 2 above the larger.
-        let (without_prior, with_prior) =
-            (without + self.belief.log_none, with + self.belief.log_some);
-        Found {
-            log_likelihood: if with_prior > without_prior {
-                with_prior
-            } else {
-                without_prior
-            },
-            precision: 4.0 * precision,
-            shift: 0.5 * gain * weighted,
-            probability: self.belief.probability_given(with - without),
-        }
-    }
+fn mix(a: &Point, b: &Point, fraction: f32) -> f32 {
+    a.log_likelihood + fraction * (b.log_likelihood - a.log_likelihood)
 }

@@ -56,6 +56,21 @@ impl Fix {
         Ellipse::of_normal(self.position, self.covariance, probability)
     }
 
+    /// Whether a place is in the region that holds the tag with the given probability. On a map of one row or column only the
+    /// place along it is judged: how far from that line people walk is not tracked.
+    pub fn contains(&self, place: [f32; 2], probability: f32) -> bool {
+        let Symmetric2 { xx, yy, .. } = self.covariance;
+        let region = self.ellipse(probability);
+        let [x, y] = self.position;
+        if yy == 0.0 {
+            (place[0] - x).abs() <= region.semi_major
+        } else if xx == 0.0 {
+            (place[1] - y).abs() <= region.semi_major
+        } else {
+            region.contains(place)
+        }
+    }
+
     /// The place at another time if the velocity stays.
     pub fn position_at(&self, time_ms: u32) -> [f32; 2] {
         let seconds = seconds(time_ms.wrapping_sub(self.time_ms) as i32);

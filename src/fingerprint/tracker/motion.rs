@@ -1,49 +1,15 @@
 //! How particles move between updates.
 
-use super::{Config, Site, Tracker, Walls};
+use super::Config;
 use crate::math::{exp, sqrt};
-use crate::random::{Rng, normal};
-
-impl<const N: usize, const B: usize> Tracker<N, B> {
-    /// Moves all particles by `dt` seconds, and sets `log_weights` to minus infinity for those that would pass a wall, to
-    /// zero for the others.
-    ///
-    /// The velocity falls to v' = keep v + n, with normal n of variance `fresh`, and the place moves by the mean of both
-    /// velocities. Given the move of a particle, which is sampled, its velocity is normal again (Kalman).
-    pub(super) fn predict<R: Rng + ?Sized>(
-        &mut self,
-        dt: f32,
-        site: &Site<'_>,
-        log_weights: &mut [f32; N],
-        rng: &mut R,
-    ) {
-        let steps = self.velocity_variance.each_mut();
-        let [step_x, step_y] = steps.map(|variance| Step::of(dt, variance, &site.config));
-        let [along_x, along_y] = site.map.lattice().extends();
-        let is_free = site.walls == Walls::None;
-        let [x, y, vx, vy] = self.particles.columns_mut();
-        let x = x.iter_mut().zip(vx);
-        let y = y.iter_mut().zip(vy);
-        for (((x, vx), (y, vy)), log_weight) in x.zip(y).zip(log_weights) {
-            let from = [*x, *y];
-            if along_x {
-                step_x.take(x, vx, rng);
-            }
-            if along_y {
-                step_y.take(y, vy, rng);
-            }
-            *log_weight = if is_free || site.walls.allow(from, [*x, *y]) {
-                0.0
-            } else {
-                f32::NEG_INFINITY
-            };
-        }
-    }
-}
+use crate::random::{Rng, normal_of};
 
 /// A move along one axis.
-#[derive(Clone, Copy)]
-struct Step {
+///
+/// The velocity falls to v' = keep v + n, with normal n of variance `fresh`, and the place moves by the mean of both
+/// velocities. Given the move of a particle, which is sampled, its velocity is normal again (Kalman).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Step {
     half: f32,
     keep: f32,
     sigma: f32,
@@ -51,8 +17,9 @@ struct Step {
 }
 
 impl Step {
-    /// A move of `dt` seconds by a velocity of this variance, which becomes that after the move.
-    fn of(dt: f32, variance: &mut f32, config: &Config) -> Self {
+    /// A move of `dt` seconds by a velocity of this variance, which becomes that after the move; `scale` turns metres into
+    /// the unit of places.
+    pub fn of(dt: f32, variance: &mut f32, config: &Config, scale: f32) -> Self {
         let (noise, memory_s) = (config.velocity_noise_m2_s3, config.velocity_memory_s);
         let keep = exp(-dt / memory_s);
         // The second is the limit of the first, whose terms cancel.
@@ -69,15 +36,59 @@ impl Step {
         Self {
             half,
             keep,
-            sigma: sqrt(square),
+            sigma: scale * sqrt(square),
             gain,
         }
     }
 
+    /// Place and velocity after it.
     #[inline(always)]
-    fn take<R: Rng + ?Sized>(&self, place: &mut f32, velocity: &mut f32, rng: &mut R) {
-        let step = self.sigma * normal(rng);
-        *place += self.half * *velocity + step;
-        *velocity = self.keep * *velocity + self.gain * step;
+    pub fn take(&self, (place, velocity): (f32, f32), noise: f32) -> (f32, f32) {
+        let step = self.sigma * noise;
+        (
+            place + (self.half * velocity + step),
+            self.keep * velocity + self.gain * step,
+        )
+    }
+}
+
+/// Standard normal numbers for a cloud, spread more evenly than independent ones: a sequence of fixed steps round a circle,
+/// from a random start, through the quantile function.
+///
+/// Each particle gets a normal number, but those of siblings, which stand side by side after resampling, fill the
+/// distribution (randomised quasi-Monte Carlo: see L'Ecuyer, Lécot and Tuffin 2008). It takes less than drawing a number
+/// for each particle, and the mean of a cloud scatters less.
+#[derive(Debug, Clone)]
+pub(super) struct Noise {
+    phase: u32,
+    stride: u32,
+}
+
+impl Noise {
+    /// Steps in 2^-32 of the circle. Along one axis: the golden section, whose multiples fill a circle most evenly.
+    const LINE: u32 = 0x9e37_79b9;
+    /// Along two, whose pairs fill the square most evenly: the inverse of the real root of x^3 = x + 1, and its square.
+    const PLANE: [u32; 2] = [0xc13f_a9a9, 0x91e1_0da6];
+
+    /// For one axis.
+    pub fn on_line<R: Rng + ?Sized>(rng: &mut R) -> Self {
+        Self {
+            phase: rng.next_u32(),
+            stride: Self::LINE,
+        }
+    }
+
+    /// For each of two axes.
+    pub fn in_plane<R: Rng + ?Sized>(rng: &mut R) -> [Self; 2] {
+        Self::PLANE.map(|stride| Self {
+            phase: rng.next_u32(),
+            stride,
+        })
+    }
+
+    #[inline(always)]
+    pub fn next(&mut self) -> f32 {
+        self.phase = self.phase.wrapping_add(self.stride);
+        normal_of(self.phase)
     }
 }

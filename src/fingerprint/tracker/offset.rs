@@ -16,18 +16,12 @@ pub(super) struct OffsetBelief {
     pub variance: f32,
     /// Log-odds that there is an offset.
     log_odds: f32,
-    /// Log-probability that there is no offset.
-    pub log_none: f32,
-    /// Log-probability that there is an offset.
-    pub log_some: f32,
 }
 
 value!(OffsetBelief {
     mean_db,
     variance,
-    log_odds,
-    log_none,
-    log_some
+    log_odds
 });
 
 impl OffsetBelief {
@@ -39,8 +33,6 @@ impl OffsetBelief {
         mean_db: 0.0,
         variance: 0.0,
         log_odds: 0.0,
-        log_none: 0.0,
-        log_some: 0.0,
     };
 
     pub fn prior(config: &Config) -> Self {
@@ -78,22 +70,32 @@ impl OffsetBelief {
         }
     }
 
-    /// Learns from the particles: the weight of each, the probability of an offset given its place, and the correction
-    /// of the mean there. `precision` is how much the scan adds to the precision of the offset.
-    pub fn learn(&mut self, precision: f32, opinions: impl Iterator<Item = (f32, [f32; 2])>) {
+    /// Learns from the points where the particles are: the weight of each, the probability of an offset given that place, and
+    /// the correction of the mean there. `total` is the sum of the weights, `precision` how much the scan adds to the
+    /// precision of the offset.
+    pub fn learn(
+        &mut self,
+        precision: f32,
+        total: f32,
+        opinions: impl Iterator<Item = (f32, [f32; 2])>,
+    ) {
         if !self.is_estimated() {
             return;
         }
-        let (mut none, mut some, mut first, mut second) = (0.0, 0.0, 0.0, 0.0);
+        let (mut some, mut first, mut second) = (0.0, 0.0, 0.0);
         for (weight, [probability, shift]) in opinions {
-            let with = weight * probability;
-            none += weight - with;
-            some += with;
-            first += with * shift;
-            second += with * shift * shift;
+            // Most points have no particles.
+            if weight > 0.0 {
+                let with = weight * probability;
+                let of_shift = with * shift;
+                some += with;
+                first += of_shift;
+                second += of_shift * shift;
+            }
         }
+        let none = total - some;
         // The sums have underflowed: nothing can be learned.
-        if !(some > 1e-12 && none >= 0.0) {
+        if !(some > 1e-12 * total && none > -1e-3 * total) {
             return;
         }
         let mean = first / some;
@@ -101,14 +103,22 @@ impl OffsetBelief {
         self.mean_db += mean;
         self.variance = self.variance / (1.0 + self.variance * precision)
             + if spread > 0.0 { spread } else { 0.0 };
-        self.set_odds(ln(some / (none + 1e-12)));
+        // Rounding may leave less than none.
+        let none = if none > 0.0 { none } else { 0.0 };
+        self.set_odds(ln(some / (none + 1e-12 * total)));
     }
 
     fn set_odds(&mut self, log_odds: f32) {
         self.log_odds = log_odds.clamp(-Self::MOST, Self::MOST);
+    }
+
+    /// The logarithms of the probabilities that there is no offset and that there is one; zero if none is estimated.
+    pub fn log_probabilities(&self) -> [f32; 2] {
+        if !self.is_estimated() {
+            return [0.0; 2];
+        }
         let probability = self.probability();
-        self.log_some = ln(probability);
-        self.log_none = ln(1.0 - probability);
+        [ln(1.0 - probability), ln(probability)]
     }
 }
 

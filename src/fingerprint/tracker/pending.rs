@@ -2,7 +2,6 @@
 
 use crate::fingerprint::Reading;
 use crate::persist;
-use crate::snapshot::value;
 
 /// The packets of one beacon.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -11,12 +10,12 @@ pub(super) struct Level {
     pub packets: u16,
 }
 
-value!(Level { mean_dbm, packets });
-
 /// Sums over the packets since the last update, by beacon.
 #[derive(Debug, Clone)]
 pub(super) struct Pending<const B: usize> {
-    levels: [Level; B],
+    /// By beacon, apart from their numbers: so they take less.
+    means_dbm: [f32; B],
+    numbers: [u16; B],
     /// When the window of the next packets began; none before the first packet of a walk.
     window_ms: Option<u32>,
     /// When the first of them came.
@@ -28,10 +27,8 @@ pub(super) struct Pending<const B: usize> {
 
 impl<const B: usize> Pending<B> {
     pub const EMPTY: Self = Self {
-        levels: [Level {
-            mean_dbm: 0.0,
-            packets: 0,
-        }; B],
+        means_dbm: [0.0; B],
+        numbers: [0; B],
         window_ms: None,
         first_ms: 0,
         elapsed_ms: 0,
@@ -60,8 +57,12 @@ impl<const B: usize> Pending<B> {
 
     /// Adds a packet. Those beyond 65,535 are left out, and so are beacons that there is no room for.
     pub fn add(&mut self, time_ms: u32, packet: Reading) {
-        let level = self.levels.get_mut(usize::from(packet.beacon));
-        let (Some(level), Some(packets)) = (level, self.packets.checked_add(1)) else {
+        let beacon = usize::from(packet.beacon);
+        let (Some(mean_dbm), Some(number), Some(packets)) = (
+            self.means_dbm.get_mut(beacon),
+            self.numbers.get_mut(beacon),
+            self.packets.checked_add(1),
+        ) else {
             return;
         };
         if self.packets == 0 {
@@ -71,13 +72,18 @@ impl<const B: usize> Pending<B> {
         let age = time_ms.wrapping_sub(self.first_ms) as i32;
         self.elapsed_ms = self.elapsed_ms.saturating_add_signed(age.max(0));
         self.packets = packets;
-        level.packets += 1;
-        let fraction = 1.0 / f32::from(level.packets);
-        level.mean_dbm += fraction * (packet.rssi_dbm - level.mean_dbm);
+        *number += 1;
+        let fraction = 1.0 / f32::from(*number);
+        *mean_dbm += fraction * (packet.rssi_dbm - *mean_dbm);
     }
 
-    pub fn levels(&self) -> &[Level; B] {
-        &self.levels
+    pub fn levels(&self) -> [Level; B] {
+        let mut levels = [Level::default(); B];
+        let each = self.means_dbm.iter().zip(&self.numbers);
+        for (level, (mean_dbm, packets)) in levels.iter_mut().zip(each) {
+            (level.mean_dbm, level.packets) = (*mean_dbm, *packets);
+        }
+        levels
     }
 
     /// Their mean time.
@@ -104,4 +110,4 @@ impl<const B: usize> Pending<B> {
     }
 }
 
-persist!(impl[const B: usize] Pending<B> as "Pending"(B) { levels, window_ms, first_ms, elapsed_ms, packets });
+persist!(impl[const B: usize] Pending<B> as "Pending"(B) { means_dbm, numbers, window_ms, first_ms, elapsed_ms, packets });

@@ -35,12 +35,14 @@ fn turned(columns: u16) -> Vec<u8> {
 /// 41 points in each of so many rows, a sigma of 2 dB everywhere.
 pub(crate) fn map(rows: u16) -> Vec<u8> {
     let points = 41 * usize::from(rows);
-    let mut bytes = b"FXRM\x01\x01\x04\x00\x29\x00".to_vec();
+    let mut bytes = b"FXRM\x02\x01\x04\x00\x29\x00".to_vec();
     bytes.extend(rows.to_le_bytes());
     for number in [0.0f32, 0.0, 1.0] {
         bytes.extend(number.to_le_bytes());
     }
     bytes.extend([0; 10]);
+    bytes.extend(1.0f32.to_le_bytes());
+    bytes.extend([0, 0, 0, 0, 8, 0]);
     for beacon in 0..4u8 {
         bytes.extend([beacon, 0, 0, 0, 0, 0]);
     }
@@ -140,13 +142,19 @@ fn a_louder_tag_is_found_where_it_is() {
 fn is_lost_and_recovers_when_a_tag_is_carried_away() {
     let bytes = map(1);
     let site = Site::new(RadioMap::new(&bytes).unwrap(), Config::DEFAULT).unwrap();
-    let mut walk = Walk::new();
-    walk.go(&site, 20, |_| 5.0);
-    let mut states = walk.go(&site, 40, |_| 35.0);
-    assert!(walk.error(35.0) < 2.0);
-    assert!(states.contains(&State::Lost), "{states:?}");
-    assert!(states.contains(&State::Recovered));
-    assert_eq!(states.pop(), Some(State::Tracking));
+    // With 173 of 200 seeds it was lost, with the others it was found before.
+    let lost = (0..20).filter(|seed| {
+        let mut walk = Walk::new();
+        walk.rng = Xoshiro128PlusPlus::seed_from_u64(*seed);
+        walk.go(&site, 20, |_| 5.0);
+        let states = walk.go(&site, 40, |_| 35.0);
+        assert!(walk.error(35.0) < 2.0, "{seed} {}", walk.error(35.0));
+        assert_eq!(states.last(), Some(&State::Tracking));
+        let is_lost = states.contains(&State::Lost);
+        assert_eq!(is_lost, states.contains(&State::Recovered), "{states:?}");
+        is_lost
+    });
+    assert!(lost.count() >= 13);
 }
 
 #[test]
@@ -163,8 +171,10 @@ fn nobody_walks_through_a_wall() {
     };
     let mut walk = Walk::new();
     walk.go(&site, 20, |t| 12.0 + t);
-    let [x, y, ..] = walk.tracker.particles().columns();
-    assert!(x.iter().zip(y).all(|(x, y)| walls.contain([*x, *y])));
+    let mut particles = walk.tracker.particles(&site);
+    // But for rounding, 2^-10 of a step.
+    let inside = |x: f32, least: f32, most: f32| x > least - 1e-3 && x < most + 1e-3;
+    assert!(particles.all(|[x, y, ..]| inside(x, 10.0, 20.0) && inside(y, 0.5, 2.5)));
     // The signal pulls to the wall.
     assert!(walk.tracker.fix().unwrap().position[0] > 16.0);
 }
@@ -226,20 +236,13 @@ fn a_window_makes_one_update_and_no_window_many() {
 }
 
 #[test]
-fn a_tag_of_300_particles_takes_less_than_six_and_a_half_kibibytes() {
-    assert!(size_of::<Tracker<300, 16>>() <= 6_656);
-}
-
-#[test]
-fn the_longest_silent_tag_is_evicted() {
-    let mut trackers = Trackers::<3, 10>::EMPTY;
-    for (tag, time) in [(1, u32::MAX - 10), (2, 5), (3, 7), (1, 9)] {
-        assert_eq!(trackers.of(tag, time).1, None);
-    }
-    assert_eq!(trackers.of(4, 10).1, Some(2));
-    let mut tags: Vec<u32> = trackers.iter().map(|(tag, _)| tag).collect();
-    tags.sort_unstable();
-    assert_eq!(tags, [1, 3, 4]);
+fn a_tag_of_300_particles_takes_two_kilobytes_and_less_on_a_line() {
+    let [plane, line] = [
+        size_of::<Trackers<64, 300, 16, 2>>(),
+        size_of::<Trackers<64, 300, 16, 1>>(),
+    ];
+    assert!(plane <= 64 * 2_200, "{plane}");
+    assert!(line <= 64 * 1_500, "{line}");
 }
 
 #[test]
@@ -250,7 +253,7 @@ fn a_wrong_field_of_a_configuration_is_named() {
         (|c| c.velocity_noise_m2_s3 = -1.0, "velocity_noise_m2_s3"),
         (|c| c.velocity_memory_s = f32::NAN, "velocity_memory_s"),
         (|c| c.mismatch_sigma_db = 0.0, "mismatch_sigma_db"),
-        (|c| c.survey_samples = 0, "survey_samples"),
+        (|c| c.error_memory_s = 0.0, "error_memory_s"),
         (|c| c.tempering = 1.1, "tempering"),
         (|c| c.gate_sigmas = f32::NAN, "gate_sigmas"),
         (|c| c.range_dbm = [-50.0, -50.0], "range_dbm"),
@@ -287,6 +290,11 @@ fn a_walk_is_followed_along_a_map_of_one_column() {
     assert!((region.semi_major - 1.96 * fix.sigma_m()).abs() < 1e-3);
     assert!(region.contains([0.0, fix.position[1] + fix.sigma_m()]));
     assert!(yy > 0.0 && fix.state == State::Tracking);
+    // How far off the line people walk is not tracked.
+    for (sigmas, inside) in [(1.9, true), (-1.9, true), (2.0, false), (-2.0, false)] {
+        let place = [0.9, fix.position[1] + sigmas * fix.sigma_m()];
+        assert_eq!(fix.contains(place, 0.95), inside, "{sigmas}");
+    }
 }
 
 #[test]
@@ -306,4 +314,32 @@ fn a_restored_tracker_goes_on_as_if_nothing_had_happened() {
         (states, walk.tracker.fix())
     });
     assert_eq!(walks[0], walks[1]);
+}
+
+/// An hour at a place where every beacon is off by as much as the map says, and the tracker allows for.
+#[test]
+fn a_tag_at_rest_does_not_become_certain_of_a_wrong_place() {
+    let bytes = map(1);
+    for config in [Config::DEFAULT, Config::TUNNEL] {
+        let site = Site::new(RadioMap::new(&bytes).unwrap(), config).unwrap();
+        let mut walk = Walk::new();
+        let errors = [2.0, -2.0, 2.0, -2.0];
+        let mut sigmas = [0.0; 2];
+        for quarter in 0..4 * 3600 {
+            for (beacon, error) in errors.into_iter().enumerate() {
+                let level = level(beacon as u8, 18.0) + error;
+                walk.push(&site, beacon as u8, level).unwrap();
+            }
+            walk.time_ms = walk.time_ms.wrapping_add(250);
+            let fix = walk.tracker.fix();
+            match quarter {
+                240 => sigmas[0] = fix.unwrap().sigma_m(),
+                14_399 => sigmas[1] = fix.unwrap().sigma_m(),
+                _ => {}
+            }
+        }
+        assert!(sigmas[1] > 0.7 * sigmas[0], "{sigmas:?}");
+        let fix = walk.tracker.fix().unwrap();
+        assert!(fix.contains([18.0, 0.0], 0.95), "{fix:?}");
+    }
 }

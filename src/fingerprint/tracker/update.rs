@@ -1,15 +1,19 @@
 //! What an update does: predict, weigh, judge, summarise, resample.
 
+use super::cloud::{Moments, Sums};
+use super::comparison::{Comparison, error_variance, packet_variance};
 use super::field::Field;
 use super::fix::seconds;
+use super::memory::Memory;
+use super::motion::{Noise, Step};
 use super::offset::OffsetBelief;
 use super::pending::Level;
-use super::{Fix, Site, State, Tracker, Workspace};
-use crate::estimate::{self, Symmetric2};
-use crate::math::{ln, sqrt};
+use super::stored::{Grain, Stored};
+use super::{Fix, Site, State, Tracker, Walls, Workspace};
+use crate::estimate::Symmetric2;
+use crate::fingerprint::map::LOWEST_MEAN_DBM;
+use crate::math::{exp, ln, sqrt};
 use crate::random::{Rng, normal, uniform};
-use crate::resample::Scheme;
-use crate::weights::{UpdateError, Weights};
 
 /// Seconds over which the evidence is smoothed: fewer take a few bad scans for a lost tag, more leave a lost tag lost for
 /// longer.
@@ -18,7 +22,20 @@ const EVIDENCE_S: f32 = 6.0;
 /// walk in a thousand is lost for good.
 const LOST_BELOW: f32 = -0.7;
 
-impl<const N: usize, const B: usize> Tracker<N, B> {
+/// How far beyond the gate, in variances, a reading is no longer kept for those after it: it is an outlier, not an error of
+/// the map.
+const OUTLIER: f32 = 1.5;
+/// The variance that a tag at rest has besides that of its particles, as a multiple of that, for each unit of tempering
+/// above a half: larger makes regions of tags at rest too large, smaller too small. At a half the particles are as
+/// uncertain as they have to be.
+const REST_VARIANCE: f32 = 14.0;
+/// Metres from the mean place of the last seconds over which that falls to 1/e, and how many seconds those are: more takes
+/// slow walkers for tags at rest.
+const REST_M: f32 = 1.0;
+/// See [`REST_M`].
+const REST_S: f32 = 10.0;
+
+impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D, S> {
     #[inline(never)]
     pub(super) fn update<const P: usize, R: Rng + ?Sized>(
         &mut self,
@@ -29,144 +46,235 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         rng: &mut R,
     ) {
         let Site { map, config, .. } = site;
-        let Workspace { field, weights } = workspace;
-        let weighed = if let Some(last) = self.fix() {
+        let lattice = map.lattice();
+        let grain = Grain::of(lattice, config);
+        let sums = if let Some(last) = self.fix() {
             let dt = seconds(time_ms.wrapping_sub(last.time_ms) as i32);
             // Two updates at one time are two looks at one place.
             let dt = if dt > 1e-3 { dt } else { 1e-3 };
             self.offset.drift(config, dt);
-            field.look_up(map, config, &self.offset, scan);
-            let log_likelihoods = weights.log_likelihoods_mut();
-            self.predict(dt, site, log_likelihoods, rng);
+            let moved_m = self.predict(dt, site, &grain, workspace, rng);
+            self.memory.fade(dt, moved_m, map.error_length_m(), config);
+            let memory = Some(&self.memory);
+            let compared = Comparison::new(map, config, &self.offset, memory, scan);
+            let Workspace { field, cloud } = workspace;
+            let age_s = self.memory.age_s;
+            let velocity = lattice.along_axes(last.velocity.map(|v| v * lattice.per_metre()));
+            cloud.find_cells(lattice);
+            field.look_up_at(cloud, lattice, &compared, velocity.map(|v| age_s * v));
+            cloud.look_up(field, lattice, age_s, velocity);
+            let anew = Comparison::new(map, config, &self.offset, None, scan);
+            field.sample(map, &anew, time_ms);
+            // What is remembered of the error would explain any place that has been wrong for long.
+            let evidence = cloud.evidence(&anew, lattice, field.top, time_ms);
+            self.exclude_walls(site, &grain, workspace);
             if let Some(redrawn_s) = &mut self.redrawn_s {
                 *redrawn_s += dt;
             }
-            self.add_likelihoods(site, field, log_likelihoods);
-            self.judge(weights.update(), dt, site, workspace, rng)
+            let sums = workspace.cloud.weigh();
+            if sums.is_some() && self.is_right(evidence, dt, site, &workspace.field) {
+                sums
+            } else {
+                self.start_again(sums, &anew, site, workspace, rng)
+            }
         } else {
             self.offset = OffsetBelief::prior(config);
-            field.look_up(map, config, &self.offset, scan);
+            self.memory = Memory::EMPTY;
+            let anew = Comparison::new(map, config, &self.offset, None, scan);
+            (workspace.field).look_up_all(map, &anew);
             self.draw(1.0, site, workspace, rng)
         };
-        match weighed {
-            Ok(()) => self.conclude(time_ms, site, workspace, rng),
-            Err(UpdateError::AllWeightsZero) => workspace.weights.make_equal(),
+        if let Some(sums) = sums {
+            self.conclude(time_ms, &sums, site, workspace);
+            self.remember(scan, site);
+            (workspace.cloud).resample(sums.weights, &mut self.particles, &grain, rng);
         }
     }
 
-    /// Adds the log-likelihoods of the places.
-    fn add_likelihoods<const P: usize>(
-        &self,
-        site: &Site<'_>,
-        field: &Field<P>,
-        log_likelihoods: &mut [f32; N],
-    ) {
-        let lattice = site.map.lattice();
-        let [x0, y0] = lattice.origin();
-        let [x, y, ..] = self.particles.columns();
-        let mut add_along = |places: &[f32], origin: f32| {
-            for (log_likelihood, place) in log_likelihoods.iter_mut().zip(places) {
-                *log_likelihood += field.on_line(lattice, *place, origin);
-            }
-        };
-        match lattice.extends() {
-            [_, false] => add_along(x, x0),
-            [false, true] => add_along(y, y0),
-            [true, true] => {
-                for ((log_likelihood, x), y) in log_likelihoods.iter_mut().zip(x).zip(y) {
-                    *log_likelihood += field.in_plane(lattice, [*x, *y]);
-                }
-            }
-        }
-    }
-
-    /// Smooths the evidence, which is how well the scan fits the particles, against as many spread over the whole map; and
-    /// draws particles anew from the match if it is against them.
-    fn judge<const P: usize, R: Rng + ?Sized>(
+    /// Draws a fraction of the particles anew, or all if none is possible.
+    fn start_again<const P: usize, R: Rng + ?Sized>(
         &mut self,
-        log_evidence: Result<f32, UpdateError>,
-        dt: f32,
+        sums: Option<Sums>,
+        anew: &Comparison<'_, B>,
         site: &Site<'_>,
         workspace: &mut Workspace<N, P>,
         rng: &mut R,
-    ) -> Result<(), UpdateError> {
-        let mut fraction = 1.0;
-        if let Ok(log_evidence) = log_evidence {
-            let smoothing = dt * (1.0 / EVIDENCE_S);
-            let smoothing = if smoothing < 1.0 { smoothing } else { 1.0 };
-            let evidence = log_evidence - ln(workspace.field.mean);
-            self.evidence += smoothing * (evidence.clamp(-20.0, 20.0) - self.evidence);
-            fraction = site.config.redraw_fraction;
-            if !(self.evidence < LOST_BELOW && fraction > 0.0) {
-                return Ok(());
-            }
-            self.resample(site, workspace, rng);
+    ) -> Option<Sums> {
+        let Site { map, config, .. } = site;
+        let grain = Grain::of(map.lattice(), config);
+        if let Some(sums) = sums {
+            (workspace.cloud).resample(sums.weights, &mut self.particles, &grain, rng);
+            workspace.cloud.unpack(&self.particles, &grain);
         }
+        let fraction = sums.map_or(1.0, |_| config.redraw_fraction);
         self.evidence = 0.0;
         self.redrawn_s = Some(0.0);
+        self.memory = Memory::EMPTY;
+        workspace.field.look_up_all(map, anew);
         self.draw(fraction, site, workspace, rng)
     }
 
-    /// Summarises the cloud; then resamples.
-    fn conclude<const P: usize, R: Rng + ?Sized>(
-        &mut self,
-        time_ms: u32,
-        site: &Site<'_>,
-        workspace: &mut Workspace<N, P>,
-        rng: &mut R,
-    ) {
-        let [x, y, ..] = self.particles.columns();
-        let Workspace { field, weights } = &*workspace;
-        // Particles that were just drawn have not been tried yet.
-        if self.redrawn_s != Some(0.0) {
-            let lattice = site.map.lattice();
-            let places = weights.weights().iter().zip(x.iter().zip(y));
-            let opinions =
-                places.map(|(weight, (x, y))| (*weight, field.offset_at(lattice, [*x, *y])));
-            self.offset.learn(field.precision, opinions);
-        }
-        self.fix = self.summarise(time_ms, site, weights);
-        self.has_fix = true;
-        self.resample(site, workspace, rng);
+    /// Keeps a scan for those that will be heard nearby, except what is an outlier where the tag is.
+    fn remember(&mut self, scan: &[Level; B], site: &Site<'_>) {
+        let Site { map, config, .. } = site;
+        let lattice = map.lattice();
+        let point = lattice.nearest(self.fix.position);
+        let packet = packet_variance(map);
+        let mismatch = 4.0 * config.mismatch_sigma_db * config.mismatch_sigma_db;
+        let offset = self.fix.offset_db;
+        let gate = OUTLIER * config.gate_sigmas * config.gate_sigmas;
+        self.memory.learn(scan, |beacon, level| {
+            let [sigma, mean] = *map.moments_row(beacon)?.get(point)?;
+            let error = error_variance(sigma) + mismatch;
+            let noise = packet / f32::from(level.packets);
+            let above = 2.0 * (level.mean_dbm - offset - LOWEST_MEAN_DBM) - f32::from(mean);
+            (above * above < gate * (error + noise)).then_some(noise / error)
+        });
     }
 
-    /// The fix by the weighted cloud.
-    fn summarise(&self, time_ms: u32, site: &Site<'_>, weights: &Weights<N>) -> Fix {
+    /// Unpacks all particles, moved by `dt` seconds, and returns by how many metres they moved: the root mean square.
+    #[inline(never)]
+    fn predict<const P: usize, R: Rng + ?Sized>(
+        &mut self,
+        dt: f32,
+        site: &Site<'_>,
+        grain: &Grain,
+        workspace: &mut Workspace<N, P>,
+        rng: &mut R,
+    ) -> f32 {
         let lattice = site.map.lattice();
-        let [x, y, vx, vy] = self.particles.columns();
-        let mut fix = Fix {
-            time_ms,
-            position: lattice.origin(),
-            offset_db: self.offset.probability() * self.offset.mean_db,
-            effective_sample_size: weights.effective_sample_size(),
-            ..Fix::EMPTY
-        };
-        let weights = weights.weights();
-        let along = |places: &[f32], velocities: &[f32]| {
-            let [[variance]] = estimate::covariance(&[places], weights);
-            (estimate::mean(&[places, velocities], weights), variance)
-        };
-        match lattice.extends() {
-            [true, true] => {
-                let [px, py, pvx, pvy] = estimate::mean(&[x, y, vx, vy], weights);
-                fix.position = [px, py];
-                fix.velocity = [pvx, pvy];
-                fix.covariance = Symmetric2::from(estimate::covariance(&[x, y], weights));
-            }
-            [_, false] => {
-                ([fix.position[0], fix.velocity[0]], fix.covariance.xx) = along(x, vx);
-            }
-            [false, true] => {
-                ([fix.position[1], fix.velocity[1]], fix.covariance.yy) = along(y, vy);
+        let scale = lattice.per_metre();
+        let [first, second] = &mut self.velocity_variance;
+        let first = Step::of(dt, first, &site.config, scale);
+        let cloud = &mut workspace.cloud;
+        if lattice.is_plane() {
+            let second = Step::of(dt, second, &site.config, scale);
+            let [x, y] = Noise::in_plane(rng);
+            let along = cloud.advance::<0, S>(&self.particles, grain, &first, x);
+            let across = cloud.advance::<1, S>(&self.particles, grain, &second, y);
+            lattice.spacing() * sqrt(along + across)
+        } else {
+            let noise = Noise::on_line(rng);
+            let along = cloud.advance::<0, S>(&self.particles, grain, &first, noise);
+            lattice.spacing() * sqrt(along)
+        }
+    }
+
+    /// Makes the places impossible that lie behind a wall.
+    fn exclude_walls<const P: usize>(
+        &self,
+        site: &Site<'_>,
+        grain: &Grain,
+        workspace: &mut Workspace<N, P>,
+    ) {
+        let lattice = site.map.lattice();
+        if !site.map.is_complete() {
+            workspace
+                .cloud
+                .exclude(lattice, |point| site.map.is_possible(point));
+        }
+        if site.walls == Walls::None {
+            return;
+        }
+        let place = |steps| lattice.place(lattice.along_axes(steps));
+        let cloud = &mut workspace.cloud;
+        let [x, y] = &cloud.places;
+        let to = cloud.weights.iter_mut().zip(x.iter().zip(y));
+        for (particle, (weight, (x, y))) in self.particles.iter().zip(to) {
+            let from = [particle.place::<0>(grain), particle.place::<1>(grain)];
+            // Along a line there is no second axis.
+            let y = if lattice.is_plane() { *y } else { 0.0 };
+            if !site.walls.allow(place(from), place([*x, y])) {
+                *weight = f32::NEG_INFINITY;
             }
         }
-        fix.state = match self.redrawn_s {
+    }
+
+    /// Smooths the evidence, which is how likely the scan is at the particles, against as many spread over the whole map; returns
+    /// whether it supports the particles.
+    fn is_right<const P: usize>(
+        &mut self,
+        evidence: f32,
+        dt: f32,
+        site: &Site<'_>,
+        field: &Field<P>,
+    ) -> bool {
+        let smoothing = dt * (1.0 / EVIDENCE_S);
+        let smoothing = if smoothing < 1.0 { smoothing } else { 1.0 };
+        let evidence = ln(evidence / field.mean);
+        // Of nothing, the logarithm is none.
+        let evidence = if evidence.is_finite() {
+            evidence
+        } else {
+            -20.0
+        };
+        self.evidence += smoothing * (evidence.clamp(-20.0, 20.0) - self.evidence);
+        !(self.evidence < LOST_BELOW && site.config.redraw_fraction > 0.0)
+    }
+
+    /// Learns from the weighted cloud, and summarises it.
+    fn conclude<const P: usize>(
+        &mut self,
+        time_ms: u32,
+        sums: &Sums,
+        site: &Site<'_>,
+        workspace: &mut Workspace<N, P>,
+    ) {
+        let lattice = site.map.lattice();
+        let Workspace { field, cloud } = workspace;
+        // Particles that were just drawn have not been tried yet.
+        if self.redrawn_s != Some(0.0) {
+            field.teach(&mut self.offset, lattice, cloud, sums.weights);
+        }
+        let Moments {
+            place,
+            velocity,
+            covariance,
+        } = cloud.moments(lattice.is_plane(), sums.weights);
+        let step = lattice.spacing();
+        let Symmetric2 { xx, xy, yy } = covariance.scaled(step * step);
+        let [xx, yy] = lattice.along_axes([xx, yy]);
+        let position = lattice.place(lattice.along_axes(place));
+        let widening = self.widening(time_ms, position, site.config.tempering);
+        self.fix = Fix {
+            time_ms,
+            state: State::Tracking,
+            position,
+            covariance: Symmetric2 { xx, xy, yy }.scaled(widening),
+            velocity: lattice.along_axes(velocity.map(|velocity| step * velocity)),
+            offset_db: self.offset.probability() * self.offset.mean_db,
+            effective_sample_size: sums.weights * sums.weights / sums.squares,
+        };
+        self.fix.state = match self.redrawn_s {
             Some(0.0) => State::Lost,
-            _ if fix.sigma_m() > site.config.uncertain_sigma_m => State::Uncertain,
+            _ if self.fix.sigma_m() > site.config.uncertain_sigma_m => State::Uncertain,
             Some(seconds) if seconds < EVIDENCE_S => State::Recovered,
             _ => State::Tracking,
         };
-        fix
+        self.has_fix = true;
+    }
+
+    /// By how much the covariance of the particles is too small, because they hold that the error of the map changes as they
+    /// move, and a tag at rest keeps it: by how near the place is to the mean of those of the last seconds.
+    fn widening(&mut self, time_ms: u32, place: [f32; 2], tempering: f32) -> f32 {
+        match self.fix() {
+            Some(last) if self.redrawn_s != Some(0.0) => {
+                let dt = seconds(time_ms.wrapping_sub(last.time_ms) as i32);
+                let fraction = 1.0 - exp(-dt * (1.0 / REST_S));
+                for (rest, place) in self.rest.iter_mut().zip(place) {
+                    *rest += fraction * (place - *rest);
+                }
+            }
+            _ => self.rest = place,
+        }
+        let [dx, dy] = [place[0] - self.rest[0], place[1] - self.rest[1]];
+        let away = sqrt(dx * dx + dy * dy);
+        let excess = if tempering > 0.5 {
+            tempering - 0.5
+        } else {
+            0.0
+        };
+        1.0 + REST_VARIANCE * excess * exp(-away * (1.0 / REST_M))
     }
 
     /// Draws a fraction of the particles from the match: systematically over the points, uniformly within the cell of each.
@@ -177,29 +285,33 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
         site: &Site<'_>,
         workspace: &mut Workspace<N, P>,
         rng: &mut R,
-    ) -> Result<(), UpdateError> {
-        let Workspace { field, weights } = workspace;
+    ) -> Option<Sums> {
+        let Workspace { field, cloud } = workspace;
         let sigma = site.config.velocity_sigma_m_s;
         let prior = sigma * sigma;
         let count = ((fraction * N as f32) as usize).clamp(1, N);
         if count == N {
             self.velocity_variance = [prior; 2];
         }
+        let lattice = site.map.lattice();
         // What the common variance lacks is drawn.
         let spread = self.velocity_variance.map(|variance| {
-            sqrt(if variance < prior {
-                prior - variance
-            } else {
-                0.0
-            })
+            lattice.per_metre()
+                * sqrt(if variance < prior {
+                    prior - variance
+                } else {
+                    0.0
+                })
         });
-        let lattice = site.map.lattice();
         let mut likelihoods = field.likelihoods(lattice).enumerate();
         let gap = field.mean * lattice.points() as f32 / count as f32;
         let mut next = uniform(rng) * gap;
         let (mut point, mut sum) = (0, 0.0);
-        let stride = N.checked_div(count).unwrap_or(1);
-        for i in (0..N).step_by(stride).take(count) {
+        let stride = N.checked_div(count).unwrap_or(1).max(1);
+        let ([x, y], [vx, vy]) = (cloud.places.each_mut(), cloud.velocities.each_mut());
+        let columns = x.iter_mut().zip(y).zip(vx.iter_mut().zip(vy));
+        let particles = cloud.weights.iter_mut().zip(columns);
+        for (weight, ((x, y), (vx, vy))) in particles.step_by(stride).take(count) {
             while sum <= next {
                 let Some((number, likelihood)) = likelihoods.next() else {
                     break;
@@ -211,50 +323,30 @@ impl<const N: usize, const B: usize> Tracker<N, B> {
                 sum += likelihood;
             }
             next += gap;
-            let place = place_in_cell(point, site, rng);
-            let velocity = spread.map(|spread| spread * normal(rng));
-            self.particles
-                .set(i, [place[0], place[1], velocity[0], velocity[1]]);
-            let log_weight = if sum > 0.0 && site.walls.contain(place) {
-                0.0
-            } else {
-                f32::NEG_INFINITY
-            };
-            if let Some(slot) = weights.log_weights_mut().get_mut(i) {
-                *slot = log_weight;
-            }
+            let steps = steps_in_cell(point, site, rng);
+            let is_possible = sum > 0.0 && site.walls.contain(lattice.place(steps));
+            [*x, *y] = lattice.along_axes(steps);
+            [*vx, *vy] = spread.map(|spread| spread * normal(rng));
+            *weight = if is_possible { 1.0 } else { 0.0 };
         }
-        weights.normalise()
-    }
-
-    #[inline(never)]
-    fn resample<const P: usize, R: Rng + ?Sized>(
-        &mut self,
-        site: &Site<'_>,
-        workspace: &mut Workspace<N, P>,
-        rng: &mut R,
-    ) {
-        // Across a line the places are the same for all.
-        let [along_x, along_y] = site.map.lattice().extends();
-        let wanted = [along_x, along_y, along_x, along_y];
-        let columns = self.particles.columns_mut().into_iter().zip(wanted);
-        (workspace.weights).resample(Scheme::Systematic, rng, |ancestors, scratch| {
-            for (column, _) in columns.filter(|(_, wanted)| *wanted) {
-                ancestors.gather(column, scratch);
-            }
-        });
+        let weights = cloud.weights.iter().sum();
+        // Each is 0 or 1.
+        (weights > 0.0).then_some(Sums {
+            weights,
+            squares: weights,
+        })
     }
 }
 
-/// A place in the cell of a point, within the walls if that takes no more than four tries.
-fn place_in_cell<R: Rng + ?Sized>(point: usize, site: &Site<'_>, rng: &mut R) -> [f32; 2] {
+/// A place in the cell of a point, in steps, within the walls if that takes no more than four tries.
+fn steps_in_cell<R: Rng + ?Sized>(point: usize, site: &Site<'_>, rng: &mut R) -> [f32; 2] {
     let lattice = site.map.lattice();
-    let mut place = lattice.position(point);
+    let mut steps = [0.0; 2];
     for _ in 0..4 {
-        place = lattice.in_cell(point, [uniform(rng), uniform(rng)]);
-        if site.walls.contain(place) {
+        steps = lattice.in_cell(point, [uniform(rng), uniform(rng)]);
+        if site.walls.contain(lattice.place(steps)) {
             break;
         }
     }
-    place
+    steps
 }

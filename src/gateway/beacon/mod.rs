@@ -30,7 +30,7 @@
 //!
 //! **`$PFOXS,messages,packets,ignored,queries,restarts,...,tags,silent,evicted*hh`**, the status: all messages, and how
 //! many of them were packets that a tracker took, sentences of other kinds, queries and restarts; in the place of `...`,
-//! in the order of [`Rejected::ALL`], how many were rejected for each reason, so that the second to the eleventh number
+//! in the order of [`Rejected::ALL`], how many were rejected for each reason, so that the second to the twelfth number
 //! add up to the first; how many tags are tracked, how many radios are silent, and how many tags lost their tracker to
 //! another one.
 
@@ -53,12 +53,13 @@ use radios::Radios;
 use report::Report;
 
 /// The most tags of one gateway: the answer to a query has room for so many.
-pub const MAX_TAGS: usize = 16;
+pub const MAX_TAGS: usize = 64;
 
 /// The state of a gateway that tracks up to `T` tags, with `N` particles for each, on a map of up to `P` points and `B`
 /// beacons. See the [module](self) for the messages.
 ///
-/// Takes T times a [`Tracker`], a [`Workspace`], and 3 kB.
+/// Takes T times a [`Tracker`], a [`Workspace`], and 10 kB. `D` is 1 where the map has one row or one column, 2 in the
+/// plane.
 ///
 /// ```
 /// use foxhunt::fingerprint::RadioMap;
@@ -70,27 +71,35 @@ pub const MAX_TAGS: usize = 16;
 /// let site = Site::new(RadioMap::new(TUNNEL)?, tracker::Config::TUNNEL)?;
 /// let config = Config { silence_ms: 10_000, ..Config::new(site) };
 /// config.check()?;
-/// let mut gateway = BeaconGateway::<8, 300, 81, 4>::EMPTY;
+/// let mut gateway = BeaconGateway::<64, 300, 81, 4, 1>::EMPTY;
 /// let events = b"$PFOXQ*50\r\n".iter().filter_map(|byte| gateway.push(*byte, &config));
 /// assert_eq!(events.last(), Some(Event::Queried));
 /// assert!(gateway.report().starts_with("$PFOXS,1,0,0,1,0,"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct BeaconGateway<const T: usize, const N: usize, const P: usize, const B: usize = 16> {
+pub struct BeaconGateway<
+    const T: usize,
+    const N: usize,
+    const P: usize,
+    const B: usize = 16,
+    const D: usize = 2,
+> {
     input: Input,
     counters: Counters,
-    trackers: Trackers<T, N, B>,
+    trackers: Trackers<T, N, B, D>,
     workspace: Workspace<N, P>,
     radios: Radios<B>,
     generator: Option<Xoshiro128PlusPlus>,
     report: Report,
 }
 
-impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGateway<T, N, P, B> {
+impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: usize>
+    BeaconGateway<T, N, P, B, D>
+{
     /// No tags yet, in bits that are all zero.
     pub const EMPTY: Self = {
-        assert!(T <= MAX_TAGS, "at most 16 tags");
+        assert!(T <= MAX_TAGS, "at most 64 tags");
         Self {
             input: Input::EMPTY,
             counters: Counters::EMPTY,
@@ -139,7 +148,7 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGatew
     }
 
     /// The tags and their trackers.
-    pub fn tags(&self) -> impl Iterator<Item = (u32, &Tracker<N, B>)> {
+    pub fn tags(&self) -> impl Iterator<Item = (u32, &Tracker<N, B, D>)> {
         self.trackers.iter()
     }
 
@@ -168,7 +177,8 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGatew
         let rng = self
             .generator
             .get_or_insert_with(|| Xoshiro128PlusPlus::seed_from_u64(config.seed));
-        let (tracker, evicted) = self.trackers.of(tag, time_ms);
+        let trackers = self.trackers.of(tag, time_ms);
+        let (tracker, evicted) = trackers.ok_or(Rejected::NoRoom)?;
         if evicted.is_some() {
             self.counters.evicted = self.counters.evicted.saturating_add(1);
         }
@@ -180,13 +190,14 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGatew
                 _ => Rejected::UnknownRadio,
             })?;
         let report = &mut self.report;
+        let now_ms = self.trackers.now_ms();
         (self.radios).hear(
-            time_ms,
+            now_ms,
             reading.beacon.into(),
             config,
             |radio, is_silent| {
                 let identifier = site.map.beacon(radio).map_or(0, |beacon| beacon.identifier);
-                report.radio(time_ms, identifier, is_silent);
+                report.radio(now_ms, identifier, is_silent);
             },
         );
         Ok(match fix {
@@ -217,8 +228,8 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize> BeaconGatew
 }
 
 persist!(
-    impl[const T: usize, const N: usize, const P: usize, const B: usize]
-    BeaconGateway<T, N, P, B> as "BeaconGateway"(T, N, B)
+    impl[const T: usize, const N: usize, const P: usize, const B: usize, const D: usize]
+    BeaconGateway<T, N, P, B, D> as "BeaconGateway"(T, N, B)
     { counters, trackers, radios, generator } without { input, workspace, report }
 );
 

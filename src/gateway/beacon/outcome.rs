@@ -49,6 +49,8 @@ pub enum Rejected {
     UnknownRadio,
     /// The packet is older than one of the same tag that was used.
     TooOld,
+    /// All trackers belong to other tags that are still heard.
+    NoRoom,
 }
 
 reasons!(Rejected {
@@ -58,6 +60,7 @@ reasons!(Rejected {
     OutOfRange => "value is out of range",
     UnknownRadio => "radio is not in the map",
     TooOld => "packet is too old",
+    NoRoom => "no tracker is free",
 });
 
 /// How many messages there were of each kind. Counts stay at their maximum when they reach it.

@@ -6,7 +6,7 @@ use crate::persist;
 /// When each radio of the map was heard of last.
 #[derive(Debug)]
 pub(super) struct Radios<const B: usize> {
-    /// Time of the last packet of any tag, by radio; of the first packet of all for a radio that has heard none.
+    /// When the last packet of any tag came, by radio; when the first of all came for a radio that has heard none.
     heard_ms: [u32; B],
     is_silent: [bool; B],
     has_begun: bool,
@@ -31,23 +31,23 @@ impl<const B: usize> Radios<B> {
     /// one if it had: with its number and whether it is silent.
     pub fn hear(
         &mut self,
-        time_ms: u32,
+        now_ms: u32,
         radio: usize,
         config: &Config<'_>,
         mut tell: impl FnMut(usize, bool),
     ) {
         if !self.has_begun {
-            self.heard_ms = [time_ms; B];
+            self.heard_ms = [now_ms; B];
             self.has_begun = true;
         }
         let radios = config.site.map.beacons();
         let each = self.heard_ms.iter_mut().zip(&mut self.is_silent);
         for (number, (heard_ms, is_silent)) in each.enumerate().take(radios) {
             if number == radio {
-                *heard_ms = time_ms;
+                *heard_ms = now_ms;
             }
             // Clocks overflow; a time ahead is no silence.
-            let silence = time_ms.wrapping_sub(*heard_ms) as i32;
+            let silence = now_ms.wrapping_sub(*heard_ms) as i32;
             let silent = u32::try_from(silence).is_ok_and(|silence| silence > config.silence_ms);
             if silent != *is_silent {
                 *is_silent = silent;

@@ -1,12 +1,15 @@
 //! The sentences of the gateway.
 
-use super::{Counters, Rejected};
+use super::{Counters, MAX_TAGS, Rejected};
 use crate::estimate::Ellipse;
 use crate::fingerprint::tracker::{Fix, State};
 use crate::gateway::sentence::{DEGREES, Text, Unit};
 
-/// Has room for the fixes of [`super::MAX_TAGS`] tags and a status.
-pub(super) type Report = Text<2560>;
+/// Of the longest answer.
+const CAPACITY: usize = MAX_TAGS * 150 + 256;
+
+/// Has room for the fixes of [`MAX_TAGS`] tags and a status.
+pub(super) type Report = Text<CAPACITY>;
 
 impl Report {
     /// `$PFOXT`
@@ -65,7 +68,6 @@ impl Report {
 
 #[cfg(test)]
 mod tests {
-    use super::super::MAX_TAGS;
     use super::*;
 
     fn fix() -> Fix {
@@ -112,6 +114,6 @@ mod tests {
         // Every count, now one digit, may have ten.
         let counts = 8 + Rejected::ALL.len();
         assert!(report.as_str().ends_with("\r\n"));
-        assert!(report.as_str().len() + counts * 9 <= 2560);
+        assert!(report.as_str().len() + counts * 9 <= CAPACITY);
     }
 }

@@ -88,18 +88,24 @@ fn both_framings_give_the_same_answers() {
     assert!(matches!(events[0], Event::Taken { tag: 7 }));
     assert_eq!(events.last(), Some(&Event::Queried));
     assert!(output.contains("$PFOXT,") && output.contains(",7,"));
-    assert!(output.contains("$PFOXS,41,40,0,1,0,0,0,0,0,0,0,1,0,0*"));
+    assert!(output.contains("$PFOXS,41,40,0,1,0,0,0,0,0,0,0,0,1,0,0*"));
 }
 
 #[test]
 fn tags_are_tracked_apart_and_the_silent_one_is_evicted() {
     let map = map(1);
     let mut gateway = gateway(&map, Framing::Lines);
-    for (time, tag) in [(0, 1), (10, 2), (20, 1), (30, 3)] {
-        run(&mut gateway, line(&packet(time, 0, tag)).as_bytes());
+    run(&mut gateway, line(&packet(10, 0, 2)).as_bytes());
+    for time in (0..40_000).step_by(500) {
+        run(&mut gateway, line(&packet(time, 0, 1)).as_bytes());
+        if time < 30_000 {
+            let (events, _) = run(&mut gateway, line(&packet(time, 0, 3)).as_bytes());
+            assert_eq!(events, [Event::Rejected(Rejected::NoRoom)]);
+        }
     }
+    run(&mut gateway, line(&packet(40_000, 0, 3)).as_bytes());
     let tags: Vec<u32> = gateway.state.tags().map(|(tag, _)| tag).collect();
-    assert_eq!(tags, [1, 3]);
+    assert_eq!(tags, [3, 1]);
     assert_eq!(gateway.state.counters().evicted, 1);
     run(&mut gateway, sentence("PFOXR").as_bytes());
     assert_eq!(gateway.state.tags().count(), 0);
@@ -201,7 +207,7 @@ proptest! {
         let (_, status) = output.rsplit_once("$PFOXS,").unwrap();
         let (counts, _) = status.split_once('*').unwrap();
         let counts: Vec<u32> = counts.split(',').map(|count| count.parse().unwrap()).collect();
-        prop_assert_eq!(counts[0], counts[1..11].iter().sum::<u32>(), "{}", status);
+        prop_assert_eq!(counts[0], counts[1..12].iter().sum::<u32>(), "{}", status);
     }
 
     #[test]

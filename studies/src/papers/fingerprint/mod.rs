@@ -8,10 +8,13 @@ use foxhunt_host::figures::Figure;
 
 use super::study::Study;
 
+mod coverage;
 mod errors;
 mod measured;
 mod pictures;
+mod robot;
 mod simulated;
+mod strict;
 mod two_stage;
 mod windows;
 
@@ -20,6 +23,8 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
     let mut figures = simulated::run(study)?;
     figures.extend(windows::run(study)?);
     pictures::simulated(study)?;
+    figures.extend(strict::run(study)?);
+    figures.extend(robot::run(study)?);
     figures.extend(measured::run(study)?);
     Ok(figures)
 }

@@ -29,7 +29,7 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
     let tracked = Tracked::new(&office, study.seed)?;
     let (dead, numbers) = tracked.worst();
     let results = Results {
-        left_out_db: office.left_out_db,
+        left_out_db: office.left_out_db(),
         dead,
         tracked,
         matched: published::memoryless(&office)?,
@@ -67,7 +67,7 @@ fn print(office: &Office, rows: &[(&str, &Both)]) {
          2 s, from 2 s after the start; errors in the plane, {SEEDS} filter seeds of every walk, the tracker with the \
          library's own settings. The radio map errs by {:.2} dB where a place of the survey is left out.",
         office.receivers.len(),
-        office.left_out_db
+        office.left_out_db()
     );
     let header = [
         "method",

@@ -1,0 +1,319 @@
+//! The particles of the tag that is being updated, unpacked: columns in steps of the lattice.
+
+use super::comparison::Comparison;
+use super::field::Field;
+use super::motion::{Noise, Step};
+use super::stored::{Grain, Stored};
+use crate::estimate::Symmetric2;
+use crate::fingerprint::Lattice;
+use crate::math::exp_of_weight;
+use crate::random::{Rng, uniform};
+
+/// Places in steps from the first point of the lattice, velocities in steps a second, and weights up to a common factor.
+/// On a map of one row or one column only the first of two columns is in use, for places along it.
+#[derive(Debug, Clone)]
+pub(super) struct Cloud<const N: usize> {
+    pub places: [[f32; N]; 2],
+    pub velocities: [[f32; N]; 2],
+    /// The first points of the cells of the lattice that the places are in; more than any point beyond the map.
+    pub cells: [u16; N],
+    /// Log-likelihoods at first.
+    pub weights: [f32; N],
+}
+
+/// Sums over the weights.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sums {
+    pub weights: f32,
+    pub squares: f32,
+}
+
+/// Mean and covariance, in steps.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Moments {
+    pub place: [f32; 2],
+    pub velocity: [f32; 2],
+    pub covariance: Symmetric2,
+}
+
+/// The cell of a place beyond the map: no point has this number, except the last of the largest map, where no cell begins.
+const BEYOND: u16 = u16::MAX;
+
+/// The coordinate of the last of so many points.
+fn last_of(points: usize) -> f32 {
+    points.saturating_sub(1) as f32
+}
+
+/// The whole part of a place, but at the last point the one before.
+#[inline(always)]
+fn floor_below(place: f32, last: f32) -> u32 {
+    if place < last {
+        place as u32
+    } else {
+        (last as u32).saturating_sub(1)
+    }
+}
+
+impl<const N: usize> Cloud<N> {
+    /// Zero in all bits.
+    pub const EMPTY: Self = Self {
+        places: [[0.0; N]; 2],
+        velocities: [[0.0; N]; 2],
+        cells: [0; N],
+        weights: [0.0; N],
+    };
+
+    /// Unpacks particles, moved along an axis, and returns the mean of the squares of their moves.
+    #[inline(always)]
+    pub fn advance<const AXIS: usize, S: Stored>(
+        &mut self,
+        particles: &[S; N],
+        grain: &Grain,
+        step: &Step,
+        mut noise: Noise,
+    ) -> f32 {
+        let mut squares = 0.0;
+        let places = &mut self.places[AXIS & 1];
+        let velocities = &mut self.velocities[AXIS & 1];
+        let columns = places.iter_mut().zip(velocities);
+        for (particle, (place, velocity)) in particles.iter().zip(columns) {
+            let from = particle.place::<AXIS>(grain);
+            let state = (from, particle.velocity::<AXIS>(grain));
+            (*place, *velocity) = step.take(state, noise.next());
+            squares += (*place - from) * (*place - from);
+        }
+        squares * (1.0 / N as f32)
+    }
+
+    /// Unpacks particles as they are, with equal weights.
+    pub fn unpack<S: Stored>(&mut self, particles: &[S; N], grain: &Grain) {
+        let [x, y] = self.places.each_mut();
+        let [vx, vy] = self.velocities.each_mut();
+        let columns = x.iter_mut().zip(y).zip(vx.iter_mut().zip(vy));
+        for (particle, ((x, y), (vx, vy))) in particles.iter().zip(columns) {
+            (*x, *vx) = (particle.place::<0>(grain), particle.velocity::<0>(grain));
+            (*y, *vy) = (particle.place::<1>(grain), particle.velocity::<1>(grain));
+        }
+        self.weights = [1.0; N];
+    }
+
+    /// Finds the cells of the places.
+    #[inline(never)]
+    pub fn find_cells(&mut self, lattice: &Lattice) {
+        let [x, y] = &self.places;
+        if lattice.is_plane() {
+            let [most_x, most_y] = [lattice.columns(), lattice.rows()].map(last_of);
+            let columns = lattice.columns() as u32;
+            for (cell, (x, y)) in self.cells.iter_mut().zip(x.iter().zip(y)) {
+                let is_within = *x >= 0.0 && *x <= most_x && *y >= 0.0 && *y <= most_y;
+                let first = floor_below(*y, most_y) * columns + floor_below(*x, most_x);
+                *cell = if is_within { first as u16 } else { BEYOND };
+            }
+        } else {
+            let most = last_of(lattice.points());
+            for (cell, x) in self.cells.iter_mut().zip(x) {
+                let is_within = *x >= 0.0 && *x <= most;
+                *cell = if is_within {
+                    floor_below(*x, most) as u16
+                } else {
+                    BEYOND
+                };
+            }
+        }
+    }
+
+    /// Sets the log-likelihoods to those of the places, of tags that were where their velocity says `age_s` seconds ago; the
+    /// points were looked up for a velocity of `mean`.
+    #[inline(never)]
+    pub fn look_up<const P: usize>(
+        &mut self,
+        field: &Field<P>,
+        lattice: &Lattice,
+        age_s: f32,
+        mean: [f32; 2],
+    ) {
+        let ([x, y], [vx, vy]) = (&self.places, &self.velocities);
+        let weights = self.weights.iter_mut().zip(&self.cells);
+        if lattice.is_plane() {
+            let [most_x, most_y] = [lattice.columns(), lattice.rows()].map(last_of);
+            let columns = x.iter().zip(y).zip(vx.iter().zip(vy));
+            for ((weight, cell), ((x, y), (vx, vy))) in weights.zip(columns) {
+                let fractions = [
+                    x - floor_below(*x, most_x) as f32,
+                    y - floor_below(*y, most_y) as f32,
+                ];
+                let further = [age_s * (vx - mean[0]), age_s * (vy - mean[1])];
+                *weight = field.in_plane(*cell, lattice.columns(), fractions, further);
+            }
+        } else {
+            let most = last_of(lattice.points());
+            for ((weight, cell), (x, vx)) in weights.zip(x.iter().zip(vx)) {
+                let fraction = x - floor_below(*x, most) as f32;
+                *weight = field.on_line(*cell, fraction, age_s * (vx - mean[0]));
+            }
+        }
+    }
+
+    /// Makes places impossible, by the points nearest to them.
+    /// Particles of which the evidence is taken: fewer are work saved, and noise.
+    const SAMPLE: usize = 10;
+
+    /// The mean likelihood of a scan by which nothing is remembered, relative to `top`, over some of the particles, others at
+    /// every time: each as the point that is nearest to it.
+    #[inline(never)]
+    pub fn evidence<const B: usize>(
+        &self,
+        scan: &Comparison<'_, B>,
+        lattice: &Lattice,
+        top: f32,
+        time: u32,
+    ) -> f32 {
+        let stride = N / Self::SAMPLE + 1;
+        let first = (time as usize).checked_rem(stride).unwrap_or(0);
+        let [x, y] = &self.places;
+        let (mut sum, mut count) = (0.0, 0u32);
+        for (x, y) in x.iter().zip(y).skip(first).step_by(stride) {
+            let place = [*x, if lattice.is_plane() { *y } else { 0.0 }];
+            if let Some(point) = Self::nearest(place, lattice) {
+                sum += exp_of_weight(scan.anew_at(point).log_likelihood - top);
+            }
+            count += 1;
+        }
+        sum / count.max(1) as f32
+    }
+
+    /// The point that is nearest to a place on the map.
+    fn nearest([x, y]: [f32; 2], lattice: &Lattice) -> Option<usize> {
+        let (columns, rows) = if lattice.is_plane() {
+            (lattice.columns(), lattice.rows())
+        } else {
+            (lattice.points(), 1)
+        };
+        let is_on = |steps: f32, points: usize| steps >= 0.0 && steps <= last_of(points);
+        if !(is_on(x, columns) && is_on(y, rows)) {
+            return None;
+        }
+        Some((y + 0.5) as usize * columns + (x + 0.5) as usize)
+    }
+
+    pub fn exclude(&mut self, lattice: &Lattice, is_possible: impl Fn(usize) -> bool) {
+        let [x, y] = &self.places;
+        // Saturates; NaN becomes 0.
+        let nearest = |steps: f32| (steps + 0.5) as usize;
+        for (weight, (x, y)) in self.weights.iter_mut().zip(x.iter().zip(y)) {
+            let row = if lattice.is_plane() { nearest(*y) } else { 0 };
+            if !is_possible(row * lattice.columns() + nearest(*x)) {
+                *weight = f32::NEG_INFINITY;
+            }
+        }
+    }
+
+    /// Computes the weights from log-likelihoods: relative to the largest, which gets 1. None if there is none.
+    #[inline(never)]
+    pub fn weigh(&mut self) -> Option<Sums> {
+        let mut top = f32::NEG_INFINITY;
+        for log_likelihood in &self.weights {
+            if *log_likelihood > top {
+                top = *log_likelihood;
+            }
+        }
+        if !top.is_finite() {
+            return None;
+        }
+        let (mut weights, mut squares) = ([0.0f32; 2], [0.0f32; 2]);
+        let (blocks, rest) = self.weights.as_chunks_mut::<2>();
+        for block in blocks {
+            for lane in 0..2 {
+                let weight = exp_of_weight(block[lane] - top);
+                block[lane] = weight;
+                weights[lane] += weight;
+                squares[lane] += weight * weight;
+            }
+        }
+        for weight in rest {
+            *weight = exp_of_weight(*weight - top);
+            weights[0] += *weight;
+            squares[0] += *weight * *weight;
+        }
+        Some(Sums {
+            weights: weights[0] + weights[1],
+            squares: squares[0] + squares[1],
+        })
+    }
+
+    /// Moments by weights of this sum.
+    #[inline(never)]
+    pub fn moments(&self, is_plane: bool, weights: f32) -> Moments {
+        let scale = 1.0 / weights;
+        let ([x, y], [vx, vy]) = (&self.places, &self.velocities);
+        let (mut mean, mut velocity) = ([0.0f32; 2], [0.0f32; 2]);
+        let mut covariance = Symmetric2::ZERO;
+        if is_plane {
+            let columns = x.iter().zip(y).zip(vx.iter().zip(vy));
+            for (weight, ((x, y), (vx, vy))) in self.weights.iter().zip(columns) {
+                mean[0] += weight * x;
+                mean[1] += weight * y;
+                velocity[0] += weight * vx;
+                velocity[1] += weight * vy;
+            }
+            mean = mean.map(|sum| sum * scale);
+            for (weight, (x, y)) in self.weights.iter().zip(x.iter().zip(y)) {
+                let [dx, dy] = [x - mean[0], y - mean[1]];
+                let [of_x, of_y] = [weight * dx, weight * dy];
+                covariance.xx += of_x * dx;
+                covariance.xy += of_x * dy;
+                covariance.yy += of_y * dy;
+            }
+        } else {
+            for (weight, (x, vx)) in self.weights.iter().zip(x.iter().zip(vx)) {
+                mean[0] += weight * x;
+                velocity[0] += weight * vx;
+            }
+            mean[0] *= scale;
+            for (weight, x) in self.weights.iter().zip(x) {
+                let dx = x - mean[0];
+                covariance.xx += weight * dx * dx;
+            }
+        }
+        Moments {
+            place: mean,
+            velocity: velocity.map(|sum| sum * scale),
+            covariance: covariance.scaled(scale),
+        }
+    }
+
+    /// Chooses as many particles as there are by their weights, of this sum, and packs them: systematic resampling, in
+    /// order.
+    #[inline(always)]
+    pub fn resample<S: Stored, R: Rng + ?Sized>(
+        &self,
+        weights: f32,
+        particles: &mut [S; N],
+        grain: &Grain,
+        rng: &mut R,
+    ) {
+        let gap = weights * (1.0 / N as f32);
+        let mut to_next = uniform(rng) * gap;
+        let mut last = S::EMPTY;
+        let mut slots = particles.iter_mut();
+        let ([x, y], [vx, vy]) = (&self.places, &self.velocities);
+        let columns = x.iter().zip(y).zip(vx.iter().zip(vy));
+        for (weight, ((x, y), (vx, vy))) in self.weights.iter().zip(columns) {
+            to_next -= weight;
+            // False for NaN.
+            if to_next < 0.0 {
+                last = S::pack([*x, *y], [*vx, *vy], grain);
+                while to_next < 0.0
+                    && let Some(slot) = slots.next()
+                {
+                    *slot = last;
+                    to_next += gap;
+                }
+            }
+        }
+        // Rounding may leave a few behind the end.
+        for slot in slots {
+            *slot = last;
+        }
+    }
+}

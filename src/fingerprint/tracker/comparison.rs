@@ -1,0 +1,342 @@
+//! A scan compared with the map at a place.
+
+use super::Config;
+use super::memory::{Memory, Prior};
+use super::offset::OffsetBelief;
+use super::pending::Level;
+use crate::fingerprint::{RadioMap, map::LOWEST_MEAN_DBM};
+use crate::math::ln;
+
+/// A beacon of a scan, ready to be compared. Levels are in halves of a dB above the lowest, as the means of the map.
+#[derive(Debug, Clone, Copy)]
+struct Reading<'a> {
+    row: &'a [[u8; 2]],
+    /// Less what is remembered.
+    level: f32,
+    /// How much of the map's mean at the place before counts against that at this one.
+    weight: f32,
+    /// The factor of the variance of the map's error.
+    unknown: f32,
+    /// The variance of the mean of its packets.
+    noise: f32,
+}
+
+/// A scan, ready to be compared with the map.
+#[derive(Debug, Clone)]
+pub(super) struct Comparison<'a, const B: usize> {
+    readings: heapless::Vec<Reading<'a>, B>,
+    columns: usize,
+    tempering: f32,
+    is_estimated: bool,
+    /// Whether there is an offset, more probably than not.
+    has_offset: bool,
+    /// Of the offset.
+    belief: OffsetBelief,
+    log_none: f32,
+    log_some: f32,
+    mean: f32,
+    variance: f32,
+    /// The largest cost of a reading, doubled as all costs.
+    gate: f32,
+    /// Of the map's error, besides what the map states.
+    mismatch: f32,
+}
+
+/// What a scan says of a place.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Found {
+    pub log_likelihood: f32,
+    /// How much the scan adds to the precision of the offset, per dB^2.
+    pub precision: f32,
+    /// The correction of the mean of the offset, if the tag has one.
+    pub shift: f32,
+    /// The probability that the tag has an offset.
+    pub probability: f32,
+}
+
+impl Found {
+    pub const NOWHERE: Self = Self {
+        log_likelihood: f32::NEG_INFINITY,
+        precision: 0.0,
+        shift: 0.0,
+        probability: 0.0,
+    };
+}
+
+/// The variance of a packet about the mean at its place, in squared halves of a dB.
+pub(super) fn packet_variance(map: &RadioMap<'_>) -> f32 {
+    let noise = 2.0 * map.noise_db();
+    noise * noise
+}
+
+/// The variance of the error of a mean, in squared halves of a dB, by the code of its sigma. Where a beacon was not heard,
+/// the mean is that of the weakest reading, and not known well.
+#[inline(always)]
+pub(super) fn error_variance(sigma: u8) -> f32 {
+    let sigma = f32::from(if sigma == 0 { 63 } else { sigma });
+    0.25 * sigma * sigma
+}
+
+impl<'a, const B: usize> Comparison<'a, B> {
+    /// Of a scan, by what is remembered of the error of the map, if anything is.
+    #[inline(never)]
+    pub fn new(
+        map: &RadioMap<'a>,
+        config: &Config,
+        belief: &OffsetBelief,
+        memory: Option<&Memory<B>>,
+        scan: &[Level; B],
+    ) -> Self {
+        let packet = packet_variance(map);
+        let [log_none, log_some] = belief.log_probabilities();
+        let mut readings = heapless::Vec::new();
+        for (beacon, level) in scan.iter().enumerate() {
+            if let (Some(row), 1..) = (map.moments_row(beacon), level.packets) {
+                let prior = memory.map_or(Prior::NONE, |memory| memory.prior(beacon));
+                let above = |level_dbm: f32| 2.0 * (level_dbm - LOWEST_MEAN_DBM);
+                // There are no more than levels.
+                let _ = readings.push(Reading {
+                    row,
+                    level: above(level.mean_dbm) - prior.weight * above(prior.level_dbm),
+                    weight: prior.weight,
+                    unknown: prior.unknown,
+                    noise: packet / f32::from(level.packets),
+                });
+            }
+        }
+        Self {
+            readings,
+            columns: map.lattice().columns(),
+            tempering: config.tempering,
+            is_estimated: belief.is_estimated(),
+            has_offset: belief.is_estimated() && belief.probability() > 0.5,
+            belief: *belief,
+            log_none,
+            log_some,
+            mean: 2.0 * belief.mean_db,
+            variance: 4.0 * belief.variance,
+            gate: config.gate_sigmas * config.gate_sigmas,
+            mismatch: 4.0 * config.mismatch_sigma_db * config.mismatch_sigma_db,
+        }
+    }
+}
+
+/// Where a tag was that is at a point now: fractions of a step beyond another point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Past {
+    pub first: usize,
+    pub fractions: [f32; 2],
+}
+
+/// How the log-likelihood changes with the displacement of a tag since what is remembered, in steps: to the second order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Slope {
+    pub gradient: [f32; 2],
+    /// Along x, across, and along y.
+    pub curvature: [f32; 3],
+}
+
+impl Slope {
+    pub const ZERO: Self = Self {
+        gradient: [0.0; 2],
+        curvature: [0.0; 3],
+    };
+
+    /// Adds a reading whose difference, weighted by its precision, falls by `along` and `across` with the displacement.
+    #[inline(always)]
+    fn add<const PLANE: bool>(&mut self, weighted: f32, precision: f32, [along, across]: [f32; 2]) {
+        let of_along = precision * along;
+        self.gradient[0] += weighted * along;
+        self.curvature[0] += of_along * along;
+        if PLANE {
+            self.gradient[1] += weighted * across;
+            self.curvature[1] += of_along * across;
+            self.curvature[2] += precision * across * across;
+        }
+    }
+
+    /// What a displacement adds that is so much larger.
+    #[inline(always)]
+    pub fn at<const PLANE: bool>(&self, [x, y]: [f32; 2]) -> f32 {
+        let [xx, xy, yy] = self.curvature;
+        if PLANE {
+            x * (self.gradient[0] - 0.5 * xx * x - xy * y) + y * (self.gradient[1] - 0.5 * yy * y)
+        } else {
+            x * (self.gradient[0] - 0.5 * xx * x)
+        }
+    }
+}
+
+impl<const B: usize> Comparison<'_, B> {
+    /// At a point, of a tag that was elsewhere when it heard what is remembered.
+    #[inline(always)]
+    pub fn at_point<const PLANE: bool>(&self, point: usize, past: &Past) -> (Found, Slope) {
+        let mut sums = Sums::EMPTY;
+        let mut slope = Slope::ZERO;
+        let [s, t] = past.fractions;
+        for reading in &self.readings {
+            let Some([sigma, mean]) = reading.row.get(point) else {
+                continue;
+            };
+            let mut difference = reading.level - f32::from(*mean);
+            let mut falls = [0.0; 2];
+            let near = pair(reading.row, past.first);
+            let far = if PLANE {
+                pair(reading.row, past.first + self.columns)
+            } else {
+                None
+            };
+            if let Some([a, b]) = near {
+                let mut along = b - a;
+                let mut there = a + s * along;
+                if let Some([c, d]) = far {
+                    let above = c + s * (d - c);
+                    let across = above - there;
+                    along += t * ((d - c) - along);
+                    there += t * across;
+                    falls[1] = reading.weight * across;
+                }
+                falls[0] = reading.weight * along;
+                difference += reading.weight * there;
+            }
+            let error = error_variance(*sigma) + self.mismatch;
+            let variance = error * reading.unknown + reading.noise;
+            let weighted = sums.add(difference, 1.0 - reading.weight, variance, self);
+            if let Some((weighted, precision)) = weighted {
+                slope.add::<PLANE>(weighted, precision, falls);
+            }
+        }
+        slope.gradient = slope.gradient.map(|sum| self.tempering * sum);
+        slope.curvature = slope.curvature.map(|sum| self.tempering * sum);
+        (sums.conclude(self), slope)
+    }
+
+    /// At a point, if nothing is remembered: the log-likelihood.
+    #[inline(always)]
+    pub fn anew_at(&self, point: usize) -> Found {
+        let mut sums = Sums::EMPTY;
+        for reading in &self.readings {
+            let Some([sigma, mean]) = reading.row.get(point) else {
+                continue;
+            };
+            let variance = error_variance(*sigma) + (self.mismatch + reading.noise);
+            sums.add(reading.level - f32::from(*mean), 1.0, variance, self);
+        }
+        sums.conclude(self)
+    }
+}
+
+/// The means of a beacon at a point and at the next one.
+#[inline(always)]
+fn pair(row: &[[u8; 2]], first: usize) -> Option<[f32; 2]> {
+    let [[_, a], [_, b]] = *row.get(first..)?.first_chunk()?;
+    Some([f32::from(a), f32::from(b)])
+}
+
+/// Sums over the beacons of a scan at one place, in halves of a dB.
+#[derive(Clone, Copy)]
+struct Sums {
+    /// Without an offset.
+    cost: f32,
+    /// With the mean of the offset.
+    cost_with: f32,
+    /// Over the readings within the gate of the offset: precisions, and differences weighted by them.
+    precision: f32,
+    weighted: f32,
+    /// Product of all precisions; its logarithm is taken when it gets small.
+    product: f32,
+}
+
+impl Sums {
+    const EMPTY: Self = Self {
+        cost: 0.0,
+        cost_with: 0.0,
+        precision: 0.0,
+        weighted: 0.0,
+        product: 1.0,
+    };
+
+    /// Adds a reading that differs so much from what is expected, to which an offset adds in proportion to `slope`. Returns
+    /// the weighted difference and the precision by the more probable hypothesis of both, if the reading is within its gate.
+    #[inline(always)]
+    fn add<const B: usize>(
+        &mut self,
+        difference: f32,
+        slope: f32,
+        variance: f32,
+        terms: &Comparison<'_, B>,
+    ) -> Option<(f32, f32)> {
+        let precision = 1.0 / variance;
+        let weighted = difference * precision;
+        let cost = difference * weighted;
+        let is_within = cost < terms.gate;
+        self.cost += if is_within { cost } else { terms.gate };
+        let mut said = if is_within {
+            Some((weighted, precision))
+        } else {
+            None
+        };
+        if terms.is_estimated {
+            let difference = difference - slope * terms.mean;
+            let weighted = difference * precision;
+            let cost = difference * weighted;
+            let informed = slope * slope * precision;
+            // An offset that is not known well leaves room for larger differences.
+            if cost < terms.gate * (1.0 + terms.variance * informed) {
+                self.cost_with += cost;
+                self.precision += informed;
+                self.weighted += slope * weighted;
+                if terms.has_offset {
+                    said = Some((weighted, precision));
+                }
+            } else {
+                self.cost_with += terms.gate;
+                if terms.has_offset {
+                    said = None;
+                }
+            }
+        }
+        self.product *= precision;
+        if self.product < 1e-25 {
+            let logarithm = ln(self.product);
+            self.cost -= logarithm;
+            self.cost_with -= logarithm;
+            self.product = 1.0;
+        }
+        said
+    }
+
+    #[inline(always)]
+    fn conclude<const B: usize>(self, terms: &Comparison<'_, B>) -> Found {
+        let tempering = terms.tempering;
+        let logarithm = ln(self.product);
+        let half = 0.5 * tempering;
+        let without = half * (logarithm - self.cost);
+        if !terms.is_estimated {
+            return Found {
+                log_likelihood: without,
+                precision: 0.0,
+                shift: 0.0,
+                probability: 0.0,
+            };
+        }
+        let precision = tempering * self.precision;
+        let weighted = tempering * self.weighted;
+        let known = 1.0 + terms.variance * precision;
+        let gain = terms.variance / known;
+        let with =
+            half * (logarithm - self.cost_with) + 0.5 * (gain * weighted * weighted - ln(known));
+        // The sum of both is at most ln 2 above the larger.
+        let (without_prior, with_prior) = (without + terms.log_none, with + terms.log_some);
+        Found {
+            log_likelihood: if with_prior > without_prior {
+                with_prior
+            } else {
+                without_prior
+            },
+            precision: 4.0 * precision,
+            shift: 0.5 * gain * weighted,
+            probability: terms.belief.probability_given(with - without),
+        }
+    }
+}

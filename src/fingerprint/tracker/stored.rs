@@ -1,0 +1,164 @@
+//! How the particles of a tag lie in memory between two updates.
+
+use super::Config;
+use crate::fingerprint::Lattice;
+use crate::persist;
+use crate::snapshot::Persist;
+
+/// A particle between two updates: [`Packed`], or [`Exact`] for comparison.
+///
+/// There are no weights, because every update ends with resampling. Nobody else implements it.
+pub trait Stored: Copy + Persist {
+    /// The axes of the maps that it has room for.
+    #[doc(hidden)]
+    const AXES: usize;
+    /// In bits that are all zero.
+    #[doc(hidden)]
+    const EMPTY: Self;
+
+    /// Of a place in steps of the lattice, and a velocity in steps a second.
+    #[doc(hidden)]
+    fn pack(places: [f32; 2], velocities: [f32; 2], grain: &Grain) -> Self;
+
+    /// The place along an axis, in steps of the lattice.
+    #[doc(hidden)]
+    fn place<const AXIS: usize>(&self, grain: &Grain) -> f32;
+
+    /// The velocity along an axis, in steps a second.
+    #[doc(hidden)]
+    fn velocity<const AXIS: usize>(&self, grain: &Grain) -> f32;
+}
+
+/// What the integers of [`Packed`] count.
+#[derive(Debug, Clone, Copy)]
+pub struct Grain {
+    /// Units of a place in a step of the lattice, a power of two, and its inverse.
+    units: [f32; 2],
+    /// The largest velocity, in steps a second, and its inverse.
+    velocity: [f32; 2],
+}
+
+impl Grain {
+    /// Most points along an axis: a unit is then an eighth of a step.
+    pub const MAX_POINTS: usize = 8_192;
+    /// Velocities reach to so many of their prior sigmas. Fewer would hold back who runs; at more, the 128 units of the
+    /// plane become coarser than what half a second changes.
+    const SIGMAS: f32 = 8.0;
+
+    /// On this map, with these walks. The whole map fits into 16 bits.
+    pub(super) fn of(lattice: &Lattice, config: &Config) -> Self {
+        let last = lattice.columns().max(lattice.rows()).saturating_sub(1);
+        let bits = u16::try_from(last).map_or(0, u16::leading_zeros);
+        let units = (1u32 << (bits & 15)) as f32;
+        let velocity = Self::SIGMAS * config.velocity_sigma_m_s * lattice.per_metre();
+        Self {
+            units: [units, 1.0 / units],
+            velocity: [velocity, 1.0 / velocity],
+        }
+    }
+}
+
+/// A particle on a map of `D` axes in 2 (D + 1) bytes: 16 bits a place, and 16 for the velocity, or 8 along each of two
+/// axes.
+///
+/// A place is rounded to a power of two of the lattice's step, of which 2^15 to 2^16 reach over the map; the velocity to a
+/// 128th of eight times its prior sigma, on a map of one row to a 32,768th.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Packed<const D: usize> {
+    places: [u16; D],
+    velocity: u16,
+}
+
+impl<const D: usize> Packed<D> {
+    /// The largest velocity, in units.
+    const LARGEST: i32 = if D == 1 { 0x7fff } else { 0x7f };
+
+    /// In units, rounded to the nearest one.
+    #[inline(always)]
+    fn units(velocity: f32, grain: &Grain) -> u16 {
+        let [_, inverse] = grain.velocity;
+        let units = velocity * (inverse * Self::LARGEST as f32);
+        // The conversion rounds towards zero and saturates.
+        let above = (units + (Self::LARGEST as f32 + 1.5)) as u32;
+        let most = 2 * Self::LARGEST as u32 + 1;
+        let above = if above < most { above } else { most };
+        above.wrapping_sub(Self::LARGEST as u32 + 1) as u16
+    }
+}
+
+impl<const D: usize> Stored for Packed<D> {
+    const AXES: usize = D;
+    const EMPTY: Self = {
+        assert!(D == 1 || D == 2, "one axis or two");
+        Self {
+            places: [0; D],
+            velocity: 0,
+        }
+    };
+
+    #[inline(always)]
+    fn pack(places: [f32; 2], velocities: [f32; 2], grain: &Grain) -> Self {
+        let mut packed = Self::EMPTY;
+        for (packed, place) in packed.places.iter_mut().zip(places) {
+            let units = (place * grain.units[0] + 0.5) as u32;
+            *packed = if units < 0xffff { units as u16 } else { 0xffff };
+        }
+        let [x, y] = velocities;
+        packed.velocity = if D == 1 {
+            Self::units(x, grain)
+        } else {
+            Self::units(x, grain) & 0xff | Self::units(y, grain) << 8
+        };
+        packed
+    }
+
+    #[inline(always)]
+    fn place<const AXIS: usize>(&self, grain: &Grain) -> f32 {
+        let units = self.places.get(AXIS).copied().unwrap_or(0);
+        f32::from(units) * grain.units[1]
+    }
+
+    #[inline(always)]
+    fn velocity<const AXIS: usize>(&self, grain: &Grain) -> f32 {
+        let units = match (D, AXIS) {
+            (1, _) => self.velocity as i16,
+            (_, 0) => i16::from(self.velocity as i8),
+            _ => self.velocity as i16 >> 8,
+        };
+        f32::from(units) * (grain.velocity[0] * (1.0 / Self::LARGEST as f32))
+    }
+}
+
+persist!(impl[const D: usize] Packed<D> as "Packed"(D) { places, velocity });
+
+/// A particle that is not rounded, in 16 bytes: to see what rounding costs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exact {
+    places: [f32; 2],
+    velocities: [f32; 2],
+}
+
+impl Stored for Exact {
+    const AXES: usize = 2;
+    const EMPTY: Self = Self {
+        places: [0.0; 2],
+        velocities: [0.0; 2],
+    };
+
+    #[inline(always)]
+    fn pack(places: [f32; 2], velocities: [f32; 2], _: &Grain) -> Self {
+        Self { places, velocities }
+    }
+
+    #[inline(always)]
+    fn place<const AXIS: usize>(&self, _: &Grain) -> f32 {
+        self.places[AXIS & 1]
+    }
+
+    #[inline(always)]
+    fn velocity<const AXIS: usize>(&self, _: &Grain) -> f32 {
+        self.velocities[AXIS & 1]
+    }
+}
+
+persist!(Exact { places, velocities });
