@@ -78,6 +78,9 @@ pub(super) fn error_variance(sigma: u8) -> f32 {
 }
 
 impl<'a, const B: usize> Comparison<'a, B> {
+    /// The other beacons of a scan of twelve, for which the tempering is stated.
+    const OTHERS: f32 = 11.0;
+
     /// Of a scan, by what is remembered of the error of the map, if anything is.
     #[inline(never)]
     pub fn new(
@@ -104,10 +107,14 @@ impl<'a, const B: usize> Comparison<'a, B> {
                 });
             }
         }
+        // As of errors of which each shares a part with every other: fewer have less in common.
+        let tempering = config.tempering;
+        let others = readings.len().saturating_sub(1) as f32;
+        let common = (1.0 - tempering) * (1.0 / Self::OTHERS) * others;
         Self {
             readings,
             columns: map.lattice().columns(),
-            tempering: config.tempering,
+            tempering: tempering / (tempering + common),
             is_estimated: belief.is_estimated(),
             has_offset: belief.is_estimated() && belief.probability() > 0.5,
             belief: *belief,

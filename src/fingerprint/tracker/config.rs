@@ -25,8 +25,8 @@ pub struct Config {
     /// Seconds in which what a tag at rest remembers of the map's error falls to 1/e: at least 0.1. Where it moves, that
     /// falls with the distance, too, over the length that the map states.
     pub error_memory_s: f32,
-    /// The power, 0.01 to 1, to which likelihoods are raised: below 1 because readings at one time have errors in common,
-    /// too.
+    /// The power, 0.01 to 1, to which the likelihood of a scan of twelve beacons is raised: below 1 because readings at one
+    /// time have errors in common, too. Fewer beacons have less in common, so it is nearer to 1 for them.
     pub tempering: f32,
     /// Readings that differ by more than so many sigmas count as if they differed by that: none of them excludes a place.
     /// At least 0.5; infinite for normal errors.
