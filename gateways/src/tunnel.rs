@@ -18,13 +18,8 @@ const MAP: RadioMap<'static> = match RadioMap::new(include_bytes!(env!("FOXHUNT_
 };
 
 /// Sixty-four tags at once, three hundred particles for each, and room for this very map.
-pub type Gateway = BeaconGateway<
-    64,
-    300,
-    { MAP.lattice().points() },
-    { MAP.beacons() },
-    { MAP.lattice().axes() },
->;
+pub type Gateway =
+    BeaconGateway<64, 300, { MAP.lattice().points() }, { MAP.beacons() }, { MAP.lattice().axes() }>;
 
 /// With packets as sentences.
 pub const LINES: Config<'static> = foxhunt::config!(Config::new(Site {

@@ -100,7 +100,7 @@ fn row(
         if !field.is_empty() {
             let rssi = field
                 .parse()
-                .with_context(|| format!("{}", &headers[*column]))?;
+                .with_context(|| headers[*column].to_string())?;
             readings.push(Reading {
                 x: place.x,
                 y: place.y,

@@ -52,7 +52,7 @@ pub struct Config {
 impl Config {
     /// People on foot, who stop and turn, in the reach of a dozen radios: on the floor of an office, by Bluetooth.
     ///
-    /// How each value was chosen is in the list of constants; none was chosen by the walks that it is tested on.
+    /// How each value was chosen is in the list of constants, which also says of which the measured walks were not kept apart.
     pub const DEFAULT: Self = Self {
         velocity_sigma_m_s: 0.5,
         velocity_noise_m2_s3: 0.09,

@@ -119,7 +119,7 @@ impl<const P: usize> Field<P> {
     ) {
         let points = map.lattice().points();
         // Even strides would stay in some columns of a map whose rows have an even number of points.
-        let stride = points / Self::SAMPLE | 1;
+        let stride = (points / Self::SAMPLE) | 1;
         let mut mean = Mean::EMPTY;
         let mut point = (time as usize).checked_rem(stride).unwrap_or(0);
         while point < points {

@@ -191,15 +191,10 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
             })?;
         let report = &mut self.report;
         let now_ms = self.trackers.now_ms();
-        (self.radios).hear(
-            now_ms,
-            reading.beacon.into(),
-            config,
-            |radio, is_silent| {
-                let identifier = site.map.beacon(radio).map_or(0, |beacon| beacon.identifier);
-                report.radio(now_ms, identifier, is_silent);
-            },
-        );
+        (self.radios).hear(now_ms, reading.beacon.into(), config, |radio, is_silent| {
+            let identifier = site.map.beacon(radio).map_or(0, |beacon| beacon.identifier);
+            report.radio(now_ms, identifier, is_silent);
+        });
         Ok(match fix {
             Some(fix) => {
                 self.report.tag(tag, &fix);
