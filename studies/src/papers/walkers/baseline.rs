@@ -14,7 +14,7 @@ pub struct Smoothed {
 }
 
 /// Standard deviation of a place by least squares, in metres, and of the change of velocity in a second, in metres a second:
-/// those of least mean error on the first walk, within a few per cent of those of any from 0.1 to 1.
+/// the change is that of the least mean error on the first walk, of five from 0.1 to 1, which differ by 9 %.
 const PLACE_M: f64 = 0.8;
 const KICK_M_S: f64 = 1.0;
 
