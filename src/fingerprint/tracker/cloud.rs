@@ -154,7 +154,6 @@ impl<const N: usize> Cloud<N> {
         }
     }
 
-    /// Makes places impossible, by the points nearest to them.
     /// Particles of which the evidence is taken: fewer are work saved, and noise.
     const SAMPLE: usize = 10;
 
@@ -196,6 +195,7 @@ impl<const N: usize> Cloud<N> {
         Some((y + 0.5) as usize * columns + (x + 0.5) as usize)
     }
 
+    /// Makes places impossible, by the points nearest to them.
     pub fn exclude(&mut self, lattice: &Lattice, is_possible: impl Fn(usize) -> bool) {
         let [x, y] = &self.places;
         // Saturates; NaN becomes 0.

@@ -1,6 +1,5 @@
 //! The likelihood of a scan at the points of the map, and between them.
 
-use super::cloud::Cloud;
 use super::comparison::{Comparison, Found, Past, Slope};
 use super::offset::OffsetBelief;
 use crate::fingerprint::{Lattice, RadioMap};
@@ -136,9 +135,9 @@ impl<const P: usize> Field<P> {
     /// Compares a scan with the corners of the cells that have particles, which moved by about so many steps since what is
     /// remembered.
     #[inline(never)]
-    pub fn look_up_at<const N: usize, const B: usize>(
+    pub fn look_up_at<const B: usize>(
         &mut self,
-        cloud: &Cloud<N>,
+        cells: &[u16],
         lattice: &Lattice,
         scan: &Comparison<'_, B>,
         moved: [f32; 2],
@@ -146,7 +145,7 @@ impl<const P: usize> Field<P> {
         for point in &mut self.points {
             point.weight = 0.0;
         }
-        for cell in &cloud.cells {
+        for cell in cells {
             if let Some(point) = self.points.get_mut(usize::from(*cell)) {
                 point.weight = 1.0;
             }
@@ -228,14 +227,14 @@ impl<const P: usize> Field<P> {
         below + t * (above - below) + nearest.slope.at::<true>(further)
     }
 
-    /// Teaches the belief about the offset what the particles think of it, whose weights add up to `total`: each as the point
-    /// that is nearest to it.
+    /// Teaches the belief about the offset what particles at these places think of it, whose weights add up to `total`: each as
+    /// the point that is nearest to it.
     #[inline(never)]
     pub fn teach<const N: usize>(
         &mut self,
         belief: &mut OffsetBelief,
         lattice: &Lattice,
-        cloud: &Cloud<N>,
+        ([x, y], weights): (&[[f32; N]; 2], &[f32; N]),
         total: f32,
     ) {
         if !belief.is_estimated() {
@@ -247,9 +246,8 @@ impl<const P: usize> Field<P> {
         }
         // Saturates; NaN becomes 0.
         let nearest = |steps: f32| (steps + 0.5) as usize;
-        let [x, y] = &cloud.places;
         let is_plane = lattice.is_plane();
-        for (weight, (x, y)) in cloud.weights.iter().zip(x.iter().zip(y)) {
+        for (weight, (x, y)) in weights.iter().zip(x.iter().zip(y)) {
             let column = nearest(*x);
             let number = if is_plane {
                 nearest(*y) * lattice.columns() + column

@@ -61,7 +61,12 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             let age_s = self.memory.age_s;
             let velocity = lattice.along_axes(last.velocity.map(|v| v * lattice.per_metre()));
             cloud.find_cells(lattice);
-            field.look_up_at(cloud, lattice, &compared, velocity.map(|v| age_s * v));
+            field.look_up_at(
+                &cloud.cells,
+                lattice,
+                &compared,
+                velocity.map(|v| age_s * v),
+            );
             cloud.look_up(field, lattice, age_s, velocity);
             let anew = Comparison::new(map, config, &self.offset, None, scan);
             field.sample(map, &anew, time_ms);
@@ -224,7 +229,12 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         let Workspace { field, cloud } = workspace;
         // Particles that were just drawn have not been tried yet.
         if self.redrawn_s != Some(0.0) {
-            field.teach(&mut self.offset, lattice, cloud, sums.weights);
+            field.teach(
+                &mut self.offset,
+                lattice,
+                (&cloud.places, &cloud.weights),
+                sums.weights,
+            );
         }
         let Moments {
             place,

@@ -50,10 +50,8 @@ use crate::persist;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 use input::{Input, Message};
 use radios::Radios;
+pub use report::MAX_TAGS;
 use report::Report;
-
-/// The most tags of one gateway: the answer to a query has room for so many.
-pub const MAX_TAGS: usize = 64;
 
 /// The state of a gateway that tracks up to `T` tags, with `N` particles for each, on a map of up to `P` points and `B`
 /// beacons. See the [module](self) for the messages.

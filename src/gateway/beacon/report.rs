@@ -1,9 +1,12 @@
 //! The sentences of the gateway.
 
-use super::{Counters, MAX_TAGS, Rejected};
+use super::outcome::{Counters, Rejected};
 use crate::estimate::Ellipse;
 use crate::fingerprint::tracker::{Fix, State};
 use crate::gateway::sentence::{DEGREES, Text, Unit};
+
+/// The most tags of one gateway: the answer to a query has room for so many.
+pub const MAX_TAGS: usize = 64;
 
 /// Of the longest answer.
 const CAPACITY: usize = MAX_TAGS * 150 + 256;
