@@ -138,6 +138,7 @@ impl<const B: usize> Joint<B> {
     }
 
     /// How many bearings are of each source.
+    #[inline(never)]
     fn counts(&self, rates: &[f32; MODES]) -> [f32; MODES] {
         let mut counts = [0.0; MODES];
         for (worth, odds, total) in self.bearings(rates) {
@@ -149,6 +150,7 @@ impl<const B: usize> Joint<B> {
         counts
     }
 
+    #[inline(never)]
     fn sums(&self, rates: &[f32; MODES]) -> Sums {
         let mut sums = Sums::default();
         for (worth, odds, total) in self.bearings(rates) {

@@ -4,23 +4,59 @@ use super::term::{BIASES, SCALE, State};
 use crate::math::sqrt;
 use crate::snapshot::value;
 
-/// What other sources' bearings say of the scale of the errors and of the bias, as normal likelihoods: of their means, in
-/// prior sigmas, times the precisions, and of the precisions. All bits are zero where they say nothing.
+/// What other sources' bearings say of the scale of the errors and of the bias, in prior sigmas. All bits are zero where they
+/// say nothing.
 #[derive(Debug, Clone, Copy)]
 pub struct Shared {
-    sums: [f32; 2],
-    precisions: [f32; 2],
+    scale: Normal,
+    bias: Normal,
 }
 
-value!(Shared { sums, precisions });
+/// A normal likelihood of one number: its precision, and its mean times that.
+#[derive(Debug, Clone, Copy)]
+struct Normal {
+    sum: f32,
+    precision: f32,
+}
 
-/// Where in a state they are.
-const PLACES: [usize; 2] = [SCALE, BIASES];
+value!(Shared { scale, bias });
+value!(Normal { sum, precision });
+
+impl Normal {
+    const NOTHING: Self = Self {
+        sum: 0.0,
+        precision: 0.0,
+    };
+
+    /// What has been said beside others and a prior that draws to zero, if all together make this mean and variance.
+    fn of(mean: f32, variance: f32, others: &Self, prior_precision: f32) -> Self {
+        let precision = 1.0 / variance - prior_precision - others.precision;
+        if precision > 0.0 && precision.is_finite() {
+            Self {
+                sum: mean / variance - others.sum,
+                precision,
+            }
+        } else {
+            Self::NOTHING
+        }
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            sum: self.sum + other.sum,
+            precision: self.precision + other.precision,
+        }
+    }
+
+    fn log_likelihood(self, z: f32) -> f32 {
+        z * (self.sum - 0.5 * self.precision * z)
+    }
+}
 
 impl Shared {
     pub(in crate::aoa) const NOTHING: Self = Self {
-        sums: [0.0; 2],
-        precisions: [0.0; 2],
+        scale: Normal::NOTHING,
+        bias: Normal::NOTHING,
     };
 
     /// What the bearings of one source have said, if states have this mean and covariance with what those of others say.
@@ -29,33 +65,25 @@ impl Shared {
         covariance: &[State<D>; D],
         others: &Self,
     ) -> Self {
-        let mut own = Self::NOTHING;
-        for (i, place) in PLACES.into_iter().enumerate() {
-            let (mean, variance) = (mean[place], covariance[place][place]);
-            let precision = 1.0 / variance - prior_precision(place, mean) - others.precisions[i];
-            if precision > 0.0 && precision.is_finite() {
-                own.precisions[i] = precision;
-                own.sums[i] = mean / variance - others.sums[i];
-            }
+        // A normal density of this precision draws as strongly to zero as the prior of the scale does there.
+        let hyperbolic = 1.0 / sqrt(1.0 + mean[SCALE] * mean[SCALE]);
+        let [scale, bias] = [covariance[SCALE][SCALE], covariance[BIASES][BIASES]];
+        Self {
+            scale: Normal::of(mean[SCALE], scale, &others.scale, hyperbolic),
+            bias: Normal::of(mean[BIASES], bias, &others.bias, 1.0),
         }
-        own
     }
 
     pub(in crate::aoa) fn plus(&self, other: &Self) -> Self {
-        let sum = |a: [f32; 2], b: [f32; 2]| [a[0] + b[0], a[1] + b[1]];
         Self {
-            sums: sum(self.sums, other.sums),
-            precisions: sum(self.precisions, other.precisions),
+            scale: self.scale.plus(other.scale),
+            bias: self.bias.plus(other.bias),
         }
     }
 
     /// Of a state, up to a constant.
     pub(super) fn log_likelihood<const D: usize>(&self, state: &State<D>) -> f32 {
-        let [a, b] = [0, 1].map(|i| {
-            let z = state[PLACES[i]];
-            z * (self.sums[i] - 0.5 * self.precisions[i] * z)
-        });
-        a + b
+        self.scale.log_likelihood(state[SCALE]) + self.bias.log_likelihood(state[BIASES])
     }
 
     /// Adds its gradient and its information.
@@ -65,18 +93,10 @@ impl Shared {
         gradient: &mut State<D>,
         information: &mut State<D>,
     ) {
-        for (i, place) in PLACES.into_iter().enumerate() {
-            gradient[place] += self.sums[i] - self.precisions[i] * state[place];
-            information[place] += self.precisions[i];
-        }
-    }
-}
-
-/// That of a normal density which draws as strongly to zero as the prior does.
-fn prior_precision(place: usize, z: f32) -> f32 {
-    if place == SCALE {
-        1.0 / sqrt(1.0 + z * z)
-    } else {
-        1.0
+        let Self { scale, bias } = self;
+        gradient[SCALE] += scale.sum - scale.precision * state[SCALE];
+        gradient[BIASES] += bias.sum - bias.precision * state[BIASES];
+        information[SCALE] += scale.precision;
+        information[BIASES] += bias.precision;
     }
 }
