@@ -110,7 +110,10 @@ mod target {
         static mut GATEWAY: Gateway = Gateway::EMPTY;
         static mut LINES: Lines = Lines::new();
         // SAFETY: this runs once, and nothing else knows of the two.
-        let (gateway, lines) = unsafe { (&mut *&raw mut GATEWAY, &mut *&raw mut LINES) };
+        let both = unsafe { ((&raw mut GATEWAY).as_mut(), (&raw mut LINES).as_mut()) };
+        let (Some(gateway), Some(lines)) = both else {
+            return;
+        };
         let mut map = [0; MAP_BYTES];
         write_map(&mut map);
         let map = RadioMap::new(black_box(&map)).expect("it was just written");

@@ -20,7 +20,7 @@ use crate::checksum::crc32;
 /// };
 ///
 /// let beacon = TUNNEL.beacon_index(3).unwrap();
-/// assert_eq!(TUNNEL.moments(beacon, 49).unwrap().mean_dbm, -41.0);
+/// assert_eq!(TUNNEL.moments(beacon, 49).unwrap().mean_dbm, -40.5);
 /// assert_eq!(TUNNEL.limited(80, 4).err(), Some(MapError::Points));
 /// assert_eq!(RadioMap::new(&BYTES[1..]).err(), Some(MapError::Magic));
 /// ```

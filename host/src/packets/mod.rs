@@ -215,7 +215,7 @@ mod tests {
         assert_eq!(lines.0, frames.0);
         assert!(lines.0.contains(",LOST,") && lines.0.contains(",SILENT*"));
         let count = recording.packets.len();
-        let status = format!("{},{count},0,1,0,0,0,0,0,0,0,8,0,0*", count + 1);
+        let status = format!("{},{count},0,1,0,0,0,0,0,0,0,0,8,0,0*", count + 1);
         assert!(frames.1.starts_with(&status), "{}", frames.1);
     }
 }

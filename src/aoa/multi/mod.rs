@@ -30,12 +30,12 @@ use crate::{ConfigError, persist};
 pub use config::Config;
 use slot::{FREE, Slot};
 
-/// Tracks up to `K` sources, each by an `L`, and keeps up to `B` bearings that none of them explains: 128 are enough for
-/// four sources that are heard from stops, beside outliers, and 64 for two or three on a drive. With as many as a track keeps,
+/// Tracks up to `K` sources, each by an `L`, and keeps up to `B` bearings that none of them explains: 96 are enough for four
+/// sources that are heard from stops, beside outliers, and 64 for two or three on a drive. With as many as a track keeps,
 /// both use the same code, which saves 6 kB of flash.
 ///
-/// It takes `K` times what a track does, and 5.9 kB with `B` = 128; three robust locators of 256 particles and 64 bearings
-/// make 34.0 kB. A bearing moves the particles of one track at most, or takes one search among the unassociated bearings
+/// It takes `K` times what a track does, and 4.6 kB with `B` = 96; three robust locators of 256 particles and 64 bearings
+/// make 32.8 kB. A bearing moves the particles of one track at most, or takes one search among the unassociated bearings
 /// and starts those of one: so it takes hardly longer than with a single source.
 ///
 /// Sources are numbered as their tracks start, from 0 on, and from 0 again after 65,536 of them, past the numbers of those
