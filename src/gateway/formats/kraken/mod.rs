@@ -145,6 +145,11 @@ impl Config {
             self.frequencies_hz.len() < 256,
             "frequencies_hz must be at most 255"
         );
+        let mut rest = self.frequencies_hz;
+        while let [frequency, others @ ..] = rest {
+            require!(*frequency > 0, "frequencies_hz must be above zero");
+            rest = others;
+        }
         require!(
             !matches!(self.interval_ms, Some(60_001..)),
             "interval_ms must be at most a minute"
@@ -179,9 +184,11 @@ impl<S: Kept> Kraken<S> {
     fn reading(&mut self, line: &[u8], config: &Config) -> Result<Reading, Rejected> {
         let fields = Fields::of(line).ok_or(Rejected::Unparsable)?;
         let channel = if config.frequencies_hz.is_empty() {
-            Some(0)
+            0
         } else {
-            (fields.frequency_hz()?).and_then(|own| channel_of(own, config.frequencies_hz))
+            let own = fields.frequency_hz()?;
+            own.and_then(|own| channel_of(own, config.frequencies_hz))
+                .ok_or(Rejected::OtherFrequency)?
         };
         let time = fields.time()?;
         let stated = fields.bearing()?;
@@ -201,7 +208,7 @@ impl<S: Kept> Kraken<S> {
             None => self.clockwise(stated, digest.as_ref()),
         };
         let mut reading = Reading::new(stated, quality.max(0.0), config.sigmas)?;
-        reading.channel = channel.ok_or(Rejected::OtherFrequency)?;
+        reading.channel = channel;
         reading.time = Some(time);
         reading.latency_ms = interval_ms / 2;
         reading.place = pose.map(|(place, _)| place);

@@ -377,13 +377,18 @@ fn only_the_wanted_frequencies_are_read() {
     assert_eq!(at(EXAMPLE, &[433_920_001]), Err(Rejected::OtherFrequency));
     let huge = EXAMPLE.replace("433920000", "4339200000000");
     assert_eq!(at(&huge, &[1]), Err(Rejected::OtherFrequency));
+    // Nothing else of such a line matters, nor does it change what is known of our own.
+    let broken = "1756823719250,x,50,-30,446000000,UCA,1,x,0,0,0,0,GPS";
+    assert_eq!(at(broken, &[433_920_000]), Err(Rejected::OtherFrequency));
     let unnamed = "1756823719250,5,50,-30,UHF,UCA,1,x,0,0,0,0,GPS";
     assert_eq!(at(unnamed, &[1]), Err(Rejected::Unparsable));
-    let many = Config {
-        frequencies_hz: &[1; 256],
-        ..Config::DEFAULT
-    };
-    assert_eq!(many.check().unwrap_err().field(), "frequencies_hz");
+    for frequencies_hz in [&[1; 256][..], &[433_920_000, 0]] {
+        let config = Config {
+            frequencies_hz,
+            ..Config::DEFAULT
+        };
+        assert_eq!(config.check().unwrap_err().field(), "frequencies_hz");
+    }
 }
 
 #[test]
