@@ -25,12 +25,12 @@ mod target {
         gateway::beacon::{BeaconGateway, Config, Event},
         random::{SeedableRng, Xoshiro128PlusPlus, uniform},
     };
-    use foxhunt_emulated::region::region;
+    use foxhunt_emulated::{map, region::region};
 
     const TAGS: usize = 64;
     const RADIOS: usize = 8;
     const POINTS: usize = 80;
-    const MAP_BYTES: usize = 44 + 6 * RADIOS + POINTS / 8 + 2 * RADIOS * POINTS + 4;
+    const MAP_BYTES: usize = map::bytes(RADIOS, POINTS);
     /// Half a second of sentences.
     const LINES_BYTES: usize = TAGS * RADIOS * 40;
 
@@ -55,33 +55,16 @@ mod target {
     }
 
     fn write_map(bytes: &mut [u8; MAP_BYTES]) {
-        let header = *b"FXRM\x02\x01\x08\x00\x50\x00\x01\x00";
-        let (content, checksum) = bytes.split_at_mut(MAP_BYTES - 4);
-        let written = (header.into_iter().chain([0; 8]))
-            .chain(1.0_f32.to_le_bytes())
-            .chain([0; 10])
-            // An error of 4 m length, packets of 4 dB.
-            .chain(4.0_f32.to_le_bytes())
-            .chain([0, 0, 0, 0, 16, 0])
-            .chain((0..6 * RADIOS).map(|i| if i % 6 == 0 { i as u8 / 6 } else { 0 }))
-            .chain([0xff; POINTS / 8])
-            .chain((0..RADIOS * POINTS).flat_map(|i| {
-                let mean = level(i / POINTS, (i % POINTS) as f32);
-                [12 + (i % 7) as u8, mean as u8]
-            }));
-        for (to, from) in content.iter_mut().zip(written) {
-            *to = from;
-        }
-        checksum.copy_from_slice(&crc32(content).to_le_bytes());
-    }
-
-    /// As of IEEE 802.3, bit by bit.
-    fn crc32(bytes: &[u8]) -> u32 {
-        !bytes.iter().fold(u32::MAX, |crc, byte| {
-            (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
-                (crc >> 1) ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 }
-            })
-        })
+        // An error of 4 m length.
+        map::write(
+            bytes,
+            [RADIOS as u8, POINTS as u8, 1],
+            4.0,
+            |radio, point| {
+                let mean = level(radio, point as f32);
+                [12 + ((radio * POINTS + point) % 7) as u8, mean as u8]
+            },
+        );
     }
 
     /// What the radios hear in a half second: every tag once, at its own time, at a walk along the tunnel.

@@ -23,7 +23,7 @@ mod target {
         },
         random::{SeedableRng, Xoshiro128PlusPlus, uniform},
     };
-    use foxhunt_emulated::region::region;
+    use foxhunt_emulated::{map, region::region};
 
     static MOMENTS: &[u8] = include_bytes!("../tests/data/tunnel.moments");
     static LEVELS: &[u8] = include_bytes!("../tests/data/tunnel.levels");
@@ -113,42 +113,20 @@ mod target {
     const COLUMNS: usize = 22;
     const POINTS: usize = 440;
     const BEACONS: usize = 12;
-    const FLOOR_BYTES: usize = 44 + 6 * BEACONS + POINTS / 8 + 2 * BEACONS * POINTS + 4;
+    const FLOOR_BYTES: usize = map::bytes(BEACONS, POINTS);
 
     /// The map of a floor, 22 by 20 points, whose beacons stand in three rows.
     fn write_floor(bytes: &mut [u8; FLOOR_BYTES]) {
-        let header = *b"FXRM\x02\x01\x0c\x00\x16\x00\x14\x00";
-        let end = FLOOR_BYTES - 4;
-        let (content, checksum) = bytes.split_at_mut(end);
-        let written = header.into_iter();
-        let written = written
-            .chain([0; 8])
-            .chain(1.0_f32.to_le_bytes())
-            .chain([0; 10])
-            .chain(1.0_f32.to_le_bytes())
-            .chain([0, 0, 0, 0, 16, 0])
-            .chain((0..6 * BEACONS).map(|i| if i % 6 == 0 { i as u8 / 6 } else { 0 }))
-            .chain([0xff; POINTS / 8])
-            .chain((0..BEACONS * POINTS).flat_map(|i| {
-                let (beacon, point) = (i / POINTS, i % POINTS);
+        map::write(
+            bytes,
+            [BEACONS as u8, COLUMNS as u8, 20],
+            1.0,
+            |beacon, point| {
                 let [x, y] = [point % COLUMNS, point / COLUMNS];
                 let [dx, dy] = [x.abs_diff(beacon % 4 * 7), y.abs_diff(beacon / 4 * 9)];
                 [12 + (point % 7) as u8, 150 - 3 * (dx + dy) as u8]
-            }));
-        content
-            .iter_mut()
-            .zip(written)
-            .for_each(|(to, from)| *to = from);
-        checksum.copy_from_slice(&crc32(content).to_le_bytes());
-    }
-
-    /// As of IEEE 802.3, bit by bit.
-    fn crc32(bytes: &[u8]) -> u32 {
-        !bytes.iter().fold(u32::MAX, |crc, byte| {
-            (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
-                (crc >> 1) ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 }
-            })
-        })
+            },
+        );
     }
 
     fn sizes() {

@@ -103,13 +103,9 @@ impl<const C: usize, L: Track> Channels<C, L> {
 
     /// What the bearings of all channels but that of one place say of the errors that all have in common.
     fn shared(&self, but: usize) -> Shared {
-        let mut sum = Shared::NOTHING;
-        for (place, (slot, locator)) in self.slots.iter().zip(&self.locators).enumerate() {
-            if slot.is_taken && place != but {
-                sum = sum.plus(&locator.shared());
-            }
-        }
-        sum
+        let all = self.slots.iter().zip(&self.locators).enumerate();
+        let others = all.filter(|(place, (slot, _))| slot.is_taken && *place != but);
+        Shared::together(others.map(|(_, (_, locator))| locator.shared()))
     }
 
     fn latest(&self) -> Option<&L> {

@@ -109,6 +109,18 @@ impl Lattice {
         }
     }
 
+    /// The number of the point nearest to a place in steps along the axes. It means nothing for a place beyond the lattice.
+    #[inline(always)]
+    pub(super) fn nearest_to_steps(&self, [x, y]: [f32; 2]) -> usize {
+        // Saturates; NaN becomes 0.
+        let nearest = |steps: f32| (steps + 0.5) as usize;
+        if self.is_plane() {
+            nearest(y) * self.columns() + nearest(x)
+        } else {
+            nearest(x)
+        }
+    }
+
     /// One over the spacing.
     pub(super) const fn per_metre(&self) -> f32 {
         1.0 / self.spacing

@@ -13,6 +13,8 @@ mod log;
 #[cfg(target_os = "none")]
 pub mod main_loop;
 #[cfg(target_os = "none")]
+pub mod map;
+#[cfg(target_os = "none")]
 pub mod region;
 #[cfg(target_os = "none")]
 pub mod semihosting;

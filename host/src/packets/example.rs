@@ -8,7 +8,7 @@ use crate::{
     radio_map::{Recipe, SiteSurvey},
     simulate::generator,
     tunnel::{
-        Radio, Site, Tunnel,
+        self, Radio, Site, Tunnel,
         experiment::{SAMPLES, SURVEYED},
     },
 };
@@ -141,16 +141,26 @@ pub fn example(seed: u64) -> Scene {
             let time = start + heard.time;
             let is_dead = heard.beacon == last && OUTAGE.contains(&time);
             if !is_dead && !person.unheard.contains(&time) {
-                recording.packets.push(Packet {
-                    time_ms: (1e3 * time) as u32,
-                    radio: RADIOS[heard.beacon] as u16,
-                    tag: person.tag,
-                    rssi_dbm: heard.level as i8,
-                });
+                (recording.packets).push(packet(person.tag, time, &heard));
             }
         }
         recording.truth.insert(person.tag, path);
     }
+    scene(map, recording, site)
+}
+
+/// The packet of a tag, in seconds since the start.
+fn packet(tag: u32, time: f64, heard: &tunnel::Packet) -> Packet {
+    Packet {
+        time_ms: (1e3 * time) as u32,
+        radio: RADIOS[heard.beacon] as u16,
+        tag,
+        rssi_dbm: heard.level as i8,
+    }
+}
+
+/// What was recorded in the tunnel, in the order of time.
+fn scene(map: Vec<u8>, mut recording: Recording, site: Site) -> Scene {
     recording.packets.sort_by_key(|packet| packet.time_ms);
     Scene {
         map,
@@ -194,22 +204,11 @@ pub fn crowd(seed: u64, seconds: f64) -> Scene {
         };
         let place = |time| path.at(time).unwrap_or(from);
         for heard in site.walk(place, seconds, RATE, &radio, &mut rng) {
-            recording.packets.push(Packet {
-                time_ms: (1e3 * heard.time) as u32,
-                radio: RADIOS[heard.beacon] as u16,
-                tag,
-                rssi_dbm: heard.level as i8,
-            });
+            (recording.packets).push(packet(tag, heard.time, &heard));
         }
         recording.truth.insert(tag, path);
     }
-    recording.packets.sort_by_key(|packet| packet.time_ms);
-    Scene {
-        map,
-        recording,
-        radios: site.tunnel.beacons,
-        walks: Walks::Tunnel,
-    }
+    scene(map, recording, site)
 }
 
 #[cfg(test)]

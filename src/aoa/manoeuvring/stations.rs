@@ -62,7 +62,7 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
         let elapsed_ms = (self.recent.back()).map_or(0, |latest| best.since_ms(latest.time_ms()));
         let mut errors = self.errors_beside_biases(config);
         let since = self.since_station_heard(best);
-        // Of all components alike: what differs among them would count with every reading, however much repeats.
+        // The same for all components: what differs among them would count with every reading, however much repeats.
         let about = self.cloud.position().0;
         let fresh = reading_of(alternatives, |one| successive(one, since, &errors, about));
         (errors.sigma_scale, errors.position_sigma_m) = (1.0, 0.0);

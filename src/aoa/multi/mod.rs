@@ -98,12 +98,10 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
         &self,
         observation: &Observation,
         odds: &[f32; K],
-        config: &Config<L::Config>,
+        beliefs: &robust::Config,
     ) -> Option<(usize, Alternative)> {
         let (mut best, mut most) = (None, 1.0);
-        let mut sum = self
-            .candidates
-            .odds(observation, &L::beliefs(&config.track));
+        let mut sum = self.candidates.odds(observation, beliefs);
         if sum > most {
             most = sum;
         }
@@ -259,13 +257,9 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
 
     /// What the bearings of all sources but one say of the errors that all have in common.
     fn shared(&self, but: Option<usize>) -> Shared {
-        let mut sum = Shared::NOTHING;
-        for (place, (slot, track)) in self.slots.iter().zip(&self.tracks).enumerate() {
-            if slot.is_live() && but != Some(place) {
-                sum = sum.plus(&track.shared());
-            }
-        }
-        sum
+        let all = self.slots.iter().zip(&self.tracks).enumerate();
+        let others = all.filter(|(place, (slot, _))| slot.is_live() && but != Some(*place));
+        Shared::together(others.map(|(_, (_, track))| track.shared()))
     }
 
     fn at(&mut self, place: Option<usize>) -> Option<(&mut Slot, &mut L)> {
@@ -341,7 +335,7 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
     ) -> Result<Answer, PushError> {
         let beliefs = L::beliefs(&config.track);
         let odds = self.odds(observation, config);
-        let associated = self.associate(observation, &odds, config);
+        let associated = self.associate(observation, &odds, &beliefs);
         let place = associated.map(|(place, _)| place);
         let outliers = self.outliers;
         let shared = self.shared(place);
@@ -451,7 +445,7 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
     /// By the source that explains it best.
     fn classify(&self, observation: &Observation, config: &Self::Config) -> Option<Mixture> {
         let odds = self.odds(observation, config);
-        let associated = self.associate(observation, &odds, config);
+        let associated = self.associate(observation, &odds, &L::beliefs(&config.track));
         let track = associated.and_then(|(place, _)| self.tracks.get(place));
         track.or(self.best())?.classify(observation, &config.track)
     }

@@ -72,10 +72,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
 
     #[inline(never)]
     fn in_common(&self, errors: &Errors, of_several: bool) -> Vec<InCommon, B> {
-        let lines = Lines {
-            of_several,
-            ..self.lines(errors)
-        };
+        let lines = self.lines(errors, of_several);
         let mut all = Vec::new();
         for (entry, first) in self.entries().iter().zip(0..) {
             let covariance = errors.own_variance(entry);
@@ -104,7 +101,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     #[inline(never)]
     pub(super) fn term_of(&self, entry: &Entry, errors: &Errors, index: Option<usize>) -> Term<D> {
         let (mut covariance, mut readings) = (errors.own_variance(entry), entry.weight());
-        for (i, other, pair) in self.near(entry, &self.lines(errors)) {
+        for (i, other, pair) in self.near(entry, &self.lines(errors, false)) {
             if index != Some(i) {
                 covariance += other.probability * pair.covariance;
                 readings += if pair.is_of_one_place {

@@ -54,7 +54,7 @@ impl Config {
     };
 
     /// For fixed arrays round a room that hear a tag many times a second: each is off by some ten degrees, as the walls reflect,
-    /// alike while the tag is at rest, and what else is wrong with a reading lasts for some seconds. Any place is a fix, with
+    /// the same while the tag is at rest, and what else is wrong with a reading lasts for some seconds. Any place is a fix, with
     /// the sigma that it has.
     ///
     /// What an array is off by counts as that of a place, for the array is at one: it is not estimated, and costs nothing.

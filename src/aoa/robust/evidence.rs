@@ -161,7 +161,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     }
 
     #[inline(never)]
-    pub(super) fn lines(&self, errors: &Errors) -> Lines {
+    pub(super) fn lines(&self, errors: &Errors, of_several: bool) -> Lines {
         let errors = Errors {
             sigma_scale: self.scale() * errors.sigma_scale,
             ..*errors
@@ -170,7 +170,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
             source: self.source,
             extent_m: self.source.map_or_else(|| 2.0 * self.bounds().1, |_| 0.0),
             errors,
-            of_several: false,
+            of_several,
         }
     }
 
@@ -193,10 +193,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         self.bearings.note(&observation, probability);
         let likely = probability > 0.5;
         let new = Entry::new(observation, probability);
-        let lines = Lines {
-            of_several,
-            ..self.lines(errors)
-        };
+        let lines = self.lines(errors, of_several);
         if let Some(place) = self.entry_to_join(&new, &lines)
             && let Some(before) = self.entries().get(place).copied()
         {
@@ -286,7 +283,7 @@ impl<const B: usize> Evidence<B, PLAIN> {
         self.clear();
         self.shared = *candidate.shared;
         self.set_source(&mean, errors.scale_sigma);
-        let lines = self.lines(errors);
+        let lines = self.lines(errors, false);
         self.bearings.adopt(candidate.entries(), latest, &lines);
     }
 }

@@ -74,7 +74,12 @@ impl Shared {
         }
     }
 
-    pub(in crate::aoa) fn plus(&self, other: &Self) -> Self {
+    /// What several sources' bearings say together.
+    pub(in crate::aoa) fn together(all: impl Iterator<Item = Self>) -> Self {
+        all.fold(Self::NOTHING, |sum, one| sum.plus(&one))
+    }
+
+    fn plus(&self, other: &Self) -> Self {
         Self {
             scale: self.scale.plus(other.scale),
             bias: self.bias.plus(other.bias),

@@ -54,6 +54,16 @@ fn floor_below(place: f32, last: f32) -> u32 {
     }
 }
 
+/// Whether a place is on the map.
+fn is_on([x, y]: [f32; 2], lattice: &Lattice) -> bool {
+    let is_within = |steps: f32, points: usize| steps >= 0.0 && steps <= last_of(points);
+    if lattice.is_plane() {
+        is_within(x, lattice.columns()) && is_within(y, lattice.rows())
+    } else {
+        is_within(x, lattice.points())
+    }
+}
+
 impl<const N: usize> Cloud<N> {
     /// Zero in all bits.
     pub const EMPTY: Self = Self {
@@ -172,8 +182,8 @@ impl<const N: usize> Cloud<N> {
         let [x, y] = &self.places;
         let (mut sum, mut count) = (0.0, 0u32);
         for (x, y) in x.iter().zip(y).skip(first).step_by(stride) {
-            let place = [*x, if lattice.is_plane() { *y } else { 0.0 }];
-            if let Some(point) = Self::nearest(place, lattice) {
+            if is_on([*x, *y], lattice) {
+                let point = lattice.nearest_to_steps([*x, *y]);
                 sum += exp_of_weight(scan.anew_at(point).log_likelihood - top);
             }
             count += 1;
@@ -181,28 +191,11 @@ impl<const N: usize> Cloud<N> {
         sum / count.max(1) as f32
     }
 
-    /// The point that is nearest to a place on the map.
-    fn nearest([x, y]: [f32; 2], lattice: &Lattice) -> Option<usize> {
-        let (columns, rows) = if lattice.is_plane() {
-            (lattice.columns(), lattice.rows())
-        } else {
-            (lattice.points(), 1)
-        };
-        let is_on = |steps: f32, points: usize| steps >= 0.0 && steps <= last_of(points);
-        if !(is_on(x, columns) && is_on(y, rows)) {
-            return None;
-        }
-        Some((y + 0.5) as usize * columns + (x + 0.5) as usize)
-    }
-
     /// Makes places impossible, by the points nearest to them.
     pub fn exclude(&mut self, lattice: &Lattice, is_possible: impl Fn(usize) -> bool) {
         let [x, y] = &self.places;
-        // Saturates; NaN becomes 0.
-        let nearest = |steps: f32| (steps + 0.5) as usize;
         for (weight, (x, y)) in self.weights.iter_mut().zip(x.iter().zip(y)) {
-            let row = if lattice.is_plane() { nearest(*y) } else { 0 };
-            if !is_possible(row * lattice.columns() + nearest(*x)) {
+            if !is_possible(lattice.nearest_to_steps([*x, *y])) {
                 *weight = f32::NEG_INFINITY;
             }
         }

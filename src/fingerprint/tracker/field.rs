@@ -244,17 +244,8 @@ impl<const P: usize> Field<P> {
         for point in points.iter_mut() {
             point.weight = 0.0;
         }
-        // Saturates; NaN becomes 0.
-        let nearest = |steps: f32| (steps + 0.5) as usize;
-        let is_plane = lattice.is_plane();
         for (weight, (x, y)) in weights.iter().zip(x.iter().zip(y)) {
-            let column = nearest(*x);
-            let number = if is_plane {
-                nearest(*y) * lattice.columns() + column
-            } else {
-                column
-            };
-            if let Some(point) = points.get_mut(number) {
+            if let Some(point) = points.get_mut(lattice.nearest_to_steps([*x, *y])) {
                 point.weight += weight;
             }
         }

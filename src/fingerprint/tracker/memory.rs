@@ -1,7 +1,7 @@
 //! What a tag remembers of the error of the map.
 //!
-//! The error of a map is a field: near each other, readings err alike. A reading near those before it hence tells less
-//! than the first, and says more about how far the tag has moved than about where it is. Along the way of a tag the error
+//! The error of a map is a field: readings near each other have nearly the same. A reading near those before it hence tells
+//! less than the first, and says more about how far the tag has moved than about where it is. Along the way of a tag the error
 //! of each beacon is a process that is forgotten by distance, and by time, because people and doors move; its Kalman
 //! filter is linear in the levels, so that what differs from particle to particle is only where the particle was.
 
