@@ -18,6 +18,7 @@ mod fuzz;
 mod house;
 mod kernels;
 mod llvm;
+mod machines;
 mod map;
 mod measure;
 mod monitor;
@@ -52,6 +53,8 @@ enum Task {
     Replay(replay::Options),
     /// Make a radio map of a survey, for the flash of a tunnel's gateway.
     Map(map::Options),
+    /// Run the portable tests, a whole drive and a whole walk on emulated machines of other cores.
+    Machines(machines::Options),
     /// Damage sentences of real receivers, and count the wrong positions that a vehicle's gateway believes.
     Damage(damage::Options),
     /// Look for faults of the gateways and the map reader with random input.
@@ -86,6 +89,7 @@ fn run(task: Task) -> Result<()> {
         Task::Tunnel => tunnel::run(),
         Task::Replay(options) => replay::run(&options),
         Task::Map(options) => map::run(&options),
+        Task::Machines(options) => machines::run(&options),
         Task::Damage(options) => damage::run(&options),
         Task::Fuzz(options) => fuzz::run(&options),
         Task::Papers(options) => papers::run(&options),

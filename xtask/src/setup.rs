@@ -22,6 +22,10 @@ pub enum Need {
     LlvmTools,
     /// The emulator of the board.
     Qemu,
+    /// That of RISC-V machines.
+    QemuRiscV,
+    /// Node.js, which runs WebAssembly.
+    Node,
     /// A compiler of C++, for the fuzzer's engine.
     Cxx,
     /// `cargo fuzz`.
@@ -83,6 +87,8 @@ impl Need {
             Self::Clippy => works(project::cargo().args(["clippy", "--version"])),
             Self::LlvmTools => llvm::tool("llvm-objdump")?.exists(),
             Self::Qemu => works(Command::new("qemu-system-arm").arg("--version")),
+            Self::QemuRiscV => works(Command::new("qemu-system-riscv32").arg("--version")),
+            Self::Node => works(Command::new("node").arg("--version")),
             Self::Cxx => works(Command::new("c++").arg("--version")),
             Self::CargoFuzz => works(project::cargo().args(["fuzz", "--version"])),
         })
@@ -95,6 +101,8 @@ impl Need {
             Self::Clippy => rustup(&["component", "add", "clippy"]),
             Self::LlvmTools => rustup(&["component", "add", "llvm-tools"]),
             Self::Qemu => install_package(|manager| manager.qemu),
+            Self::QemuRiscV => install_package(|manager| manager.qemu_riscv),
+            Self::Node => install_package(|manager| manager.node),
             Self::Cxx => install_package(|manager| manager.cxx),
             Self::CargoFuzz => {
                 announce(project::cargo().args(["install", "--locked", "cargo-fuzz"]))
@@ -122,6 +130,8 @@ struct PackageManager {
     /// What installs the package whose name follows.
     install: &'static [&'static str],
     qemu: &'static str,
+    qemu_riscv: &'static str,
+    node: &'static str,
     cxx: &'static str,
 }
 
@@ -132,6 +142,8 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         prepare: Some("update"),
         install: &["install", "--yes", "--no-install-recommends"],
         qemu: "qemu-system-arm",
+        qemu_riscv: "qemu-system-misc",
+        node: "nodejs",
         cxx: "g++",
     },
     PackageManager {
@@ -140,6 +152,8 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         prepare: None,
         install: &["install", "--assumeyes"],
         qemu: "qemu-system-arm",
+        qemu_riscv: "qemu-system-riscv",
+        node: "nodejs",
         cxx: "gcc-c++",
     },
     PackageManager {
@@ -148,6 +162,8 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         prepare: None,
         install: &["--sync", "--refresh", "--noconfirm"],
         qemu: "qemu-system-arm",
+        qemu_riscv: "qemu-system-riscv",
+        node: "nodejs",
         cxx: "gcc",
     },
     PackageManager {
@@ -156,6 +172,8 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         prepare: None,
         install: &["--non-interactive", "install"],
         qemu: "qemu-arm",
+        qemu_riscv: "qemu-extra",
+        node: "nodejs",
         cxx: "gcc-c++",
     },
     PackageManager {
@@ -164,6 +182,8 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         prepare: None,
         install: &["install"],
         qemu: "qemu",
+        qemu_riscv: "qemu",
+        node: "node",
         cxx: "gcc",
     },
 ];
@@ -174,7 +194,7 @@ fn install_package(name: fn(&PackageManager) -> &'static str) -> Result<()> {
         .find(|manager| works(Command::new(manager.program).arg("--version")))
     else {
         bail!(
-            "no known package manager was found: install QEMU for Arm and a C++ compiler by hand"
+            "no known package manager was found: install QEMU, Node.js and a C++ compiler by hand"
         );
     };
     let sudo = manager.needs_root && !is_root();

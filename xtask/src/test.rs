@@ -9,7 +9,7 @@ use indicatif::ProgressBar;
 use crate::{
     book, constants, cost,
     expected::Expected,
-    figures, fuzz, house,
+    figures, fuzz, house, machines,
     project::{self, BARE_METAL, BOARD, cargo, run},
     qemu::Machine,
     reset, setup, trace,
@@ -55,6 +55,7 @@ const STEPS: &[Step] = &[
         run(cargo().args(["test", "--workspace", "--doc"]))
     }),
     ("portable tests, emulated board", portable_on_board),
+    ("portable tests, Cortex-M33", machines::check_m33),
     ("whole drives, board against host", trace::compare),
     ("a reset in the middle of a drive", reset::compare),
     (
