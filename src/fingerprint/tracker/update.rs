@@ -245,7 +245,8 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         let Symmetric2 { xx, xy, yy } = covariance.scaled(step * step);
         let [xx, yy] = lattice.along_axes([xx, yy]);
         let position = lattice.place(lattice.along_axes(place));
-        let widening = self.widening(time_ms, position, site.config.tempering);
+        self.follow(time_ms, position);
+        let widening = self.widening(position, site.config.tempering);
         self.fix = Fix {
             time_ms,
             state: State::Tracking,
@@ -264,9 +265,8 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         self.has_fix = true;
     }
 
-    /// By how much the covariance of the particles is too small, because they hold that the error of the map changes as they
-    /// move, and a tag at rest keeps it: by how near the place is to the mean of those of the last seconds.
-    fn widening(&mut self, time_ms: u32, place: [f32; 2], tempering: f32) -> f32 {
+    /// Lets the mean place of the last seconds follow that of the tag.
+    fn follow(&mut self, time_ms: u32, place: [f32; 2]) {
         match self.fix() {
             Some(last) if self.redrawn_s != Some(0.0) => {
                 let dt = seconds(time_ms.wrapping_sub(last.time_ms) as i32);
@@ -277,6 +277,11 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             }
             _ => self.rest = place,
         }
+    }
+
+    /// By how much the covariance of the particles is too small, because they hold that the error of the map changes as they
+    /// move, and a tag at rest keeps it: by how near a place is to the mean of those of the last seconds.
+    pub(super) fn widening(&self, place: [f32; 2], tempering: f32) -> f32 {
         let [dx, dy] = [place[0] - self.rest[0], place[1] - self.rest[1]];
         let away = sqrt(dx * dx + dy * dy);
         let excess = if tempering > 0.5 {
