@@ -83,7 +83,11 @@ impl Zone<'_> {
         let mut is_inside = false;
         for to in self.corners {
             // An edge that two zones share is taken upwards in both, so that rounding is the same.
-            let [low, high] = if from[1] < to[1] { [from, to] } else { [to, from] };
+            let [low, high] = if from[1] < to[1] {
+                [from, to]
+            } else {
+                [to, from]
+            };
             if low[1] <= y && y < high[1] {
                 let edge = (y - low[1]) * (high[0] - low[0]);
                 is_inside ^= (x - low[0]) * (high[1] - low[1]) < edge;
@@ -121,7 +125,13 @@ mod tests {
 
     #[test]
     fn no_place_is_in_a_zone_of_no_corners_and_none_is_nowhere() {
-        assert!(!Zone { corners: &[], ..HALL }.contains([0.0; 2]));
+        assert!(
+            !Zone {
+                corners: &[],
+                ..HALL
+            }
+            .contains([0.0; 2])
+        );
         for place in [[f32::NAN, 1.0], [1.0, f32::NAN], [f32::INFINITY, 1.0]] {
             assert!(!HALL.contains(place));
         }

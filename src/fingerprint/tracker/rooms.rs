@@ -1,6 +1,6 @@
 //! In which rooms a tag is, and when it enters and leaves them.
 
-use super::{Site, Stored, Tracker};
+use super::{Floor, Ground, Stored, Tracker};
 use crate::ConfigError;
 use crate::config::{require, require_all, require_within};
 use crate::fingerprint::Zone;
@@ -115,10 +115,10 @@ impl<const Z: usize> Occupancy<Z> {
     /// without a fix nothing changes.
     ///
     /// Work: particles by corners of the rooms.
-    pub fn update<const N: usize, const B: usize, const D: usize, S: Stored>(
+    pub fn update<const N: usize, const B: usize, const D: usize, S: Stored, G: Ground>(
         &mut self,
         tracker: &Tracker<N, B, D, S>,
-        site: &Site<'_>,
+        site: &G,
         rooms: &Rooms<'_>,
         mut tell: impl FnMut(Passing),
     ) {
@@ -157,12 +157,14 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
     /// The probability that the tag was in a zone at the last update; none before the first.
     ///
     /// The fraction of the particles that are in it, spread about their mean as the covariance of the fix says.
-    pub fn probability_in(&self, zone: &Zone<'_>, site: &Site<'_>) -> Option<f32> {
+    pub fn probability_in<G: Ground>(&self, zone: &Zone<'_>, site: &G) -> Option<f32> {
         let fix = self.fix()?;
-        let spread = sqrt(self.widening(fix.position, site.config.tempering));
+        let spread = sqrt(self.widening(fix.position, site.config().tempering));
         let [mx, my] = fix.position;
-        let inside = self.particles(site).filter(|[x, y, ..]| {
-            zone.contains([mx + spread * (x - mx), my + spread * (y - my)])
+        let places = self.particles.iter().zip(self.particles(site));
+        let inside = places.filter(|(particle, [x, y, ..])| {
+            particle.floor().number() == zone.floor
+                && zone.contains([mx + spread * (x - mx), my + spread * (y - my)])
         });
         Some(inside.count() as f32 / N as f32)
     }
