@@ -120,7 +120,7 @@ mod tests {
             assert_eq!(zone.check().unwrap_err().field(), "corners");
         }
         assert_eq!(HALL.check(), Ok(()));
-        assert!((HALL.area_m2() - 14.5).abs() < 1e-5);
+        assert!((HALL.area_m2() - 16.0).abs() < 1e-5);
     }
 
     #[test]

@@ -225,3 +225,166 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         self.particles.iter().filter(on_floor).count() as f32 / N as f32
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::fingerprint::Reading;
+    use crate::fingerprint::tracker::tests::{level, map, map_behind};
+    use crate::fingerprint::tracker::{State, Workspace};
+    use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+    use crate::snapshot;
+    use std::vec::Vec;
+
+    /// What the ceiling takes off each beacon, on each floor: two beacons hang on each.
+    const LOSS_DB: [[f32; 4]; 2] = [[0.0, 0.0, 15.0, 15.0], [15.0, 15.0, 0.0, 0.0]];
+    const STAIRS: Passage = Passage {
+        place: Zone {
+            id: 0,
+            floor: 0,
+            corners: &[[17.0, -1.0], [23.0, -1.0], [23.0, 1.0], [17.0, 1.0]],
+        },
+        floors: &[0, 1],
+        seconds: 10.0,
+    };
+
+    type Tag = BuildingTracker<200, 4, 1>;
+
+    /// A tag that is heard on two floors of one row.
+    struct Walk {
+        maps: [Vec<u8>; 2],
+        tag: Tag,
+        workspace: Workspace<200, 82, u8>,
+        rng: Xoshiro128PlusPlus,
+        time_ms: u32,
+    }
+
+    impl Walk {
+        fn new(seed: u64) -> Self {
+            Self {
+                maps: LOSS_DB.map(|loss_db| map_behind(loss_db, 1)),
+                tag: Tag::EMPTY,
+                workspace: Workspace::EMPTY,
+                rng: Xoshiro128PlusPlus::seed_from_u64(seed),
+                time_ms: 0,
+            }
+        }
+
+        /// For so many seconds, two packets of each beacon a second.
+        fn go(&mut self, floor: usize, seconds: u32, path: impl Fn(f32) -> f32) -> Vec<State> {
+            let [below, above] = self.maps.each_ref().map(|map| RadioMap::new(map).unwrap());
+            let above = [Storey {
+                map: above,
+                walls: Walls::None,
+            }];
+            let building = Building {
+                lowest: Site::new(below, Config::DEFAULT).unwrap(),
+                above: &above,
+                passages: &[STAIRS],
+            };
+            building.check().unwrap();
+            let mut states = Vec::new();
+            for half in 0..2 * seconds {
+                for beacon in 0..4 {
+                    let loss_db = LOSS_DB[floor][usize::from(beacon)];
+                    let rssi_dbm = level(beacon, path(0.5 * half as f32)) - loss_db;
+                    let packet = Reading { beacon, rssi_dbm };
+                    let (room, rng) = (&mut self.workspace, &mut self.rng);
+                    let fix = self.tag.push(self.time_ms, packet, &building, room, rng);
+                    states.extend(fix.unwrap().map(|fix| fix.state));
+                }
+                self.time_ms += 500;
+            }
+            states
+        }
+    }
+
+    #[test]
+    fn who_climbs_the_stairs_is_followed() {
+        for seed in 0..10 {
+            let mut walk = Walk::new(seed);
+            walk.go(0, 15, |t| 5.0 + t);
+            assert_eq!(walk.tag.floor(), Some(0));
+            assert!(walk.tag.floor_probability(0) > 0.9, "{seed}");
+            walk.go(0, 5, |_| 20.0);
+            walk.go(1, 5, |_| 20.0);
+            let states = walk.go(1, 15, |t| 20.0 + t);
+            assert_eq!(walk.tag.floor(), Some(1));
+            assert!(walk.tag.floor_probability(1) > 0.9, "{seed}");
+            let [x, _] = walk.tag.fix().unwrap().position_at(walk.time_ms);
+            assert!((x - 35.0).abs() < 2.5, "{seed} {x}");
+            assert!(!states.contains(&State::Lost), "{seed}");
+        }
+    }
+
+    #[test]
+    fn nobody_changes_the_floor_elsewhere_and_who_was_carried_there_is_found_again() {
+        let mut lost = 0;
+        for seed in 0..10 {
+            let mut walk = Walk::new(seed);
+            walk.go(0, 20, |_| 5.0);
+            let states = walk.go(1, 40, |_| 5.0);
+            lost += usize::from(states.contains(&State::Lost));
+            assert_eq!(walk.tag.floor(), Some(1), "{seed}");
+        }
+        assert!(lost >= 8, "{lost}");
+    }
+
+    #[test]
+    fn a_snapshot_holds_the_floors() {
+        let mut walk = Walk::new(3);
+        walk.go(1, 10, |t| 18.0 + 0.2 * t);
+        let mut buffer = std::vec![0; snapshot::largest::<Tag>()];
+        let saved = snapshot::save(&walk.tag, &mut buffer).unwrap();
+        let mut other = Walk::new(3);
+        snapshot::restore(&mut other.tag, saved).unwrap();
+        (other.rng, other.time_ms) = (walk.rng.clone(), walk.time_ms);
+        let ends = [&mut walk, &mut other].map(|walk| {
+            walk.go(1, 5, |_| 20.0);
+            (walk.tag.fix(), walk.tag.floor_probability(1))
+        });
+        assert_eq!(ends[0], ends[1]);
+    }
+
+    #[test]
+    fn a_wrong_field_is_named() {
+        let (low, other) = (map(1), map(2));
+        let [low, other] = [&low, &other].map(|bytes| RadioMap::new(bytes).unwrap());
+        let storey = |map| Storey {
+            map,
+            walls: Walls::None,
+        };
+        let lowest = Site::new(low, Config::DEFAULT).unwrap();
+        let field = |above: &[Storey<'_>], passage: Passage<'_>| {
+            let building = Building {
+                lowest,
+                above,
+                passages: &[passage],
+            };
+            building.check().map_err(|error| error.field())
+        };
+        let right = [storey(low)];
+        assert_eq!(field(&right, STAIRS), Ok(()));
+        assert_eq!(field(&[storey(other)], STAIRS), Err("above"));
+        assert_eq!(field(&[storey(low); 64], STAIRS), Err("above"));
+        assert_eq!(field(&[], STAIRS), Err("passages"));
+        for floors in [&[0u8][..], &[0, 2]] {
+            let passage = Passage { floors, ..STAIRS };
+            assert!(field(&right, passage).is_err());
+        }
+        let passage = Passage {
+            seconds: 0.0,
+            ..STAIRS
+        };
+        assert_eq!(field(&right, passage), Err("seconds"));
+        // Other beacons.
+        let mut bytes = map(1);
+        bytes[44] = 9;
+        let end = bytes.len() - 4;
+        let sum = crate::checksum::crc32(&bytes[..end]);
+        bytes[end..].copy_from_slice(&sum.to_le_bytes());
+        let map = RadioMap::new(&bytes).unwrap();
+        assert_eq!(field(&[storey(map)], STAIRS), Err("above"));
+    }
+}

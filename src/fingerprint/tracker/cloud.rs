@@ -232,6 +232,16 @@ impl<const N: usize, F: Floor> Cloud<N, F> {
         }
     }
 
+    /// Makes places beyond the map impossible.
+    pub fn exclude_beyond(&mut self, lattice: &Lattice) {
+        let [x, y] = &self.places;
+        for (weight, (x, y)) in self.weights.iter_mut().zip(x.iter().zip(y)) {
+            if !is_on([*x, *y], lattice) {
+                *weight = f32::NEG_INFINITY;
+            }
+        }
+    }
+
     /// Makes places impossible, by their floors and the points nearest to them.
     pub fn exclude(&mut self, lattice: &Lattice, is_possible: impl Fn(F, usize) -> bool) {
         let [x, y] = &self.places;

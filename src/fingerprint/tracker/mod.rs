@@ -36,6 +36,7 @@ mod stored;
 mod tags;
 mod update;
 mod walls;
+mod weigh;
 
 use crate::persist;
 use crate::random::Rng;
@@ -57,6 +58,7 @@ pub use site::Site;
 pub use stored::{Exact, OnFloor, Packed, Stored};
 pub use tags::Trackers;
 pub use walls::{Piece, Walls};
+pub use weigh::WeighError;
 
 /// The scratch memory of an update of `N` particles on a map of up to `P` points: 36 P + 22 N + 20 bytes, which hold nothing
 /// of use between updates. One serves all trackers.

@@ -169,3 +169,96 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         Some(inside.count() as f32 / N as f32)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::fingerprint::tracker::tests::map;
+    use crate::fingerprint::tracker::{Config, Site, Workspace};
+    use crate::fingerprint::{RadioMap, Reading};
+    use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+    use std::vec::Vec;
+
+    /// A room of so many metres of the tunnel.
+    fn room(id: u16, corners: &[[f32; 2]; 4]) -> Zone<'_> {
+        Zone {
+            id,
+            floor: 0,
+            corners,
+        }
+    }
+
+    fn corners(from: f32, to: f32) -> [[f32; 2]; 4] {
+        [[from, -1.0], [to, -1.0], [to, 1.0], [from, 1.0]]
+    }
+
+    #[test]
+    fn a_wrong_field_is_named() {
+        let (first, second) = (corners(0.0, 10.0), corners(10.0, 40.0));
+        let zones = [room(1, &first), room(1, &second)];
+        let rooms = Rooms {
+            zones: &zones,
+            probability: 0.9,
+        };
+        assert_eq!(rooms.check().unwrap_err().field(), "zones");
+        let zones = [room(1, &first), room(2, &second)];
+        for probability in [0.5, 1.0, f32::NAN] {
+            let rooms = Rooms {
+                zones: &zones,
+                probability,
+            };
+            assert_eq!(rooms.check().unwrap_err().field(), "probability");
+        }
+        let rooms = Rooms {
+            zones: &zones,
+            ..rooms
+        };
+        assert_eq!(rooms.check(), Ok(()));
+    }
+
+    #[test]
+    fn rooms_that_meet_share_the_probability_and_events_alternate() {
+        let bytes = map(1);
+        // So uncertain at rest that its region is wider than its particles are.
+        let site = Site::new(RadioMap::new(&bytes).unwrap(), Config::TUNNEL).unwrap();
+        let (first, second) = (corners(-100.0, 20.0), corners(20.0, 140.0));
+        let zones = [room(1, &first), room(2, &second)];
+        let rooms = Rooms {
+            zones: &zones,
+            probability: 0.8,
+        };
+        let mut tag = Tracker::<200, 4, 1>::EMPTY;
+        let mut workspace = Workspace::<200, 64, _>::EMPTY;
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
+        let mut occupancy = Occupancy::<2>::EMPTY;
+        let mut events = Vec::new();
+        assert_eq!(tag.probability_in(&zones[0], &site), None);
+        // To and fro.
+        for half in 0..480u32 {
+            let x = 20.0 + 15.0 * crate::math::sin_cos(0.05 * half as f32).0;
+            for beacon in 0..4 {
+                let rssi_dbm = crate::fingerprint::tracker::tests::level(beacon, x);
+                let packet = Reading { beacon, rssi_dbm };
+                tag.push(500 * half, packet, &site, &mut workspace, &mut rng)
+                    .unwrap();
+            }
+            let [a, b] = zones.map(|zone| tag.probability_in(&zone, &site).unwrap_or(0.5));
+            assert!((a + b - 1.0).abs() < 1e-6, "{a} {b}");
+            occupancy.update(&tag, &site, &rooms, |passing| events.push(passing));
+        }
+        assert!(events.len() > 10, "{events:?}");
+        let mut is_inside = [false; 2];
+        for event in events {
+            let (zone, enters, probability) = match event {
+                Passing::Entered { zone, probability } => (zone, true, probability),
+                Passing::Left { zone, probability } => (zone, false, probability),
+            };
+            let was_inside = &mut is_inside[usize::from(zone) - 1];
+            assert!(*was_inside != enters && probability >= 0.8);
+            *was_inside = enters;
+        }
+        let inside: Vec<u16> = occupancy.zones(&rooms).collect();
+        assert_eq!(is_inside, [1, 2].map(|id| inside.contains(&id)));
+    }
+}

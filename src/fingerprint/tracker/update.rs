@@ -73,6 +73,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             self.draw(1.0, site, workspace, rng)
         };
         if let Some(sums) = sums {
+            self.teach(&sums, site, workspace);
             self.conclude(time_ms, &sums, site, workspace);
             self.remember(scan, site);
             (workspace.cloud).resample(sums.weights, &mut self.particles, &grain, rng);
@@ -169,7 +170,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
 
     /// Unpacks all particles, moved by `dt` seconds, and returns by how many metres they moved: the root mean square.
     #[inline(never)]
-    fn predict<const P: usize, G: Ground<Floor = S::Floor>, R: Rng + ?Sized>(
+    pub(super) fn predict<const P: usize, G: Ground<Floor = S::Floor>, R: Rng + ?Sized>(
         &mut self,
         dt: f32,
         site: &G,
@@ -198,7 +199,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
     }
 
     /// Makes the places impossible that lie behind a wall.
-    fn exclude_walls<const P: usize, G: Ground<Floor = S::Floor>>(
+    pub(super) fn exclude_walls<const P: usize, G: Ground<Floor = S::Floor>>(
         &self,
         site: &G,
         grain: &Grain,
@@ -252,26 +253,36 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         !(self.evidence < LOST_BELOW && site.config().redraw_fraction > 0.0)
     }
 
-    /// Learns from the weighted cloud, and summarises it.
-    fn conclude<const P: usize, G: Ground<Floor = S::Floor>>(
+    /// Learns the tag's offset from the weighted cloud.
+    fn teach<const P: usize, G: Ground<Floor = S::Floor>>(
         &mut self,
-        time_ms: u32,
         sums: &Sums,
         site: &G,
         workspace: &mut Workspace<N, P, S::Floor>,
     ) {
-        let lattice = site.lattice();
         let Workspace { field, cloud } = workspace;
         // Particles that were just drawn have not been tried yet.
         if self.redrawn_s != Some(0.0) {
             field.teach(
                 &mut self.offset,
-                lattice,
+                site.lattice(),
                 (&cloud.places, &cloud.floors, &cloud.weights),
                 site.points(),
                 sums.weights,
             );
         }
+    }
+
+    /// Summarises the weighted cloud.
+    pub(super) fn conclude<const P: usize, G: Ground<Floor = S::Floor>>(
+        &mut self,
+        time_ms: u32,
+        sums: &Sums,
+        site: &G,
+        workspace: &Workspace<N, P, S::Floor>,
+    ) {
+        let lattice = site.lattice();
+        let cloud = &workspace.cloud;
         let (floor, weights) = cloud.likeliest(site.floors(), sums.weights);
         if floor != self.floor {
             // What is remembered of the error is that of another map.
