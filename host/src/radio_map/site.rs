@@ -65,6 +65,20 @@ impl SiteSurvey {
         Self::new(readings)
     }
 
+    /// The same survey, with these beacons beside its own, which were heard at none of its places: the maps of all floors of
+    /// a building have the beacons of all.
+    pub fn among(mut self, beacons: &[u32]) -> Self {
+        for beacon in beacons {
+            if let Err(number) = self.beacons.binary_search(beacon) {
+                self.beacons.insert(number, *beacon);
+                for samples in &mut self.survey.samples {
+                    samples.insert(number, Vec::new());
+                }
+            }
+        }
+        self
+    }
+
     /// Reads CSV, of points or of poses.
     ///
     /// A row of points is one reading, with the columns `x`, `y` (metres), `beacon` (a number) and `rssi` (dBm). A row of poses
@@ -87,7 +101,7 @@ impl SiteSurvey {
             .unwrap_or_default())
     }
 
-    /// The same, by floor; 0 where there is no such column.
+    /// The same, by floor, each among the beacons of all; 0 where there is no such column.
     ///
     /// # Errors
     /// As [`SiteSurvey::read`].
@@ -103,7 +117,14 @@ impl SiteSurvey {
             );
             floors.insert(floor, site);
         }
-        Ok(floors)
+        let beacons: Vec<u32> = floors
+            .values()
+            .flat_map(|site| site.beacons.clone())
+            .collect();
+        let among = floors
+            .into_iter()
+            .map(|(floor, site)| (floor, site.among(&beacons)));
+        Ok(among.collect())
     }
 
     /// Reads a CSV file, see [`SiteSurvey::read`].
