@@ -81,11 +81,13 @@ impl<'a, const B: usize> Comparison<'a, B> {
     /// The other beacons of a scan of twelve, for which the tempering is stated.
     const OTHERS: f32 = 11.0;
 
-    /// Of a scan, by what is remembered of the error of the map, if anything is.
+    /// Of a scan, by what is remembered of the error of the map, if anything is; `doubt_db2` says by how much less a beacon
+    /// counts.
     #[inline(never)]
     pub fn new(
         map: &RadioMap<'a>,
         config: &Config,
+        doubt_db2: impl Fn(usize) -> f32,
         belief: &OffsetBelief,
         memory: Option<&Memory<B>>,
         scan: &[Level; B],
@@ -103,7 +105,7 @@ impl<'a, const B: usize> Comparison<'a, B> {
                     level: above(level.mean_dbm) - prior.weight * above(prior.level_dbm),
                     weight: prior.weight,
                     unknown: prior.unknown,
-                    noise: packet / f32::from(level.packets),
+                    noise: packet / f32::from(level.packets) + 4.0 * doubt_db2(beacon),
                 });
             }
         }

@@ -98,13 +98,14 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         field.begin();
         field.mark(&cloud.cells);
         let mut sample = Sample::EMPTY;
+        let doubt = |beacon| site.doubt_db2(beacon);
         for floor in 0..site.floors() {
             let map = site.map(floor);
             let memory = Some(&self.memory);
-            let compared = Comparison::new(map, config, &self.offset, memory, scan);
+            let compared = Comparison::new(map, config, doubt, &self.offset, memory, scan);
             field.look_up_marked(floor, lattice, &compared, moved);
             // What is remembered of the error would explain any place that has been wrong for long.
-            let anew = Comparison::new(map, config, &self.offset, None, scan);
+            let anew = Comparison::new(map, config, doubt, &self.offset, None, scan);
             field.sample(map, &anew, time_ms);
             cloud.sample(Floor::of(floor), &anew, lattice, time_ms, &mut sample);
         }
@@ -120,9 +121,10 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         workspace: &mut Workspace<N, P, S::Floor>,
     ) {
         workspace.field.begin();
+        let doubt = |beacon| site.doubt_db2(beacon);
         for floor in 0..site.floors() {
             let map = site.map(floor);
-            let anew = Comparison::new(map, site.config(), &self.offset, None, scan);
+            let anew = Comparison::new(map, site.config(), doubt, &self.offset, None, scan);
             workspace.field.look_up_all(floor, map, &anew);
         }
     }

@@ -26,7 +26,10 @@
 //! counter-clockwise from x; by how many dB the tag is louder than the one of the survey; the effective sample size.
 //!
 //! **`$PFOXL,time,radio,SILENT*hh`**, a radio of the map has heard no tag for [`Config::silence_ms`] while others have;
-//! **`...,HEARD*hh`** when it hears one again.
+//! **`...,HEARD*hh`** when it hears one again. **`...,MOVED*hh`**: its levels are not those of the map, at several places, by
+//! what it hears of all tags: it was moved, turned or damaged, and counts less until they are again (**`...,FITS*hh`**).
+//! **`...,RARE*hh`**: it hears tags that are next to it far less often than other radios do, until it no longer does
+//! (**`...,USUAL*hh`**).
 //!
 //! **`$PFOXS,messages,packets,ignored,queries,restarts,...,tags,silent,evicted*hh`**, the status: all messages, and how
 //! many of them were packets that a tracker took, sentences of other kinds, queries and restarts; in the place of `...`,
@@ -35,6 +38,7 @@
 //! another one.
 
 mod config;
+mod health;
 mod input;
 mod outcome;
 mod radios;
@@ -48,6 +52,7 @@ use crate::fingerprint::tracker::{Tracker, Trackers, Workspace};
 use crate::fingerprint::{Reading, ReadingError};
 use crate::persist;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+use health::Health;
 use input::{Input, Message};
 use radios::Radios;
 pub use report::MAX_TAGS;
@@ -88,6 +93,7 @@ pub struct BeaconGateway<
     trackers: Trackers<T, N, B, D>,
     workspace: Workspace<N, P>,
     radios: Radios<B>,
+    health: Health<B>,
     generator: Option<Xoshiro128PlusPlus>,
     report: Report,
 }
@@ -104,6 +110,7 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
             trackers: Trackers::EMPTY,
             workspace: Workspace::EMPTY,
             radios: Radios::EMPTY,
+            health: Health::EMPTY,
             generator: None,
             report: Report::new(),
         }
@@ -154,6 +161,7 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
     pub fn restart(&mut self) {
         self.trackers.clear();
         self.radios = Radios::EMPTY;
+        self.health = Health::EMPTY;
         self.generator = None;
         self.report.clear();
     }
@@ -180,19 +188,29 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
         if evicted.is_some() {
             self.counters.evicted = self.counters.evicted.saturating_add(1);
         }
+        let doubted = self.health.doubting(site);
         let fix = tracker
-            .push(time_ms, reading, site, &mut self.workspace, rng)
+            .push(time_ms, reading, &doubted, &mut self.workspace, rng)
             .map_err(|error| match error {
                 ReadingError::TooOld => Rejected::TooOld,
                 ReadingError::Strength => Rejected::OutOfRange,
                 _ => Rejected::UnknownRadio,
             })?;
+        let known = tracker.fix();
         let report = &mut self.report;
         let now_ms = self.trackers.now_ms();
-        (self.radios).hear(now_ms, reading.beacon.into(), config, |radio, is_silent| {
-            let identifier = site.map.beacon(radio).map_or(0, |beacon| beacon.identifier);
-            report.radio(now_ms, identifier, is_silent);
+        let radio = usize::from(reading.beacon);
+        let identifier = |radio| site.map.beacon(radio).map_or(0, |beacon| beacon.identifier);
+        (self.radios).hear(now_ms, radio, config, |radio, is_silent| {
+            let word = if is_silent { "SILENT" } else { "HEARD" };
+            report.radio(now_ms, identifier(radio), word);
         });
+        if let Some(known) = known {
+            let heard = (radio, reading.rssi_dbm);
+            (self.health).hear(heard, time_ms, &known, site, |radio, finding| {
+                report.radio(now_ms, identifier(radio), finding.word());
+            });
+        }
         Ok(match fix {
             Some(fix) => {
                 self.report.tag(tag, &fix);
@@ -209,7 +227,8 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
         for (tag, tracker) in self.trackers.iter_mut() {
             tags += 1;
             if let Some(rng) = &mut self.generator {
-                tracker.flush(&config.site, &mut self.workspace, rng);
+                let doubted = self.health.doubting(&config.site);
+                tracker.flush(&doubted, &mut self.workspace, rng);
             }
             if let Some(fix) = tracker.fix() {
                 self.report.tag(tag, &fix);
@@ -223,7 +242,7 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
 persist!(
     impl[const T: usize, const N: usize, const P: usize, const B: usize, const D: usize]
     BeaconGateway<T, N, P, B, D> as "BeaconGateway"(T, N, B)
-    { counters, trackers, radios, generator } without { input, workspace, report }
+    { counters, trackers, radios, health, generator } without { input, workspace, report }
 );
 
 #[cfg(test)]

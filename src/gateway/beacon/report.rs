@@ -39,11 +39,12 @@ impl Report {
     }
 
     /// `$PFOXL`
-    pub fn radio(&mut self, time_ms: u32, radio: u32, is_silent: bool) {
+    pub fn radio(&mut self, time_ms: u32, radio: u32, word: &str) {
         self.begin("PFOXL");
         self.field(time_ms);
         self.field(radio);
-        self.put(if is_silent { ",SILENT" } else { ",HEARD" });
+        self.put(",");
+        self.put(word);
         self.end();
     }
 
@@ -94,7 +95,7 @@ mod tests {
             "$PFOXT,12500,7,TRACKING,31.250,-0.500,1.000,0.000,2.000,1.000,0.0,-3.3,211.0*45\r\n"
         );
         report.clear();
-        report.radio(12_500, 3, true);
+        report.radio(12_500, 3, "SILENT");
         assert!(report.as_str().starts_with("$PFOXL,12500,3,SILENT*"));
     }
 

@@ -2,8 +2,9 @@
 
 extern crate std;
 use super::*;
+use crate::fingerprint::RadioMap;
+use crate::fingerprint::tracker::tests::{level, map};
 use crate::fingerprint::tracker::{self, Site, State};
-use crate::fingerprint::{RadioMap, tracker::tests::map};
 use crate::gateway::sentence::checksum;
 use crate::snapshot;
 use proptest::prelude::*;
@@ -150,6 +151,51 @@ fn a_silent_radio_is_reported() {
     assert_eq!(output.matches("$PFOXL").count(), 1);
     let (_, output) = run(&mut gateway, line(&packet(12_000, 3, 7)).as_bytes());
     assert!(output.contains("$PFOXL,12000,3,HEARD*"));
+}
+
+/// Two people walk to and fro; one of four radios hangs elsewhere, or its antenna is damaged.
+#[test]
+fn a_radio_that_was_moved_is_reported_and_the_fixes_stay_right() {
+    let map = map(1);
+    for (wrong, turned, loss_db) in [
+        (None, false, 0.0),
+        (Some(2), true, 0.0),
+        (Some(2), false, 15.0),
+        (Some(0), true, 0.0),
+    ] {
+        let mut gateway = gateway(&map, Framing::Lines);
+        let mut output = String::new();
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(4);
+        let mut late = (0.0, 0.0);
+        for half in 0..1_200u32 {
+            for tag in 0..2 {
+                let phase = (half + 60 * tag) % 120;
+                let x = 0.5 * (60.0 - (60.0 - phase as f32).abs()) + 5.0;
+                for radio in 0..4 {
+                    let is_wrong = wrong == Some(radio);
+                    let at = if is_wrong && turned { 40.0 - x } else { x };
+                    let loss_db = if is_wrong { loss_db } else { 0.0 };
+                    let noise = 2.0 * crate::random::normal(&mut rng);
+                    let rssi = level(radio, at) - loss_db + noise;
+                    let payload = format!("PFOXB,{},{radio},{tag},{rssi:.0}", 500 * half);
+                    let (events, said) = run(&mut gateway, sentence(&payload).as_bytes());
+                    output += &said;
+                    if half > 600
+                        && let [Event::Fix { fix, .. }] = events[..]
+                    {
+                        let off = fix.position_at(500 * half)[0] - x;
+                        late = (late.0 + off * off, late.1 + 1.0);
+                    }
+                }
+            }
+        }
+        let told: Vec<&str> = (output.split("$PFOXL,").skip(1))
+            .map(|line| line.split([',', '*']).skip(1).take(2).last().unwrap())
+            .collect();
+        assert_eq!(told, wrong.map_or(&[][..], |_| &["MOVED"]));
+        let rmse = crate::math::sqrt(late.0 / late.1);
+        assert!(rmse < 3.0, "{wrong:?} {rmse}");
+    }
 }
 
 #[test]
