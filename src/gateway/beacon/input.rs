@@ -3,7 +3,7 @@
 use cobs::{DecodeResult, DecoderState};
 use heapless::Vec;
 
-use super::{Framing, Rejected};
+use super::{Framing, MapPiece, Rejected, Spot};
 use crate::checksum::crc32;
 use crate::gateway::formats::Nmea;
 use crate::gateway::line::LineReader;
@@ -84,13 +84,17 @@ value!(Packet {
 });
 
 /// What a message says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Message {
     Packet(Packet),
     /// The host asks for every tag's position and for the status.
     Query,
     /// The host begins anew.
     Restart,
+    /// A survey is recorded, or no more.
+    Survey(Option<Spot>),
+    /// A piece of another map.
+    MapPiece(MapPiece),
     /// A correct sentence of another kind.
     Other,
 }
@@ -127,6 +131,13 @@ fn from_line(line: &[u8]) -> Result<Message, Rejected> {
         b"PFOXR" => Ok(Message::Restart),
         [b'P', b'F', b'O', b'X', b'B', b',', fields @ ..] => {
             Packet::from_fields(fields).map(Message::Packet)
+        }
+        b"PFOXV" => Ok(Message::Survey(None)),
+        [b'P', b'F', b'O', b'X', b'V', b',', fields @ ..] => {
+            Spot::from_fields(fields).map(|spot| Message::Survey(Some(spot)))
+        }
+        [b'P', b'F', b'O', b'X', b'M', b',', fields @ ..] => {
+            MapPiece::from_fields(fields).map(Message::MapPiece)
         }
         _ => Ok(Message::Other),
     }

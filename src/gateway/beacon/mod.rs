@@ -14,6 +14,10 @@
 //! | `$PFOXQ*50` | `Q` | a query: the fix of every tag, after an update by the packets that wait, and the status |
 //! | `$PFOXR*53` | `R` | a restart: all tags are forgotten |
 //!
+//! | `$PFOXV,tag,x,y,floor*hh` | | a survey: somebody stands with this tag at a place, in metres, on a floor |
+//! | `$PFOXV*57` | | the survey is over |
+//! | `$PFOXM,offset,total,bytes*hh` | | a piece of a new map: where it begins, the length of the map, up to 32 bytes in hexadecimal; see [`BeaconGateway::take_map`] |
+//!
 //! A frame holds, little-endian: the byte 0xB1, the time (4 bytes), the radio (2), the tag (4), the RSSI (1), and the
 //! CRC-32 of these (4); it is stuffed (COBS), so that a zero byte ends it and stands nowhere else.
 //!
@@ -31,32 +35,44 @@
 //! **`...,RARE*hh`**: it hears tags that are next to it far less often than other radios do, until it no longer does
 //! (**`...,USUAL*hh`**).
 //!
+//! **`$PFOXV,x,y,floor,radio,rssi*hh`**, a reading of a survey, for every packet of the tag that is surveyed, whether its
+//! radio is in the map or not: a log of them is a survey that `cargo xtask map` reads.
+//!
+//! **`$PFOXM,received,total,MORE*hh`**, the answer to a piece of a new map: the next one begins at `received`;
+//! **`...,READY*hh`** when the whole map was checked, **`...,REFUSED*hh`** when it cannot be used.
+//!
 //! **`$PFOXS,messages,packets,ignored,queries,restarts,...,tags,silent,evicted*hh`**, the status: all messages, and how
-//! many of them were packets that a tracker took, sentences of other kinds, queries and restarts; in the place of `...`,
-//! in the order of [`Rejected::ALL`], how many were rejected for each reason, so that the second to the twelfth number
+//! many of them were packets that a tracker took, sentences of other kinds, queries with commands of surveys and maps, and
+//! restarts; in the place of `...`, in the order of [`Rejected::ALL`], how many were rejected for each reason, so that the second to the twelfth number
 //! add up to the first; how many tags are tracked, how many radios are silent, and how many tags lost their tracker to
 //! another one.
 
 mod config;
 mod health;
 mod input;
+mod new_map;
 mod outcome;
 mod radios;
 mod report;
+mod survey;
 
 pub use config::{Config, Framing};
 pub use input::Packet;
+pub use new_map::{MapPiece, NewMapError};
 pub use outcome::{Counters, Event, Rejected};
 
 use crate::fingerprint::tracker::{Tracker, Trackers, Workspace};
-use crate::fingerprint::{Reading, ReadingError};
+use crate::fingerprint::{RadioMap, Reading, ReadingError};
 use crate::persist;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 use health::Health;
 use input::{Input, Message};
+use new_map::{Reception, Room};
 use radios::Radios;
 pub use report::MAX_TAGS;
 use report::Report;
+pub use survey::Spot;
+use survey::Survey;
 
 /// The state of a gateway that tracks up to `T` tags, with `N` particles for each, on a map of up to `P` points and `B`
 /// beacons. See the [module](self) for the messages.
@@ -94,6 +110,8 @@ pub struct BeaconGateway<
     workspace: Workspace<N, P>,
     radios: Radios<B>,
     health: Health<B>,
+    survey: Survey,
+    reception: Reception,
     generator: Option<Xoshiro128PlusPlus>,
     report: Report,
 }
@@ -111,6 +129,8 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
             workspace: Workspace::EMPTY,
             radios: Radios::EMPTY,
             health: Health::EMPTY,
+            survey: Survey::EMPTY,
+            reception: Reception::EMPTY,
             generator: None,
             report: Report::new(),
         }
@@ -132,6 +152,11 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
                 self.restart();
                 Event::Restarted
             }
+            Ok(Message::Survey(spot)) => {
+                self.survey.turn_to(spot);
+                Event::Survey(spot)
+            }
+            Ok(Message::MapPiece(piece)) => Event::MapPiece(piece),
             Ok(Message::Other) => Event::Other,
             Err(reason) => Event::Rejected(reason),
         };
@@ -166,9 +191,66 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
         self.report.clear();
     }
 
+    /// Takes a piece of another map into a buffer that holds the map until it is whole, and returns the map then: one that
+    /// this gateway has room for and can track on. [`BeaconGateway::report`] answers to the sender.
+    ///
+    /// The gateway goes on with its present map. To go on with the new one, [`BeaconGateway::restart`] it and lend it a
+    /// configuration with the new map from then on; the buffer has to last as long.
+    ///
+    /// ```
+    /// # use foxhunt::fingerprint::{RadioMap, tracker::{self, Site}};
+    /// use foxhunt::gateway::beacon::{BeaconGateway, Config, Event};
+    ///
+    /// # static TUNNEL: &[u8] =
+    /// #     include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/tunnel.map"));
+    /// # let config = Config::new(Site::new(RadioMap::new(TUNNEL)?, tracker::Config::TUNNEL)?);
+    /// # let line = TUNNEL.chunks(32).enumerate().flat_map(|(number, bytes)| {
+    /// #     let bytes: String = bytes.iter().map(|byte| format!("{byte:02X}")).collect();
+    /// #     let payload = format!("PFOXM,{},{},{bytes}", 32 * number, TUNNEL.len());
+    /// #     let sum = payload.bytes().fold(0, |sum, byte| sum ^ byte);
+    /// #     format!("${payload}*{sum:02X}\r\n").into_bytes()
+    /// # });
+    /// let mut gateway = BeaconGateway::<8, 300, 81, 4, 1>::EMPTY;
+    /// let mut spare = [0; 1024];
+    /// let mut has_come = false;
+    /// for byte in line {
+    ///     if let Some(Event::MapPiece(piece)) = gateway.push(byte, &config) {
+    ///         has_come = gateway.take_map(&piece, &mut spare)?.is_some();
+    ///     }
+    /// }
+    /// assert!(has_come && gateway.report().contains(",READY*"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// See [`NewMapError`].
+    pub fn take_map<'b>(
+        &mut self,
+        piece: &MapPiece,
+        buffer: &'b mut [u8],
+    ) -> Result<Option<RadioMap<'b>>, NewMapError> {
+        let room = Room {
+            points: P,
+            beacons: B,
+            axes: D,
+        };
+        let taken = self.reception.take(piece, buffer, &room);
+        let (received, word) = match &taken {
+            Ok(Some(_)) => (piece.total, "READY"),
+            Ok(None) | Err(NewMapError::Order) => (self.reception.received(), "MORE"),
+            Err(_) => (0, "REFUSED"),
+        };
+        self.report.clear();
+        self.report.map(received, piece.total, word);
+        taken
+    }
+
     #[inline(never)]
     fn packet(&mut self, packet: &Packet, config: &Config<'_>) -> Result<Event, Rejected> {
         let &Packet { time_ms, tag, .. } = packet;
+        if let Some(spot) = self.survey.of(tag) {
+            self.report.survey(spot, packet);
+        }
         let site = &config.site;
         let beacon = site.map.beacon_index(packet.radio.into());
         let beacon = beacon.and_then(|beacon| u8::try_from(beacon).ok());
@@ -242,7 +324,7 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
 persist!(
     impl[const T: usize, const N: usize, const P: usize, const B: usize, const D: usize]
     BeaconGateway<T, N, P, B, D> as "BeaconGateway"(T, N, B)
-    { counters, trackers, radios, health, generator } without { input, workspace, report }
+    { counters, trackers, radios, health, survey, generator } without { input, workspace, report, reception }
 );
 
 #[cfg(test)]

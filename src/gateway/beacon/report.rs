@@ -1,6 +1,7 @@
 //! The sentences of the gateway.
 
 use super::outcome::{Counters, Rejected};
+use super::{Packet, Spot};
 use crate::estimate::Ellipse;
 use crate::fingerprint::tracker::{Fix, State};
 use crate::gateway::sentence::{DEGREES, Text, Unit};
@@ -43,6 +44,30 @@ impl Report {
         self.begin("PFOXL");
         self.field(time_ms);
         self.field(radio);
+        self.put(",");
+        self.put(word);
+        self.end();
+    }
+
+    /// `$PFOXV`
+    pub fn survey(&mut self, spot: &Spot, packet: &Packet) {
+        self.begin("PFOXV");
+        for metres in spot.place {
+            self.signed(metres, Unit::Thousandth);
+        }
+        self.field(spot.floor.into());
+        self.field(packet.radio.into());
+        let rssi = packet.rssi_dbm;
+        self.put(if rssi < 0 { ",-" } else { "," });
+        self.digits(rssi.unsigned_abs().into(), 1);
+        self.end();
+    }
+
+    /// `$PFOXM`
+    pub fn map(&mut self, received: u32, total: u32, word: &str) {
+        self.begin("PFOXM");
+        self.field(received);
+        self.field(total);
         self.put(",");
         self.put(word);
         self.end();

@@ -2,9 +2,9 @@
 
 extern crate std;
 use super::*;
-use crate::fingerprint::RadioMap;
 use crate::fingerprint::tracker::tests::{level, map};
 use crate::fingerprint::tracker::{self, Site, State};
+use crate::fingerprint::{MapError, RadioMap};
 use crate::gateway::sentence::checksum;
 use crate::snapshot;
 use proptest::prelude::*;
@@ -195,6 +195,115 @@ fn a_radio_that_was_moved_is_reported_and_the_fixes_stay_right() {
         assert_eq!(told, wrong.map_or(&[][..], |_| &["MOVED"]));
         let rmse = crate::math::sqrt(late.0 / late.1);
         assert!(rmse < 3.0, "{wrong:?} {rmse}");
+    }
+}
+
+#[test]
+fn a_survey_has_every_packet_of_the_tag_that_stands_there() {
+    let map = map(1);
+    let mut gateway = gateway(&map, Framing::Lines);
+    let mut said = |message: &str| run(&mut gateway, message.as_bytes());
+    let (events, output) = said(&sentence("PFOXV,7,12.5,-0.25,2"));
+    let spot = Spot {
+        tag: 7,
+        place: [12.5, -0.25],
+        floor: 2,
+    };
+    assert_eq!(
+        (&events[..], &output[..]),
+        (&[Event::Survey(Some(spot))][..], "")
+    );
+    // A radio that the map lacks, too: there may be no right map yet.
+    for radio in [1, 900] {
+        let (_, output) = said(&line(&packet(500, radio, 7)));
+        let reading = sentence(&format!("PFOXV,12.500,-0.250,2,{radio},-60"));
+        assert!(output.starts_with(&reading), "{output}");
+    }
+    assert_eq!(said(&line(&packet(600, 1, 8))).1, "");
+    assert_eq!(said(&sentence("PFOXV")).0, [Event::Survey(None)]);
+    assert_eq!(said(&line(&packet(700, 1, 7))).1, "");
+    for (fields, reason) in [
+        ("7,1,2", Rejected::Unparsable),
+        ("7,1,,0", Rejected::Unparsable),
+        ("7,1000001,0,0", Rejected::OutOfRange),
+        ("7,0,0,256", Rejected::OutOfRange),
+        ("-7,0,0,0", Rejected::OutOfRange),
+    ] {
+        let (events, _) = said(&sentence(&format!("PFOXV,{fields}")));
+        assert_eq!(events, [Event::Rejected(reason)], "{fields}");
+    }
+}
+
+#[test]
+fn a_new_map_is_taken_when_all_of_it_was_checked() {
+    let (old, new) = (
+        map(1),
+        crate::fingerprint::tracker::tests::map_behind([3.0; 4], 1),
+    );
+    let mut gateway = gateway(&old, Framing::Lines);
+    let mut buffer = std::vec![0; 600];
+    let send = |gateway: &mut Gateway<'_>, map: &[u8], offset: usize, buffer: &mut [u8]| {
+        let bytes = &map[offset..map.len().min(offset + MapPiece::BYTES)];
+        let digits: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+        let piece = sentence(&format!("PFOXM,{offset},{},{digits}", map.len()));
+        let (events, _) = run(gateway, piece.as_bytes());
+        let [Event::MapPiece(piece)] = events[..] else {
+            panic!("{events:?}");
+        };
+        let taken = gateway.state.take_map(&piece, buffer);
+        let levels = taken.map(|map| map.map(|map| map.moments(0, 0).unwrap().mean_dbm));
+        (levels, String::from(gateway.state.report()))
+    };
+    let offsets: Vec<usize> = (0..new.len()).step_by(MapPiece::BYTES).collect();
+    let last = *offsets.last().unwrap();
+    for offset in &offsets {
+        let (map, answer) = send(&mut gateway, &new, *offset, &mut buffer);
+        let received = (offset + MapPiece::BYTES).min(new.len());
+        if *offset == last {
+            assert_eq!(map, Ok(Some(level(0, 0.0) - 3.0)));
+            assert!(answer.starts_with(&format!("$PFOXM,{received},{received},READY*")));
+        } else {
+            assert_eq!(map, Ok(None));
+            assert!(answer.starts_with(&format!("$PFOXM,{received},{},MORE*", new.len())));
+            // What does not follow changes nothing, and what should have come is asked for.
+            let other = if received == last {
+                MapPiece::BYTES
+            } else {
+                last
+            };
+            let (again, answer) = send(&mut gateway, &new, other, &mut buffer);
+            assert_eq!(again, Err(NewMapError::Order));
+            assert!(answer.starts_with(&format!("$PFOXM,{received},")));
+        }
+    }
+    let mut damaged = new.clone();
+    damaged[100] ^= 1;
+    let large = map(2);
+    for (map, buffer, reason) in [
+        (
+            &damaged,
+            &mut buffer[..],
+            NewMapError::Map(MapError::Checksum),
+        ),
+        (
+            &large,
+            &mut std::vec![0; 2_000],
+            NewMapError::Map(MapError::Points),
+        ),
+        (&new, &mut std::vec![0; 64], NewMapError::Room),
+    ] {
+        let sent = (0..map.len()).step_by(MapPiece::BYTES);
+        let refused = sent.map(|offset| send(&mut gateway, map, offset, buffer));
+        let refused: Vec<_> = refused.filter(|(taken, _)| taken.is_err()).collect();
+        assert_eq!(refused[0].0, Err(reason));
+        assert!(refused[0].1.contains(",REFUSED*"), "{}", refused[0].1);
+    }
+    for fields in ["0,9,", "0,9,0", "0,9,0g", "0,9", "-1,9,00"] {
+        let (events, _) = run(
+            &mut gateway,
+            sentence(&format!("PFOXM,{fields}")).as_bytes(),
+        );
+        assert!(matches!(events[..], [Event::Rejected(_)]), "{fields}");
     }
 }
 
