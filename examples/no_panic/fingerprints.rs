@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use foxhunt::{
-    fingerprint::{Config, Lattice, Matcher, Posterior, RadioMap, Reading, tracker},
+    fingerprint::{Config, Lattice, Matcher, Posterior, RadioMap, Reading, Zone, tracker},
     gateway,
     random::Xoshiro128PlusPlus,
 };
@@ -65,7 +65,7 @@ pub fn track(rng: &mut Xoshiro128PlusPlus) {
 }
 
 pub fn beacons() {
-    use gateway::beacon::{BeaconGateway, Config, Framing};
+    use gateway::beacon::{BeaconGateway, Config, Event, Framing};
     let bytes = any([0; 200]);
     let Some(site) = site(some(&bytes)) else {
         return;
@@ -89,7 +89,8 @@ pub fn beacons() {
     }
 }
 
-pub fn buildings() {
+pub fn buildings(rng: &mut Xoshiro128PlusPlus) {
+    use tracker::{Building, BuildingTracker, Occupancy, Passage, Rooms, Storey, Walls, Workspace};
     let (below, above) = (any([0; 200]), any([0; 200]));
     let (Some(lowest), Ok(map)) = (site(some(&below)), RadioMap::new(some(&above))) else {
         return;
@@ -121,16 +122,15 @@ pub fn buildings() {
     let mut workspace = any(Workspace::<50, 64, u8>::EMPTY);
     let mut tracker = any(BuildingTracker::<50, 8>::EMPTY);
     let mut occupancy = any(Occupancy::<3>::EMPTY);
-    let mut rng = any(Xoshiro128PlusPlus::seed_from_u64(1));
     for _ in 0..any(100) {
         let packet = Reading {
             beacon: any(0),
             rssi_dbm: any(-60.0),
         };
-        _ = black_box(tracker.push(any(0), packet, &building, &mut workspace, &mut rng));
+        _ = black_box(tracker.push(any(0), packet, &building, &mut workspace, rng));
         let said = any(0.0);
         let door = |[x, _]: [f32; 2], _| x * said;
-        _ = black_box(tracker.weigh(any(0), door, &building, &mut workspace, &mut rng));
+        _ = black_box(tracker.weigh(any(0), door, &building, &mut workspace, rng));
         occupancy.update(&tracker, &building, &rooms, |passing| {
             black_box(passing);
         });
