@@ -42,28 +42,27 @@ pub(super) struct Moments {
 /// Particles of which the evidence is taken: fewer are work saved, and noise.
 const SAMPLE: usize = 10;
 
-/// Log-likelihoods of some of the particles; minus infinity of those beyond the map.
+/// Log-likelihoods of some of the particles.
 #[derive(Debug, Clone)]
 pub(super) struct Sample {
-    log_likelihoods: [f32; SAMPLE],
+    /// Of those that are on the map.
+    log_likelihoods: heapless::Vec<f32, SAMPLE>,
     count: u8,
 }
 
 impl Sample {
     pub const EMPTY: Self = Self {
-        log_likelihoods: [f32::NEG_INFINITY; SAMPLE],
+        log_likelihoods: heapless::Vec::new(),
         count: 0,
     };
 
     /// The mean likelihood, relative to `top`.
+    #[inline(never)]
     pub fn mean(&self, top: f32) -> f32 {
-        let log_likelihoods = self
-            .log_likelihoods
-            .iter()
-            .filter(|value| value.is_finite());
-        let sum: f32 = log_likelihoods
-            .map(|value| exp_of_weight(value - top))
-            .sum();
+        let mut sum = 0.0;
+        for log_likelihood in &self.log_likelihoods {
+            sum += exp_of_weight(log_likelihood - top);
+        }
         sum / f32::from(self.count.max(1))
     }
 }
@@ -223,11 +222,12 @@ impl<const N: usize, F: Floor> Cloud<N, F> {
         let places = x.iter().zip(y).zip(&self.floors);
         let places = places.skip(first).step_by(stride);
         sample.count = 0;
-        for (((x, y), of), log_likelihood) in places.zip(&mut sample.log_likelihoods) {
+        for ((x, y), of) in places {
             sample.count += 1;
             if *of == floor && is_on([*x, *y], lattice) {
                 let point = lattice.nearest_to_steps([*x, *y]);
-                *log_likelihood = scan.anew_at(point).log_likelihood;
+                // There is room for all.
+                let _ = (sample.log_likelihoods).push(scan.anew_at(point).log_likelihood);
             }
         }
     }

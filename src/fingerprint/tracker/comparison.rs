@@ -81,13 +81,11 @@ impl<'a, const B: usize> Comparison<'a, B> {
     /// The other beacons of a scan of twelve, for which the tempering is stated.
     const OTHERS: f32 = 11.0;
 
-    /// Of a scan, by what is remembered of the error of the map, if anything is; `doubt_db2` says by how much less a beacon
-    /// counts.
+    /// Of a scan, by what is remembered of the error of the map, if anything is.
     #[inline(never)]
     pub fn new(
         map: &RadioMap<'a>,
         config: &Config,
-        doubt_db2: impl Fn(usize) -> f32,
         belief: &OffsetBelief,
         memory: Option<&Memory<B>>,
         scan: &[Level; B],
@@ -105,7 +103,7 @@ impl<'a, const B: usize> Comparison<'a, B> {
                     level: above(level.mean_dbm) - prior.weight * above(prior.level_dbm),
                     weight: prior.weight,
                     unknown: prior.unknown,
-                    noise: packet / f32::from(level.packets) + 4.0 * doubt_db2(beacon),
+                    noise: packet / f32::from(level.packets) + 4.0 * level.doubt_db2,
                 });
             }
         }

@@ -38,13 +38,6 @@ pub trait Ground {
         rng: &mut R,
     );
 
-    /// Variance in dB^2 of the readings of a beacon beyond what the map says of them.
-    #[doc(hidden)]
-    #[inline(always)]
-    fn doubt_db2(&self, _beacon: usize) -> f32 {
-        0.0
-    }
-
     /// The lattice of every floor.
     #[doc(hidden)]
     #[inline(always)]

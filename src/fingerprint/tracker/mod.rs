@@ -210,6 +210,19 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         workspace: &mut Workspace<N, P, S::Floor>,
         rng: &mut R,
     ) -> Result<Option<Fix>, ReadingError> {
+        self.push_doubting(time_ms, packet, &[], site, workspace, rng)
+    }
+
+    /// The same, of beacons whose readings have these variances in dB^2, by number, beyond what the map says.
+    pub(crate) fn push_doubting<const P: usize, G: Ground<Floor = S::Floor>, R: Rng + ?Sized>(
+        &mut self,
+        time_ms: u32,
+        packet: Reading,
+        doubts_db2: &[f32],
+        site: &G,
+        workspace: &mut Workspace<N, P, S::Floor>,
+        rng: &mut R,
+    ) -> Result<Option<Fix>, ReadingError> {
         if usize::from(packet.beacon) >= site.map(0).beacons().min(B) {
             return Err(ReadingError::Beacon);
         }
@@ -226,11 +239,11 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         let window_ms = site.config().window_ms;
         let mut fix = None;
         if window_ms > 0 && self.pending.is_due(time_ms, window_ms) {
-            fix = self.flush(site, workspace, rng);
+            fix = self.flush_doubting(doubts_db2, site, workspace, rng);
         }
         self.pending.add(time_ms, packet);
         if window_ms == 0 {
-            fix = self.flush(site, workspace, rng);
+            fix = self.flush_doubting(doubts_db2, site, workspace, rng);
         }
         Ok(fix)
     }
@@ -242,12 +255,24 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         workspace: &mut Workspace<N, P, S::Floor>,
         rng: &mut R,
     ) -> Option<Fix> {
+        self.flush_doubting(&[], site, workspace, rng)
+    }
+
+    /// The same, of beacons that are doubted.
+    pub(crate) fn flush_doubting<const P: usize, G: Ground<Floor = S::Floor>, R: Rng + ?Sized>(
+        &mut self,
+        doubts_db2: &[f32],
+        site: &G,
+        workspace: &mut Workspace<N, P, S::Floor>,
+        rng: &mut R,
+    ) -> Option<Fix> {
         let room = site.points() <= P && site.lattice().axes() <= S::AXES;
         if self.pending.is_empty() || !room {
             return None;
         }
         let pending = self.pending.take();
-        self.update(pending.time_ms(), &pending.levels(), site, workspace, rng);
+        let scan = pending.levels(doubts_db2);
+        self.update(pending.time_ms(), &scan, site, workspace, rng);
         self.fix()
     }
 

@@ -81,6 +81,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
     }
 
     /// Compares a scan with the map where the particles are, and returns how likely it is there, relative to the best point.
+    #[inline(never)]
     fn compare<const P: usize, G: Ground<Floor = S::Floor>>(
         &self,
         time_ms: u32,
@@ -98,14 +99,13 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         field.begin();
         field.mark(&cloud.cells);
         let mut sample = Sample::EMPTY;
-        let doubt = |beacon| site.doubt_db2(beacon);
         for floor in 0..site.floors() {
             let map = site.map(floor);
             let memory = Some(&self.memory);
-            let compared = Comparison::new(map, config, doubt, &self.offset, memory, scan);
+            let compared = Comparison::new(map, config, &self.offset, memory, scan);
             field.look_up_marked(floor, lattice, &compared, moved);
             // What is remembered of the error would explain any place that has been wrong for long.
-            let anew = Comparison::new(map, config, doubt, &self.offset, None, scan);
+            let anew = Comparison::new(map, config, &self.offset, None, scan);
             field.sample(map, &anew, time_ms);
             cloud.sample(Floor::of(floor), &anew, lattice, time_ms, &mut sample);
         }
@@ -114,6 +114,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
     }
 
     /// Compares a scan with all points of the map, by nothing that is remembered.
+    #[inline(never)]
     fn match_all<const P: usize, G: Ground>(
         &self,
         scan: &[Level; B],
@@ -121,10 +122,9 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         workspace: &mut Workspace<N, P, S::Floor>,
     ) {
         workspace.field.begin();
-        let doubt = |beacon| site.doubt_db2(beacon);
         for floor in 0..site.floors() {
             let map = site.map(floor);
-            let anew = Comparison::new(map, site.config(), doubt, &self.offset, None, scan);
+            let anew = Comparison::new(map, site.config(), &self.offset, None, scan);
             workspace.field.look_up_all(floor, map, &anew);
         }
     }

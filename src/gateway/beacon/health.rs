@@ -5,11 +5,9 @@
 //! however long it stays. And of the radios in reach of a tag, the one that the map says is the loudest should hear it at
 //! least as often as the others do.
 
-use crate::fingerprint::RadioMap;
-use crate::fingerprint::tracker::{self, Fix, Ground, OneFloor, Site, State, Walls};
+use crate::fingerprint::tracker::{Fix, Site, State};
 use crate::math::sqrt;
 use crate::persist;
-use crate::random::Rng;
 use crate::snapshot::value;
 
 /// Regions of a map: of points that follow each other. Fewer would hear of few places; more, of a few packets each.
@@ -69,8 +67,6 @@ struct Radio {
     means: [i16; REGIONS],
     /// The regions that have one, a bit each.
     seen: u16,
-    /// Variance in dB^2 that it has more than the map says; 0 while it fits.
-    doubt_db2: f32,
     /// Packets of tags for which it is the loudest, and those of them that it heard.
     all: u16,
     own: u16,
@@ -81,7 +77,6 @@ struct Radio {
 value!(Radio {
     means,
     seen,
-    doubt_db2,
     all,
     own,
     is_rare,
@@ -92,15 +87,19 @@ impl Radio {
     const EMPTY: Self = Self {
         means: [0; REGIONS],
         seen: 0,
-        doubt_db2: 0.0,
         all: 0,
         own: 0,
         is_rare: false,
         is_moved: false,
     };
 
-    /// Takes a difference in a region, of which so large a variance was expected.
-    fn differ(&mut self, region: usize, difference: f32, variance: f32) -> Option<Finding> {
+    /// Takes a difference in a region, of which so large a variance was expected; sets what it has beyond that.
+    fn differ(
+        &mut self,
+        region: usize,
+        (difference, variance): (f32, f32),
+        doubt_db2: &mut f32,
+    ) -> Option<Finding> {
         let sigmas = (difference / sqrt(variance)).clamp(-MOST_SIGMAS, MOST_SIGMAS);
         let mean = self.means.get_mut(region)?;
         let bit = 1 << region;
@@ -115,7 +114,7 @@ impl Radio {
         };
         let sum: f32 = self.means.iter().map(square).sum();
         let is_doubted = sum > regions + EXCESS;
-        self.doubt_db2 = if is_doubted {
+        *doubt_db2 = if is_doubted {
             variance * sum / regions
         } else {
             0.0
@@ -155,11 +154,14 @@ fn turn(is: &mut bool, now: bool, [begins, ends]: [Finding; 2]) -> Option<Findin
 #[derive(Debug)]
 pub(super) struct Health<const B: usize> {
     radios: [Radio; B],
+    /// By radio, the variance in dB^2 that it has beyond what the map says; 0 while it fits.
+    doubts_db2: [f32; B],
 }
 
 impl<const B: usize> Health<B> {
     pub const EMPTY: Self = Self {
         radios: [Radio::EMPTY; B],
+        doubts_db2: [0.0; B],
     };
 
     /// Takes a packet that a radio has heard of a tag with a fix, and calls `tell` with what it shows of a radio.
@@ -181,9 +183,10 @@ impl<const B: usize> Health<B> {
         let points = map.lattice().points();
         let point = map.lattice().nearest(place);
         let region = (point * REGIONS).checked_div(points).unwrap_or(0);
-        if let Some((difference, variance)) = difference(radio, rssi_dbm, place, fix, site)
-            && let Some(of) = self.radios.get_mut(radio)
-            && let Some(finding) = of.differ(region, difference, variance)
+        if let Some(difference) = difference(radio, rssi_dbm, place, fix, site)
+            && let (Some(of), Some(doubt_db2)) =
+                (self.radios.get_mut(radio), self.doubts_db2.get_mut(radio))
+            && let Some(finding) = of.differ(region, difference, doubt_db2)
         {
             tell(radio, finding);
         }
@@ -205,13 +208,13 @@ impl<const B: usize> Health<B> {
         }
     }
 
-    /// The site, where radios that do not fit count less.
-    pub fn doubting<'a>(&'a self, site: &'a Site<'a>) -> Doubted<'a, B> {
-        Doubted { site, health: self }
+    /// By radio, the variance in dB^2 that it has beyond what the map says.
+    pub fn doubts_db2(&self) -> &[f32] {
+        &self.doubts_db2
     }
 }
 
-persist!(impl[const B: usize] Health<B> as "Health"(B) { radios });
+persist!(impl[const B: usize] Health<B> as "Health"(B) { radios, doubts_db2 });
 
 /// How much louder a packet is than the map says at a place, in dB, and the variance that is expected of the mean of many such
 /// differences there. None where the radio was not heard in the survey.
@@ -241,51 +244,12 @@ fn difference(
     Some((rssi_dbm - fix.offset_db - there.mean_dbm, variance))
 }
 
-/// A site where radios that do not fit the map count less.
-pub(super) struct Doubted<'a, const B: usize> {
-    site: &'a Site<'a>,
-    health: &'a Health<B>,
-}
-
-impl<const B: usize> Ground for Doubted<'_, B> {
-    type Floor = OneFloor;
-
-    fn config(&self) -> &tracker::Config {
-        &self.site.config
-    }
-
-    fn floors(&self) -> u8 {
-        1
-    }
-
-    fn map(&self, _: u8) -> &RadioMap<'_> {
-        &self.site.map
-    }
-
-    fn walls(&self, _: u8) -> &Walls<'_> {
-        &self.site.walls
-    }
-
-    fn change_floors<const N: usize, R: Rng + ?Sized>(
-        &self,
-        _: &[[f32; N]; 2],
-        _: &mut [OneFloor; N],
-        _: f32,
-        _: &mut R,
-    ) {
-    }
-
-    fn doubt_db2(&self, beacon: usize) -> f32 {
-        let radio = self.health.radios.get(beacon);
-        radio.map_or(0.0, |radio| radio.doubt_db2)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     extern crate std;
     use super::*;
-    use crate::fingerprint::tracker::tests::map;
+    use crate::fingerprint::RadioMap;
+    use crate::fingerprint::tracker::{self, tests::map};
     use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
     use std::vec::Vec;
 
@@ -339,12 +303,10 @@ mod tests {
         let mut health = Health::<4>::EMPTY;
         assert_eq!(findings(&mut health, 0.0, 100), []);
         assert_eq!(findings(&mut health, 20.0, 100), [(2, Finding::Moved)]);
-        let bytes = map(1);
-        let site = site(&bytes);
-        assert!(health.doubting(&site).doubt_db2(2) > 30.0);
-        assert_eq!(health.doubting(&site).doubt_db2(1), 0.0);
+        assert!(health.doubts_db2()[2] > 30.0);
+        assert_eq!(health.doubts_db2()[1], 0.0);
         assert_eq!(findings(&mut health, 0.0, 100), [(2, Finding::Fits)]);
-        assert_eq!(health.doubting(&site).doubt_db2(2), 0.0);
+        assert_eq!(health.doubts_db2()[2], 0.0);
     }
 
     #[test]

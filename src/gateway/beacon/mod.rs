@@ -270,9 +270,9 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
         if evicted.is_some() {
             self.counters.evicted = self.counters.evicted.saturating_add(1);
         }
-        let doubted = self.health.doubting(site);
+        let doubts_db2 = self.health.doubts_db2();
         let fix = tracker
-            .push(time_ms, reading, &doubted, &mut self.workspace, rng)
+            .push_doubting(time_ms, reading, doubts_db2, site, &mut self.workspace, rng)
             .map_err(|error| match error {
                 ReadingError::TooOld => Rejected::TooOld,
                 ReadingError::Strength => Rejected::OutOfRange,
@@ -309,8 +309,8 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
         for (tag, tracker) in self.trackers.iter_mut() {
             tags += 1;
             if let Some(rng) = &mut self.generator {
-                let doubted = self.health.doubting(&config.site);
-                tracker.flush(&doubted, &mut self.workspace, rng);
+                let doubts_db2 = self.health.doubts_db2();
+                tracker.flush_doubting(doubts_db2, &config.site, &mut self.workspace, rng);
             }
             if let Some(fix) = tracker.fix() {
                 self.report.tag(tag, &fix);
