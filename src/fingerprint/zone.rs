@@ -82,7 +82,7 @@ impl Zone<'_> {
         };
         let mut is_inside = false;
         for to in self.corners {
-            // An edge that two zones share is taken upwards in both, so that rounding is the same.
+            // An edge that two zones have in common is taken upwards in both, so that rounding is the same.
             let [low, high] = if from[1] < to[1] {
                 [from, to]
             } else {

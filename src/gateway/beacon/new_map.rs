@@ -1,9 +1,7 @@
 //! A new radio map over the line, in pieces, into a buffer that the caller lends.
 
-use super::Rejected;
 use crate::error::messages;
 use crate::fingerprint::{Encoding, MapError, RadioMap};
-use crate::gateway::sentence::{columns, fixed};
 
 /// A piece of a radio map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,28 +26,13 @@ impl MapPiece {
             .unwrap_or_default()
     }
 
-    /// Reads the fields `offset,total,bytes`, the bytes in hexadecimal.
-    pub(super) fn from_fields(fields: &[u8]) -> Result<Self, Rejected> {
-        let [offset, total, digits]: [&[u8]; 3] = columns(fields).ok_or(Rejected::Unparsable)?;
-        let number = |text| {
-            let number = fixed(text, 0).ok_or(Rejected::Unparsable)?;
-            u32::try_from(number).map_err(|_| Rejected::OutOfRange)
-        };
-        let (pairs, rest) = digits.as_chunks::<2>();
-        if pairs.is_empty() || pairs.len() > Self::BYTES || !rest.is_empty() {
-            return Err(Rejected::Unparsable);
+    pub(super) fn new(offset: u32, total: u32, (length, bytes): (u8, [u8; Self::BYTES])) -> Self {
+        Self {
+            offset,
+            total,
+            length,
+            bytes,
         }
-        let mut piece = Self {
-            offset: number(offset)?,
-            total: number(total)?,
-            length: pairs.len() as u8,
-            bytes: [0; Self::BYTES],
-        };
-        for (byte, pair) in piece.bytes.iter_mut().zip(pairs) {
-            let digit = |digit: u8| char::from(digit).to_digit(16).ok_or(Rejected::Unparsable);
-            *byte = (digit(pair[0])? << 4 | digit(pair[1])?) as u8;
-        }
-        Ok(piece)
     }
 }
 

@@ -1,7 +1,5 @@
 //! Recording a survey: what each radio hears of a tag that stands at a stated place.
 
-use super::Rejected;
-use crate::gateway::sentence::{columns, fixed};
 use crate::persist;
 use crate::snapshot::value;
 
@@ -18,25 +16,6 @@ pub struct Spot {
 }
 
 value!(Spot { tag, place, floor });
-
-impl Spot {
-    /// Reads the fields `tag,x,y,floor`, in metres.
-    pub(super) fn from_fields(fields: &[u8]) -> Result<Self, Rejected> {
-        let [tag, x, y, floor]: [&[u8]; 4] = columns(fields).ok_or(Rejected::Unparsable)?;
-        let number = |text, places| fixed(text, places).ok_or(Rejected::Unparsable);
-        let place = [number(x, 3)?, number(y, 3)?];
-        // As far as a map may reach, in millimetres.
-        if place.iter().any(|metres| metres.abs() > 1_000_000_000) {
-            return Err(Rejected::OutOfRange);
-        }
-        let out_of_range = |_| Rejected::OutOfRange;
-        Ok(Self {
-            tag: u32::try_from(number(tag, 0)?).map_err(out_of_range)?,
-            place: place.map(|millimetres| millimetres as f32 / 1e3),
-            floor: u8::try_from(number(floor, 0)?).map_err(out_of_range)?,
-        })
-    }
-}
 
 /// Whether a survey is recorded, and where.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 extern crate std;
 use super::*;
-use crate::fingerprint::tracker::tests::{level, map};
+use crate::fingerprint::tracker::tests::{level, map, map_behind};
 use crate::fingerprint::tracker::{self, Site, State};
 use crate::fingerprint::{MapError, RadioMap};
 use crate::gateway::sentence::checksum;
@@ -234,32 +234,37 @@ fn a_survey_has_every_packet_of_the_tag_that_stands_there() {
     }
 }
 
+/// Sends the piece of a map that begins at `offset`: the level of the first radio at the first point of the map that is whole
+/// then, and the answer.
+fn send(
+    gateway: &mut Gateway<'_>,
+    map: &[u8],
+    offset: usize,
+    buffer: &mut [u8],
+) -> (Result<Option<f32>, NewMapError>, String) {
+    let bytes = &map[offset..map.len().min(offset + MapPiece::BYTES)];
+    let digits: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+    let piece = sentence(&format!("PFOXM,{offset},{},{digits}", map.len()));
+    let (events, _) = run(gateway, piece.as_bytes());
+    let [Event::MapPiece(piece)] = events[..] else {
+        panic!("{events:?}");
+    };
+    let taken = gateway.state.take_map(&piece, buffer);
+    let level = taken.map(|map| map.map(|map| map.moments(0, 0).unwrap().mean_dbm));
+    (level, String::from(gateway.state.report()))
+}
+
 #[test]
-fn a_new_map_is_taken_when_all_of_it_was_checked() {
-    let (old, new) = (
-        map(1),
-        crate::fingerprint::tracker::tests::map_behind([3.0; 4], 1),
-    );
+fn a_new_map_is_taken_when_all_of_it_has_come() {
+    let (old, new) = (map(1), map_behind([3.0; 4], 1));
     let mut gateway = gateway(&old, Framing::Lines);
     let mut buffer = std::vec![0; 600];
-    let send = |gateway: &mut Gateway<'_>, map: &[u8], offset: usize, buffer: &mut [u8]| {
-        let bytes = &map[offset..map.len().min(offset + MapPiece::BYTES)];
-        let digits: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
-        let piece = sentence(&format!("PFOXM,{offset},{},{digits}", map.len()));
-        let (events, _) = run(gateway, piece.as_bytes());
-        let [Event::MapPiece(piece)] = events[..] else {
-            panic!("{events:?}");
-        };
-        let taken = gateway.state.take_map(&piece, buffer);
-        let levels = taken.map(|map| map.map(|map| map.moments(0, 0).unwrap().mean_dbm));
-        (levels, String::from(gateway.state.report()))
-    };
     let offsets: Vec<usize> = (0..new.len()).step_by(MapPiece::BYTES).collect();
     let last = *offsets.last().unwrap();
-    for offset in &offsets {
-        let (map, answer) = send(&mut gateway, &new, *offset, &mut buffer);
+    for offset in offsets {
+        let (map, answer) = send(&mut gateway, &new, offset, &mut buffer);
         let received = (offset + MapPiece::BYTES).min(new.len());
-        if *offset == last {
+        if offset == last {
             assert_eq!(map, Ok(Some(level(0, 0.0) - 3.0)));
             assert!(answer.starts_with(&format!("$PFOXM,{received},{received},READY*")));
         } else {
@@ -276,25 +281,25 @@ fn a_new_map_is_taken_when_all_of_it_was_checked() {
             assert!(answer.starts_with(&format!("$PFOXM,{received},")));
         }
     }
-    let mut damaged = new.clone();
+}
+
+#[test]
+fn a_new_map_that_cannot_be_used_is_refused() {
+    let map_of = crate::fingerprint::tracker::tests::map;
+    let old = map_of(1);
+    let mut gateway = gateway(&old, Framing::Lines);
+    let mut damaged = old.clone();
     damaged[100] ^= 1;
-    let large = map(2);
-    for (map, buffer, reason) in [
-        (
-            &damaged,
-            &mut buffer[..],
-            NewMapError::Map(MapError::Checksum),
-        ),
-        (
-            &large,
-            &mut std::vec![0; 2_000],
-            NewMapError::Map(MapError::Points),
-        ),
-        (&new, &mut std::vec![0; 64], NewMapError::Room),
+    let large = map_of(2);
+    for (map, room, reason) in [
+        (&damaged, 600, NewMapError::Map(MapError::Checksum)),
+        (&large, 2_000, NewMapError::Map(MapError::Points)),
+        (&old, 64, NewMapError::Room),
     ] {
+        let mut buffer = std::vec![0; room];
         let sent = (0..map.len()).step_by(MapPiece::BYTES);
-        let refused = sent.map(|offset| send(&mut gateway, map, offset, buffer));
-        let refused: Vec<_> = refused.filter(|(taken, _)| taken.is_err()).collect();
+        let answers = sent.map(|offset| send(&mut gateway, map, offset, &mut buffer));
+        let refused: Vec<_> = answers.filter(|(taken, _)| taken.is_err()).collect();
         assert_eq!(refused[0].0, Err(reason));
         assert!(refused[0].1.contains(",REFUSED*"), "{}", refused[0].1);
     }
