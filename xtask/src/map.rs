@@ -1,12 +1,13 @@
 //! The task `map`: from a survey to a radio map, for the flash of a gateway.
 
 use std::{
+    collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
 };
 
 use anyhow::{Context, Result, bail};
-use foxhunt::fingerprint::{self, RadioMap};
+use foxhunt::fingerprint::{self, Lattice, RadioMap};
 use foxhunt_host::{
     picture::{self, Heat},
     radio_map::{Expected, Made, Recipe, Shape, SiteSurvey, rust_constant},
@@ -82,8 +83,11 @@ pub fn run(options: &Options) -> Result<()> {
         .with_context(|| format!("cannot read the survey {survey}"))?;
     let floors =
         SiteSurvey::floors(file).with_context(|| format!("cannot read the survey {survey}"))?;
-    let recipe = options.recipe()?;
+    let mut recipe = options.recipe()?;
     let several = floors.len() > 1;
+    if several {
+        recipe.lattice = Some(common_lattice(&recipe, &floors)?);
+    }
     for (floor, survey) in floors {
         let file = if several {
             println!("floor {floor}:");
@@ -122,6 +126,22 @@ impl Options {
             ..Recipe::default()
         })
     }
+}
+
+/// The lattice of all floors, with the spacing of the floor that needs the least.
+fn common_lattice(recipe: &Recipe, floors: &BTreeMap<i32, SiteSurvey>) -> Result<Lattice> {
+    let spacing = match recipe.spacing_m {
+        Some(spacing) => spacing,
+        None => {
+            let mut least = f64::INFINITY;
+            for survey in floors.values() {
+                let made = survey.map(recipe, &mut |_| ())?;
+                least = least.min(made.lattice.spacing().into());
+            }
+            least
+        }
+    };
+    SiteSurvey::lattice_of(floors.values(), spacing)
 }
 
 /// The file of a floor: its number comes before the ending.
