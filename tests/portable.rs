@@ -2,11 +2,12 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use foxhunt_portable::{Case, all, check};
+use foxhunt_portable::{all, check};
 
 /// Runs the cases under a test harness, or, with `BLESS` in the environment, rewrites their digests.
 #[cfg(not(target_os = "none"))]
 fn main() -> std::io::Result<()> {
+    use foxhunt_portable::Case;
     use libtest_mimic::{Arguments, Trial};
 
     if std::env::var_os("BLESS").is_some() {
