@@ -7,6 +7,7 @@
 //! | `input` | where bytes come from |
 //! | [`decode`] | messages that are no lines |
 //! | `engine` | the search: the library's gateway, and what follows from each piece that comes in |
+//! | `live` | a search as it happens: the thread of the search, and the hub of its results |
 //! | `log` | the raw log, and logs of others |
 //! | `output` | where results go |
 //! | `web` | the page |
@@ -15,10 +16,14 @@ mod command;
 #[allow(missing_docs)]
 pub mod decode;
 mod engine;
+mod input;
+mod live;
 mod log;
+mod output;
 mod reading;
 mod screen;
 mod settings;
+mod web;
 
 use std::process::ExitCode;
 

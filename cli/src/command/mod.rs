@@ -1,6 +1,7 @@
 //! The commands.
 
 mod init;
+mod live;
 mod replay;
 mod simulate;
 mod summary;
@@ -17,6 +18,7 @@ use crate::screen;
 #[command(name = "foxhunt", version, max_term_width = 100)]
 enum Command {
     Replay(replay::Options),
+    Live(live::Options),
     Simulate(simulate::Options),
     Init(init::Options),
     #[command(subcommand)]
@@ -39,6 +41,7 @@ impl std::error::Error for NothingUsed {}
 pub fn run() -> ExitCode {
     let done = match Command::parse() {
         Command::Replay(options) => replay::run(&options),
+        Command::Live(options) => live::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Init(options) => init::run(&options),
         Command::Survey(command) => survey::run(&command),

@@ -29,15 +29,20 @@ pub fn counts(counters: &Counters) -> Vec<(String, u32)> {
     counts
 }
 
-/// The same as a table.
+/// The same as a table, below the number of bytes.
 pub fn lines(bytes: u64, counters: &Counters) -> String {
+    format!("{bytes} bytes\n{}", table(counters))
+}
+
+/// The same as a table.
+pub fn table(counters: &Counters) -> Table {
     let mut table = Table::new();
     table.load_style(ASCII_MARKDOWN).set_header(["lines", ""]);
     for (name, count) in counts(counters) {
         let count = Cell::new(count).set_alignment(CellAlignment::Right);
         table.add_row([Cell::new(name), count]);
     }
-    format!("{bytes} bytes\n{table}")
+    table
 }
 
 /// What has changed since the first `shown` answers: fixes that came and went.

@@ -40,6 +40,7 @@ pub fn bearing(object: &Map<String, Value>) -> Result<Decoded, Refusal> {
     Ok(Decoded::Bearing(Bearing {
         key,
         time_ms: Some(time.ok_or(Refusal::Field("time_ms"))?),
+        is_of_others: true,
         record: BearingRecord {
             place: Some(place(latitude, longitude)?.ok_or(Refusal::Field("geometry"))?),
             sigma_rad: Some(sigma.to_radians() as f32),

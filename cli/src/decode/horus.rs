@@ -59,6 +59,7 @@ pub fn bearing(object: &Map<String, Value>) -> Result<Decoded, Refusal> {
     Ok(Decoded::Bearing(Bearing {
         key,
         time_ms: stamp,
+        is_of_others: false,
         record,
     }))
 }

@@ -12,7 +12,7 @@ mod xml;
 use foxhunt::gateway::BearingRecord;
 use serde_json::{Map, Value};
 
-pub use sentence::{Navigation, sentence};
+pub use sentence::{Navigation, coordinate, sentence};
 pub use stream::{Part, Stream};
 
 /// What a message says.
@@ -35,6 +35,8 @@ pub struct Bearing {
     pub key: Key,
     /// When it was taken, in milliseconds after 1970, if the message says so.
     pub time_ms: Option<i64>,
+    /// It is another vehicle's, which tells of it itself.
+    pub is_of_others: bool,
     /// For the gateway.
     pub record: BearingRecord,
 }

@@ -24,15 +24,6 @@ impl Navigation {
     pub fn lines(&self) -> Vec<u8> {
         let [year, month, day, hour, minute, milliseconds] = parts(self.time_ms);
         let (seconds, centiseconds) = (milliseconds / 1000, milliseconds % 1000 / 10);
-        let coordinate = |degrees: f64, width: usize| {
-            let minutes = (degrees.abs() * 60.0 * 1e7).round() as u64;
-            let (whole, rest) = (minutes / 600_000_000, minutes % 600_000_000);
-            format!(
-                "{whole:0width$}{:02}.{:07}",
-                rest / 10_000_000,
-                rest % 10_000_000
-            )
-        };
         let side =
             |degrees: f64, [plus, minus]: [char; 2]| if degrees < 0.0 { minus } else { plus };
         let optional = |value: Option<f64>| value.map_or(String::new(), |v| format!("{v:.3}"));
@@ -69,6 +60,17 @@ fn parts(time_ms: i64) -> [i64; 6] {
         part(14, 16),
         1_000 * part(17, 19) + part(20, 23),
     ]
+}
+
+/// Degrees and minutes, the degrees of so many digits, without the sign.
+pub fn coordinate(degrees: f64, width: usize) -> String {
+    let minutes = (degrees.abs() * 60.0 * 1e7).round() as u64;
+    let (whole, rest) = (minutes / 600_000_000, minutes % 600_000_000);
+    format!(
+        "{whole:0width$}{:02}.{:07}",
+        rest / 10_000_000,
+        rest % 10_000_000
+    )
 }
 
 /// A sentence with its dollar, its checksum and its end.

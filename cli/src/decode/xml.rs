@@ -53,6 +53,7 @@ pub fn doa(bytes: &[u8]) -> Result<Decoded, Refusal> {
             id: Some(format!("{time}")),
         },
         time_ms: Some(time_ms),
+        is_of_others: false,
         record,
     }))
 }

@@ -87,6 +87,9 @@ pub struct Bearing {
     pub reason: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub outlier: Option<f64>,
+    /// It came from another station by a broker or by UDP, so it is not this one's to tell of.
+    #[serde(skip)]
+    pub is_of_others: bool,
 }
 
 /// See [`Message::Answer`].

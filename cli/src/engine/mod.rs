@@ -29,6 +29,7 @@ use hunt::{Hunt, PORTS};
 use message::{Mark, Message};
 pub use piece::{Command, Piece, What};
 use retract::Retracts;
+pub use site::DEMO_MAP;
 use site::{Site, rounded};
 pub use words::why;
 
@@ -263,6 +264,7 @@ impl Engine {
         let decode::Bearing {
             key,
             time_ms,
+            is_of_others,
             mut record,
         } = bearing;
         let is_known = key.id.is_some() && self.keys.contains_key(&key);
@@ -277,7 +279,7 @@ impl Engine {
         let now = Some(arrived_ms).filter(|time| record.place.is_some() && *time > 0);
         record.time_ms = (time_ms.or(now)).map(|time| time.rem_euclid(DAY) as u32);
         let event = self.hunt.record(port, &record);
-        self.happened(port, &event, Some(key), say);
+        self.happened(port, &event, Some((key, is_of_others)), say);
         Ok(())
     }
 
@@ -300,7 +302,7 @@ impl Engine {
     }
 
     /// What an event of a port means to others.
-    fn happened(&mut self, port: usize, event: &Event, key: Option<Key>, say: Say) {
+    fn happened(&mut self, port: usize, event: &Event, key: Option<(Key, bool)>, say: Say) {
         let line = self.hunt.line(port);
         let input = self.ports.get(port).map_or(port, |port| port.input);
         say(Happened::Line { input, line, event });
@@ -337,7 +339,9 @@ impl Engine {
     }
 
     /// A bearing was used.
-    fn taken(&mut self, port: usize, key: Option<Key>, say: Say) {
+    fn taken(&mut self, port: usize, key: Option<(Key, bool)>, say: Say) {
+        let is_of_others = key.as_ref().is_some_and(|(_, is)| *is);
+        let key = key.map(|(key, _)| key);
         let count = self.hunt.bearings();
         if count == 1 {
             self.search += 1;
@@ -380,6 +384,7 @@ impl Engine {
                 used: true,
                 reason: None,
                 outlier: chances.map(|chances| rounded(chances.outlier.into(), 3)),
+                is_of_others,
             })));
         }
         self.answer(say);

@@ -1,5 +1,7 @@
 //! A place with a radio map, and the tags in it.
 
+use std::path::Path;
+
 use anyhow::{Context, Result, bail};
 use foxhunt::{
     aoa::geodesy::{Geodetic, LocalPlane},
@@ -10,8 +12,13 @@ use foxhunt::{
     gateway::beacon::{BeaconGateway, Config, Event, Framing},
 };
 
+use foxhunt_host::packets;
+
 use super::message::{self, Tag};
 use crate::settings;
+
+/// In the place of a file, the radio map of the tunnel that is simulated.
+pub const DEMO_MAP: &str = "the demo's";
 
 /// The most points and beacons of a map.
 const POINTS: usize = 4096;
@@ -44,7 +51,11 @@ impl Site {
     /// If the map cannot be read, is none, or is too large.
     pub fn new(told: &settings::Site) -> Result<Self> {
         let file = told.map.display();
-        let bytes = std::fs::read(&told.map).with_context(|| format!("cannot read {file}"))?;
+        let bytes = if told.map == Path::new(DEMO_MAP) {
+            packets::example(packets::EXAMPLE_SEED).map
+        } else {
+            std::fs::read(&told.map).with_context(|| format!("cannot read {file}"))?
+        };
         // A few kilobytes, for as long as the program runs.
         let map = RadioMap::new(bytes.leak())
             .and_then(|map| map.limited(POINTS, BEACONS))

@@ -13,7 +13,7 @@ use crate::{
     reading::{Belief, Kind, Reading},
 };
 pub use inputs::{Input, Source};
-pub use outputs::{Mqtt, Output, Sink};
+pub use outputs::{Form, Mqtt, Output, Sink};
 
 /// The commented file that `foxhunt init` writes.
 pub const EXAMPLE: &str = include_str!("example.toml");
@@ -239,6 +239,16 @@ impl Settings {
             );
         }
         Ok(())
+    }
+
+    /// The raw log is written to this file.
+    pub fn set_log(&mut self, file: &Path) {
+        let log = self.log.get_or_insert_with(|| Log {
+            file: PathBuf::new(),
+            megabytes: Log::megabytes(),
+            files: Log::files(),
+        });
+        log.file = file.to_owned();
     }
 
     /// What the search is told.
