@@ -11,10 +11,10 @@ use foxhunt::{
 
 use super::{Answered, Archive, Kind, PROBABILITIES, Taken};
 use crate::{
-    Sight, density, drive,
+    density, drive,
     replay::{FullReplay, SOURCES},
-    sight::wrap,
 };
+use foxhunt_simulation::{Sight, sight::wrap};
 
 /// The most hypotheses that are asked for.
 const HYPOTHESES: usize = 16;
