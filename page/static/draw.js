@@ -2,7 +2,7 @@
 //
 // tracks [[[x, y]]], bearings [{x, y, bearing_deg, outlier, retracted, used, id}], particles [x, y, weight, ..],
 // sources, hypotheses, advice, vehicles [{x, y, heading_deg, name, kind}], truth [[x, y]], ways [[[x, y]]],
-// marks [{x, y, text}], tags, site {size, radios}, selected (the id of a bearing).
+// links [[[x, y], [x, y]]], marks [{x, y, text}], tags, site {size, radios}, selected (the id of a bearing).
 
 import { palette } from "./palette.js";
 
@@ -49,7 +49,7 @@ function background(context, view, scene) {
 function site(context, view, { site }) {
   if (!site) return;
   const [x, y] = view.at([0, site.size[1]]);
-  const [width, height] = site.size.map((metres) => metres * view.scale);
+  const [width, height] = [site.size[0] * view.scale, site.size[1] * view.scale * view.stretch];
   context.fillStyle = palette.panel;
   context.fillRect(x, y, width, height);
   context.strokeStyle = palette.text;
@@ -104,6 +104,14 @@ function bearings(context, view, scene) {
     context.stroke();
     if (index === newest && !isOut) arrowHead(context, from, to);
   }
+}
+
+// The corners of a box round an ellipse.
+export function extent({ x, y, ellipse: { semi_major_m, semi_minor_m, angle_deg } }) {
+  const [sin, cos] = [Math.sin((angle_deg * Math.PI) / 180), Math.cos((angle_deg * Math.PI) / 180)];
+  const east = Math.hypot(semi_major_m * sin, semi_minor_m * cos);
+  const north = Math.hypot(semi_major_m * cos, semi_minor_m * sin);
+  return [[x - east, y - north], [x + east, y + north]];
 }
 
 // Both ends of a bearing's line, in pixels.
@@ -192,7 +200,7 @@ function tags(context, view, { tags = [] }) {
     context.setLineDash([]);
     const [px, py] = view.at([tag.x, tag.y]);
     dot(context, [px, py], 5, context.strokeStyle);
-    label(context, String(tag.name ?? tag.id), [px, py - 14 - 13 * (tag.row ?? 0)], context.strokeStyle);
+    label(context, String(tag.id), [px, py - 12], context.strokeStyle);
   }
 }
 
@@ -228,8 +236,11 @@ function marks(context, view, { marks = [] }) {
   }
 }
 
-function truth(context, view, { truth = [] }) {
+// Lines join places that belong to each other, such as a fix and the truth.
+function truth(context, view, { truth = [], links = [] }) {
   context.strokeStyle = palette.truth;
+  context.lineWidth = 1;
+  for (const link of links) line(context, view, link);
   context.lineWidth = 2;
   for (const place of truth) {
     const [px, py] = view.at(place);
@@ -255,6 +266,8 @@ function vehicles(context, view, { vehicles = [] }) {
       context.lineTo(0, 6);
       context.lineTo(-9, 11);
       context.closePath();
+    } else if (vehicle.kind === "vehicle") {
+      context.arc(0, 0, 9, 0, TURN);
     } else {
       context.rect(-8, -8, 16, 16);
     }
@@ -265,7 +278,7 @@ function vehicles(context, view, { vehicles = [] }) {
   }
 }
 
-function scaleBar(context, view, { scaleUnit = "m" }) {
+function scaleBar(context, view) {
   const metres = niceLength(Math.min(140, view.width / 3) / view.scale);
   const width = metres * view.scale;
   const [x, y] = [14, view.height - 14];
@@ -277,7 +290,7 @@ function scaleBar(context, view, { scaleUnit = "m" }) {
   context.lineTo(x + width, y);
   context.lineTo(x + width, y - 6);
   context.stroke();
-  const text = metres >= 1000 ? `${metres / 1000} km` : `${metres} ${scaleUnit}`;
+  const text = metres >= 1000 ? `${metres / 1000} km` : `${metres} m`;
   label(context, text, [x + width / 2, y - 10]);
 }
 
@@ -302,8 +315,12 @@ function outline(context, view, place, { semi_major_m, semi_minor_m, angle_deg }
   const radii = [semi_major_m, semi_minor_m].map((metres) => Math.max(metres * view.scale, 2));
   // Clockwise from north, on a canvas whose angles are clockwise from east.
   const angle = ((angle_deg - 90) * Math.PI) / 180;
+  context.save();
+  context.translate(px, py);
+  context.scale(1, view.stretch);
   context.beginPath();
-  context.ellipse(px, py, radii[0], radii[1], angle, 0, TURN);
+  context.ellipse(0, 0, radii[0], radii[1], angle, 0, TURN);
+  context.restore();
   context.stroke();
 }
 

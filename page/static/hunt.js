@@ -17,7 +17,7 @@ const LEGEND = [
 const DRAWING_M_S = 6; // Of a source whose way is drawn.
 
 export class Hunt {
-  title = "Simulated drive";
+  title = "Drive";
 
   constructor(stage) {
     this.stage = stage;

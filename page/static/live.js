@@ -3,7 +3,7 @@
 import { backgroundOf, Tiles } from "./background.js";
 import { Connection, fetchState, post } from "./connection.js";
 import { button, make } from "./dom.js";
-import { ray } from "./draw.js";
+import { extent, ray } from "./draw.js";
 import { Site } from "./site.js";
 import { Store } from "./store.js";
 import { answerPanel, degrees, legend, place, seconds } from "./words.js";
@@ -42,6 +42,7 @@ export class Live {
   }
 
   open() {
+    this.stage.view.following = true;
     this.stage.render();
     this.fit();
   }
@@ -101,10 +102,10 @@ export class Live {
   fit() {
     const { store } = this;
     const receivers = [...store.receivers.values()].filter((receiver) => receiver.x != null);
-    const sources = store.answer?.sources ?? [];
+    const sources = (store.answer?.sources ?? []).flatMap(extent);
     const bearings = [...store.bearings.values()].filter((bearing) => !bearing.retracted);
-    const places = [...receivers, ...sources, ...bearings, ...store.marks.values()].map(({ x, y }) => [x, y]);
-    this.stage.view.follow(places);
+    const places = [...receivers, ...bearings, ...store.marks.values()].map(({ x, y }) => [x, y]);
+    this.stage.view.follow([...places, ...sources]);
   }
 
   #take(messages, isAnew) {

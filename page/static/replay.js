@@ -1,6 +1,7 @@
 // A log that was dropped onto the page, through the gateway of a vehicle.
 
 import { button, choice, make } from "./dom.js";
+import { extent } from "./draw.js";
 import { engine } from "./engine.js";
 import { backgroundOf } from "./background.js";
 import { Plane } from "./geo.js";
@@ -67,13 +68,12 @@ export class Replay {
   scene() {
     const { state } = this;
     if (!state) return {};
-    const last = state.track.at(-1);
     const plane = this.#plane();
     return {
       ...state.answer,
       tracks: [state.track],
       bearings: state.bearings,
-      vehicles: last ? [{ x: last[0], y: last[1], kind: "vehicle" }] : [],
+      vehicles: vehicleOf(state.track),
       background: plane && this.background && backgroundOf(this.background, plane),
     };
   }
@@ -120,9 +120,17 @@ export class Replay {
   fit() {
     const { state } = this;
     if (!state) return;
-    const sources = state.answer.sources.map(({ x, y }) => [x, y]);
-    this.stage.view.follow([...state.track, ...sources]);
+    this.stage.view.follow([...state.track, ...state.answer.sources.flatMap(extent)]);
   }
+}
+
+// The vehicle at the end of its track.
+function vehicleOf(track) {
+  const [before, last] = track.slice(-2);
+  if (!before) return [];
+  const [x, y] = last ?? before;
+  const heading_deg = last ? (Math.atan2(x - before[0], y - before[1]) * 180) / Math.PI : null;
+  return [{ x, y, heading_deg, kind: "vehicle" }];
 }
 
 function refusedPanel(refused) {

@@ -34,7 +34,7 @@ export class Site {
     if (!site) return {};
     return {
       site: { size: [site.width, site.height], radios: site.points },
-      tags: this.#tags().map((tag, index) => ({ ...tag, row: index % 4 })),
+      tags: this.#tags(),
       hasGrid: false,
     };
   }

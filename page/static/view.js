@@ -3,6 +3,8 @@
 const LARGEST_SCALE = 200; // Pixels of a metre.
 const SMALLEST_SCALE = 2e-4;
 const TAP_PX = 8; // A finger that moves less taps.
+// Pixels at the edges that tools and the scale bar cover.
+const INSETS = { left: 20, right: 76, top: 72, bottom: 48 };
 
 export class View {
   // `draw(context, view)` is called whenever something changed.
@@ -12,6 +14,7 @@ export class View {
     this.draw = draw;
     this.centre = [0, 0];
     this.scale = 0.5;
+    this.stretch = 1; // How many times as high as wide a metre is drawn.
     this.following = true;
     this.tapped = () => {};
     this.pointers = new Map();
@@ -24,7 +27,7 @@ export class View {
   at([x, y]) {
     return [
       this.width / 2 + (x - this.centre[0]) * this.scale,
-      this.height / 2 - (y - this.centre[1]) * this.scale,
+      this.height / 2 - (y - this.centre[1]) * this.scale * this.stretch,
     ];
   }
 
@@ -32,7 +35,7 @@ export class View {
   place([px, py]) {
     return [
       this.centre[0] + (px - this.width / 2) / this.scale,
-      this.centre[1] - (py - this.height / 2) / this.scale,
+      this.centre[1] - (py - this.height / 2) / (this.scale * this.stretch),
     ];
   }
 
@@ -48,13 +51,13 @@ export class View {
       const [xs, ys] = [0, 1].map((axis) => known.map((place) => place[axis]));
       const [left, right] = [Math.min(...xs), Math.max(...xs)];
       const [low, high] = [Math.min(...ys), Math.max(...ys)];
-      this.centre = [(left + right) / 2, (low + high) / 2];
-      const margin = 0.84;
-      const fits = Math.min(
-        (margin * this.width) / Math.max(right - left, 1),
-        (margin * (this.height - 60)) / Math.max(high - low, 1),
-      );
-      this.#setScale(fits);
+      const width = Math.max(this.width - INSETS.left - INSETS.right, 50);
+      const height = Math.max(this.height - INSETS.top - INSETS.bottom, 50);
+      this.#setScale(Math.min(width / Math.max(right - left, 1), height / (this.stretch * Math.max(high - low, 1))));
+      this.centre = [
+        (left + right) / 2 + (INSETS.right - INSETS.left) / 2 / this.scale,
+        (low + high) / 2 + (INSETS.top - INSETS.bottom) / 2 / (this.scale * this.stretch),
+      ];
     }
     this.request();
   }
@@ -111,7 +114,7 @@ export class View {
       if (this.start && distance(this.start, now) < TAP_PX) return;
       this.start = null;
       if (pointers.size === 1) {
-        this.#move((before[0] - now[0]) / this.scale, (now[1] - before[1]) / this.scale);
+        this.#move((before[0] - now[0]) / this.scale, (now[1] - before[1]) / (this.scale * this.stretch));
       } else {
         const [, other] = [...pointers].find(([id]) => id !== event.pointerId);
         const middle = [(now[0] + other[0]) / 2, (now[1] + other[1]) / 2];

@@ -7,6 +7,7 @@ import { legend } from "./words.js";
 
 const END_S = 60;
 const STEPS = 4; // Of a second.
+const STRETCH = 6;
 
 export class Walkers {
   title = "Tunnel";
@@ -17,9 +18,9 @@ export class Walkers {
     this.tools = [];
     this.form = this.#makeForm();
     this.legend = legend([
-      "Rectangle: the tunnel. Triangles: radios.",
+      `Rectangle: the tunnel, drawn ${STRETCH} times as wide as it is. Triangles: radios.`,
       "Dot and ellipse: where a tag is, and what holds it with 95 %; dashed while it is uncertain.",
-      "Small dots: particles. Squares: where people truly are.",
+      "Small dots: particles. Squares: where people truly are, with a line to where they were located.",
     ]);
     this.player = new Player({
       length: END_S * STEPS,
@@ -33,6 +34,7 @@ export class Walkers {
   async open() {
     this.engine ??= await engine();
     if (!this.state) this.#start();
+    this.stage.view.stretch = STRETCH;
     this.stage.view.following = true;
     this.fit();
     this.stage.render();
@@ -40,14 +42,15 @@ export class Walkers {
 
   close() {
     this.player.pause();
+    this.stage.view.stretch = 1;
   }
 
   scene() {
     const { state } = this;
     if (!state) return {};
-    // The tunnel is narrow: labels of neighbours stand one above the other.
-    const tags = state.tags.map((tag, index) => ({ ...tag, row: index % 4 }));
-    return { site: state, tags, truth: state.truth.map(([, place]) => place), hasGrid: false };
+    const truth = new Map(state.truth);
+    const links = state.tags.filter((tag) => truth.has(tag.id)).map((tag) => [[tag.x, tag.y], truth.get(tag.id)]);
+    return { site: state, tags: state.tags, truth: [...truth.values()], links, hasGrid: false };
   }
 
   tapped() {
@@ -60,8 +63,9 @@ export class Walkers {
     const truth = new Map(state.truth);
     const tags = state.tags.map((tag) => {
       const place = truth.get(tag.id);
-      const error = place ? `${Math.abs(place[0] - tag.x).toFixed(1)} m off` : "left";
-      return [`Tag ${tag.id}`, `${tag.x.toFixed(1)} m ± ${Math.sqrt(tag.covariance[0]).toFixed(1)}, ${tag.state}, ${error}`];
+      const error = place ? `${Math.abs(place[0] - tag.x).toFixed(1)} m off` : "has left";
+      const state = tag.state === "tracking" ? "" : ` ${tag.state},`;
+      return [`Tag ${tag.id}`, `${tag.x.toFixed(1)} ± ${Math.sqrt(tag.covariance[0]).toFixed(1)} m,${state} ${error}`];
     });
     return [
       this.player.element,
@@ -104,6 +108,6 @@ export class Walkers {
   }
 
   fit() {
-    if (this.state) this.stage.view.follow([[0, -3], [this.state.size[0], this.state.size[1] + 8]]);
+    if (this.state) this.stage.view.follow([[0, -1], [this.state.size[0], this.state.size[1] + 1]]);
   }
 }

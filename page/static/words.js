@@ -10,6 +10,13 @@ export function metres(value) {
   return `${(value / 1000).toFixed(value < 10_000 ? 2 : 1)} km`;
 }
 
+// Two lengths, with their unit once where it is the same.
+function axes(longer, shorter) {
+  const [one, other] = [metres(longer), metres(shorter)];
+  const isSame = one.split(" ")[1] === other.split(" ")[1];
+  return `${isSame ? one.split(" ")[0] : one} × ${other}`.replaceAll(" ", "\u00a0");
+}
+
 export function degrees(value, digits = 1) {
   return value == null ? null : `${value.toFixed(digits)}°`;
 }
@@ -56,7 +63,7 @@ export function answerPanel({ answer, bearings = [], where = () => null, extra =
 function sourceLines(source, count, where) {
   const { semi_major_m, semi_minor_m } = source.ellipse;
   const name = count > 1 ? `Source ${source.number + 1}` : "Fix";
-  const within = `95 % within ${metres(semi_major_m)} × ${metres(semi_minor_m)}`;
+  const within = `95 % within ${axes(semi_major_m, semi_minor_m)}`;
   const isSure = source.probability == null || source.probability > 0.995;
   return [
     make("p", { className: "headline fix" }, `${name}: ${within}`),

@@ -252,11 +252,16 @@ fn messages(bearings: u32) -> Vec<Value> {
         "type": "health",
         "inputs": [
             { "name": "gps", "state": "open", "since_ms": 0, "lines": 240, "used": 238, "refused": { "checksum is wrong or missing": 2 } },
-            { "name": "kraken", "state": "silent", "since_ms": 5_000, "lines": 6, "used": 6, "refused": {} },
+            { "name": "kraken", "state": "silent", "since_ms": now_ms() - 21_000, "lines": 6, "used": 6, "refused": {} },
         ],
         "outputs": [{ "name": "mqtt", "state": "open", "queued": 0, "sent": 12, "lost": 0 }],
     }));
     messages
+}
+
+fn now_ms() -> u64 {
+    let since = std::time::UNIX_EPOCH.elapsed().unwrap();
+    since.as_millis() as u64
 }
 
 fn bearing(id: u32) -> Value {
