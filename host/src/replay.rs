@@ -10,7 +10,7 @@ use foxhunt::{
 
 use foxhunt_gateways::plain;
 
-use crate::Sight;
+use foxhunt_simulation::Sight;
 
 /// A gateway and all that it has said so far.
 #[derive(Debug)]

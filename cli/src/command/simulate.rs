@@ -5,6 +5,7 @@ use std::{fs, path::PathBuf};
 use anyhow::{Context, Result};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use foxhunt_host::{drive::EXAMPLE_SEED, packets, scripts::Script};
+use foxhunt_simulation::people;
 use serde_json::json;
 
 use crate::screen;
@@ -53,7 +54,7 @@ fn scenario() -> impl TypedValueParser<Value = Scenario> {
 pub fn run(options: &Options) -> Result<()> {
     let seed = options.seed.unwrap_or(match options.scenario {
         Scenario::Drive => EXAMPLE_SEED,
-        Scenario::Tunnel => packets::EXAMPLE_SEED,
+        Scenario::Tunnel => people::EXAMPLE_SEED,
         Scenario::Script(_) => 1,
     });
     let mut files = Vec::new();

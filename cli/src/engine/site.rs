@@ -13,6 +13,7 @@ use foxhunt::{
 };
 
 use foxhunt_host::packets;
+use foxhunt_simulation::people;
 
 use super::message::{self, Tag};
 use crate::settings;
@@ -52,7 +53,7 @@ impl Site {
     pub fn new(told: &settings::Site) -> Result<Self> {
         let file = told.map.display();
         let bytes = if told.map == Path::new(DEMO_MAP) {
-            packets::example(packets::EXAMPLE_SEED).map
+            packets::example(people::EXAMPLE_SEED).map
         } else {
             std::fs::read(&told.map).with_context(|| format!("cannot read {file}"))?
         };

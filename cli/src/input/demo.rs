@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use foxhunt_host::{packets, scripts::Script};
+use foxhunt_simulation::people;
 use tokio::time::{Instant, sleep_until};
 
 use super::Feed;
@@ -60,7 +61,7 @@ impl Demo {
             }
             drive.push((second, line.to_vec()));
         }
-        let recording = packets::example(packets::EXAMPLE_SEED).recording;
+        let recording = packets::example(people::EXAMPLE_SEED).recording;
         let heard = recording.lines().into_iter();
         let heard: Vec<(f64, Vec<u8>)> = heard
             .map(|(time_ms, line)| (1e-3 * f64::from(time_ms), line))

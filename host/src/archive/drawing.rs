@@ -4,7 +4,8 @@ use foxhunt::aoa::geodesy::LocalPlane;
 
 use super::coordinates::{clock, coordinates};
 use super::{Archive, Kind, Taken, thinned};
-use crate::{Sight, geodesy::Place, picture::Map};
+use crate::{geodesy::Place, picture::Map};
+use foxhunt_simulation::Sight;
 
 /// The most of each kind that can be told apart: of a longer log every second, third, ... is drawn.
 const MOST_BEARINGS: usize = 500;

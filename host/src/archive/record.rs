@@ -11,10 +11,10 @@ use foxhunt::{
 
 use super::{Answered, Archive, Kind, PROBABILITIES, Passed, Taken};
 use crate::{
-    Sight, density, drive,
+    density, drive,
     replay::{FullReplay, SOURCES, by_weight},
-    sight::wrap,
 };
+use foxhunt_simulation::{Sight, sight::wrap};
 
 /// The most hypotheses that are asked for.
 const HYPOTHESES: usize = 16;

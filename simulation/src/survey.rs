@@ -1,5 +1,7 @@
 //! A site survey: at known places, many readings from every beacon.
 
+use alloc::vec::Vec;
+
 /// The samples of a survey.
 #[derive(Debug, Clone, Default)]
 pub struct Survey {
@@ -29,7 +31,7 @@ impl Survey {
         }
         let count = samples.len() as f64;
         let mean = samples.iter().sum::<f64>() / count;
-        let squares = samples.iter().map(|s| (s - mean).powi(2)).sum::<f64>();
+        let squares = samples.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>();
         Some(Level {
             mean,
             variance: squares / (count - 1.0),
@@ -45,6 +47,8 @@ impl Survey {
 
 #[cfg(test)]
 mod tests {
+    use std::vec;
+
     use super::*;
 
     #[test]

@@ -1,6 +1,6 @@
 //! A bearing in f64.
 
-use std::f64::consts::{PI, TAU};
+use core::f64::consts::{PI, TAU};
 
 use foxhunt::aoa::{Bearing, Observation, ObservationError};
 
@@ -49,12 +49,13 @@ impl From<&Observation> for Sight {
 }
 
 /// Direction from one place to another, in radians counter-clockwise from east.
-pub(crate) fn direction(from: [f64; 2], to: [f64; 2]) -> f64 {
-    (to[1] - from[1]).atan2(to[0] - from[0])
+pub fn direction(from: [f64; 2], to: [f64; 2]) -> f64 {
+    libm::atan2(to[1] - from[1], to[0] - from[0])
 }
 
 /// The same angle in (-pi, pi].
-pub(crate) fn wrap(angle: f64) -> f64 {
-    let angle = angle.rem_euclid(TAU);
+pub fn wrap(angle: f64) -> f64 {
+    let angle = angle % TAU;
+    let angle = if angle < 0.0 { angle + TAU } else { angle };
     if angle > PI { angle - TAU } else { angle }
 }

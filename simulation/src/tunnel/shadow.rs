@@ -1,8 +1,10 @@
 //! Shadowing: a random field that stays where it is.
 
+use alloc::vec::Vec;
+
 use rand::Rng;
 
-use crate::simulate::normal;
+use crate::random::normal;
 
 /// Metres between the points of the grid on which a field is drawn.
 const SPACING: f64 = 0.5;
@@ -20,9 +22,9 @@ pub struct Shadow {
 impl Shadow {
     /// Draws a field over the rectangle from the origin to `extent`.
     pub fn draw(extent: [f64; 2], sigma: f64, correlation: f64, rng: &mut impl Rng) -> Self {
-        let [columns, rows] = extent.map(|metres| (metres / SPACING).ceil() as usize + 1);
-        let kept = (-SPACING / correlation).exp();
-        let fresh = (1.0 - kept * kept).sqrt();
+        let [columns, rows] = extent.map(|metres| libm::ceil(metres / SPACING) as usize + 1);
+        let kept = libm::exp(-SPACING / correlation);
+        let fresh = libm::sqrt(1.0 - kept * kept);
         let mut values: Vec<f64> = (0..columns * rows).map(|_| sigma * normal(rng)).collect();
         // White noise becomes a stationary process along x, and the rows of that one along y.
         for n in 0..values.len() {
@@ -60,7 +62,7 @@ impl Shadow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::generator;
+    use crate::random::generator;
 
     #[test]
     fn the_covariance_is_separable_and_exponential() {

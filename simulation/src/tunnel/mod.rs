@@ -5,14 +5,15 @@
 //! -40 - 20 log10 d, shadowing that stays in its place and hence is in the survey as well as in the walk,
 //! and noise that is new in every packet.
 
-pub mod experiment;
 mod shadow;
+
+use alloc::{vec, vec::Vec};
 
 use rand::{Rng, RngExt};
 
 pub use shadow::Shadow;
 
-use crate::{simulate::normal, survey::Survey};
+use crate::{random::normal, survey::Survey};
 
 /// What a tunnel is made of.
 #[derive(Debug, Clone)]
@@ -105,8 +106,9 @@ impl Site {
     /// Level of a beacon at `place` without noise, in dBm.
     pub fn level(&self, beacon: usize, place: [f64; 2]) -> f64 {
         let [x, y] = self.tunnel.beacons[beacon];
-        let squared = (place[0] - x).powi(2) + (place[1] - y).powi(2) + 1.0;
-        -40.0 - 10.0 * squared.log10() + self.shadows[beacon].at(place)
+        let (east, north) = (place[0] - x, place[1] - y);
+        let squared = east * east + north * north + 1.0;
+        -40.0 - 10.0 * libm::log10(squared) + self.shadows[beacon].at(place)
     }
 
     /// One packet of a beacon at `place`, rounded to 1 dB; `None` if it was lost.
@@ -121,7 +123,7 @@ impl Site {
             return None;
         }
         let level = self.level(beacon, place) + radio.offset + radio.noise * normal(rng);
-        Some(level.round())
+        Some(libm::round(level))
     }
 
     /// The mean of up to `packets` packets from every beacon, all at `place`; `None` where all were lost.
@@ -155,7 +157,7 @@ impl Site {
     ) -> Vec<Packet> {
         let mut packets = Vec::new();
         for beacon in 0..self.tunnel.beacons.len() {
-            for period in 0..(seconds * rate).ceil() as usize {
+            for period in 0..libm::ceil(seconds * rate) as usize {
                 let time = (period as f64 + rng.random::<f64>()) / rate;
                 if time >= seconds {
                     continue;
@@ -199,7 +201,7 @@ impl Site {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::generator;
+    use crate::random::generator;
 
     fn site() -> Site {
         Tunnel::default().draw(&mut generator(1, 0))

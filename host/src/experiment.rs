@@ -2,8 +2,9 @@
 
 use rand::Rng;
 
-use super::{Radio, Site, Tunnel};
-use crate::{reference::corridor::LineMap, survey::Survey};
+use crate::reference::corridor::LineMap;
+use foxhunt_simulation::survey::Survey;
+use foxhunt_simulation::tunnel::{Radio, Site, Tunnel};
 
 /// Seconds from one scan to the next.
 pub const INTERVAL: f64 = 2.0;
@@ -116,7 +117,7 @@ mod tests {
         Kalman,
         corridor::{CorridorFilter, Motion},
     };
-    use crate::simulate::generator;
+    use foxhunt_simulation::random::generator;
 
     /// Noise and packets of the columns of the table.
     const COLUMNS: [(f64, usize); 4] = [(2.0, 1), (4.0, 1), (6.0, 1), (4.0, 10)];
