@@ -5,7 +5,7 @@ use std::sync::{
     atomic::{AtomicU64, Ordering::Relaxed},
 };
 
-use super::now_ms;
+use super::clock::now_ms;
 use crate::engine::message::State;
 
 /// How an input or output does.
