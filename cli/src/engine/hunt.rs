@@ -156,6 +156,7 @@ where
         let locator = self.gateway.vehicle_mut().locator_mut();
         let has_changed = locator.retract(index, is_retracted, &config);
         if has_changed {
+            self.notes.renew(self.gateway.vehicle(), &config);
             let index = self.before + index;
             if is_retracted {
                 self.retracted.insert(index);

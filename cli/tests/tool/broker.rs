@@ -19,8 +19,12 @@ struct Broker(Child);
 
 impl Broker {
     fn start(folder: &Folder, port: u16) -> Option<Self> {
-        let settings =
-            format!("listener {port} 127.0.0.1\nallow_anonymous true\npersistence false\n");
+        // It keeps what subscribers that are away have not got.
+        let settings = format!(
+            "listener {port} 127.0.0.1\nuser root\nallow_anonymous true\npersistence true\nautosave_interval 1\n\
+             autosave_on_changes true\nmax_queued_messages 0\npersistence_location {}/\n",
+            folder.0.display()
+        );
         let file = folder.file("mosquitto.conf", settings);
         let child = Command::new("mosquitto")
             .arg("-c")
@@ -101,7 +105,7 @@ impl Drop for Client {
 
 fn vehicle(folder: &Folder, name: &str, udp: u16, port: u16, more: &str) -> Live {
     let settings = format!(
-        "name = \"{name}\"\n[[input]]\nname = \"horus\"\nudp = \"127.0.0.1:{udp}\"\n{more}\
+        "name = \"{name}\"\nlocator = \"plain\"\n[[input]]\nname = \"horus\"\nudp = \"127.0.0.1:{udp}\"\n{more}\
          [[output]]\nname = \"broker\"\nmqtt = {{ broker = \"127.0.0.1:{port}\", queue = \"queue\" }}\n"
     );
     Live::start(folder, &settings, &[])
