@@ -21,6 +21,7 @@ mod llvm;
 mod map;
 mod measure;
 mod monitor;
+mod page;
 mod papers;
 mod project;
 mod qemu;
@@ -60,6 +61,8 @@ enum Task {
     Drive(drive::Options),
     /// Simulate the radio map and the packets of the tunnel's demo again, from their seed, and write their files.
     Tunnel,
+    /// Build the WebAssembly of the page.
+    Page(page::Options),
     /// Reproduce published results, and compare with their figures.
     Papers(papers::Options),
 }
@@ -88,6 +91,7 @@ fn run(task: Task) -> Result<()> {
         Task::Map(options) => map::run(&options),
         Task::Damage(options) => damage::run(&options),
         Task::Fuzz(options) => fuzz::run(&options),
+        Task::Page(options) => page::run_task(&options),
         Task::Papers(options) => papers::run(&options),
     }
 }

@@ -44,6 +44,11 @@ pub fn metadata() -> Result<Metadata> {
         .exec()?)
 }
 
+/// Where cargo puts what it builds.
+pub fn target_directory() -> Result<PathBuf> {
+    Ok(metadata()?.target_directory.into())
+}
+
 /// Builds the firmware `example` for the board in release mode and returns its ELF file.
 pub fn firmware(example: &str) -> Result<PathBuf> {
     executable(&["--release", "--target", BOARD, "--example", example])

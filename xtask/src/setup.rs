@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::{
-    llvm,
+    llvm, page,
     project::{self, BARE_METAL, BOARD},
 };
 
@@ -26,7 +26,12 @@ pub enum Need {
     Cxx,
     /// `cargo fuzz`.
     CargoFuzz,
+    /// A browser, for the page.
+    Chromium,
 }
+
+/// To build the page.
+pub const PAGE: &[Need] = &[Need::Target(page::TARGET)];
 
 /// To build firmware and to run it in the emulator.
 pub const FIRMWARE: &[Need] = &[Need::Target(BOARD), Need::Qemu];
@@ -48,6 +53,8 @@ pub const TEST: &[Need] = &[
     Need::Qemu,
     Need::Cxx,
     Need::CargoFuzz,
+    Need::Target(page::TARGET),
+    Need::Chromium,
 ];
 
 /// Installs everything that any task needs.
@@ -85,6 +92,9 @@ impl Need {
             Self::Qemu => works(Command::new("qemu-system-arm").arg("--version")),
             Self::Cxx => works(Command::new("c++").arg("--version")),
             Self::CargoFuzz => works(project::cargo().args(["fuzz", "--version"])),
+            Self::Chromium => ["chromium", "chromium-browser", "google-chrome"]
+                .iter()
+                .any(|program| works(Command::new(program).arg("--version"))),
         })
     }
 
@@ -96,6 +106,7 @@ impl Need {
             Self::LlvmTools => rustup(&["component", "add", "llvm-tools"]),
             Self::Qemu => install_package(|manager| manager.qemu),
             Self::Cxx => install_package(|manager| manager.cxx),
+            Self::Chromium => install_package(|_| "chromium"),
             Self::CargoFuzz => {
                 announce(project::cargo().args(["install", "--locked", "cargo-fuzz"]))
             }
@@ -174,7 +185,7 @@ fn install_package(name: fn(&PackageManager) -> &'static str) -> Result<()> {
         .find(|manager| works(Command::new(manager.program).arg("--version")))
     else {
         bail!(
-            "no known package manager was found: install QEMU for Arm and a C++ compiler by hand"
+            "no known package manager was found: install QEMU for Arm, a C++ compiler and Chromium by hand"
         );
     };
     let sudo = manager.needs_root && !is_root();
