@@ -200,7 +200,7 @@ function tags(context, view, { tags = [] }) {
     context.setLineDash([]);
     const [px, py] = view.at([tag.x, tag.y]);
     dot(context, [px, py], 5, context.strokeStyle);
-    label(context, String(tag.id), [px, py - 12], context.strokeStyle);
+    label(context, String(tag.id), [px, py - 12 - 15 * (tag.row ?? 0)], context.strokeStyle);
   }
 }
 
@@ -312,7 +312,8 @@ function line(context, view, places) {
 
 function outline(context, view, place, { semi_major_m, semi_minor_m, angle_deg }) {
   const [px, py] = view.at(place);
-  const radii = [semi_major_m, semi_minor_m].map((metres) => Math.max(metres * view.scale, 2));
+  const least = 2 / view.stretch;
+  const radii = [semi_major_m, semi_minor_m].map((metres) => Math.max(metres * view.scale, least));
   // Clockwise from north, on a canvas whose angles are clockwise from east.
   const angle = ((angle_deg - 90) * Math.PI) / 180;
   context.save();

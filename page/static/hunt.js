@@ -101,14 +101,15 @@ export class Hunt {
   }
 
   #makeTools() {
-    const pick = (name, text) => button(text, () => this.#pick(name), {
+    const pick = (name, text, title) => button(text, () => this.#pick(name), {
       id: `tool-${name}`,
+      title,
       ariaPressed: String(this.tool === name),
     });
     return [
-      pick("track", "Draw track"),
-      pick("source", "Drop sources"),
-      pick("way", "Let it move"),
+      pick("track", "Track", "Tap the corners of the vehicle's track"),
+      pick("source", "Sources", "Tap where sources are"),
+      pick("way", "Motion", "Tap where the last source drives"),
       this.tool ? button("Done", () => this.#pick(null), { className: "main", id: "tool-done" }) : null,
     ];
   }

@@ -5,12 +5,9 @@ use std::{env, fs, path::PathBuf};
 use anyhow::{Context, Result, ensure};
 
 use crate::{
-    project::{self, cargo, run},
+    project::{self, BROWSER, cargo, run},
     setup,
 };
-
-/// The target of the page's code.
-pub const TARGET: &str = "wasm32-unknown-unknown";
 
 /// The options of `cargo xtask page`.
 #[derive(clap::Args)]
@@ -71,11 +68,11 @@ fn build() -> Result<Vec<u8>> {
     let mut build = cargo();
     build
         .args(["build", "--locked", "--package", "foxhunt-wasm"])
-        .args(["--target", TARGET, "--profile", "page"])
+        .args(["--target", BROWSER, "--profile", "page"])
         .env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
     run(&mut build)?;
     let built = project::target_directory()?
-        .join(TARGET)
+        .join(BROWSER)
         .join("page/foxhunt_wasm.wasm");
     fs::read(&built).with_context(|| format!("cannot read {}", built.display()))
 }

@@ -13,6 +13,9 @@ use cargo_metadata::{Artifact, Message, Metadata, MetadataCommand, camino::Utf8P
 /// The target of the emulated board: a Cortex-M4 with its single-precision FPU.
 pub const BOARD: &str = "thumbv7em-none-eabihf";
 
+/// The target of the page's code.
+pub const BROWSER: &str = "wasm32-unknown-unknown";
+
 /// Every bare-metal target on which the library must compile: soft float, M4F, M33 with FPU.
 pub const BARE_METAL: [&str; 3] = ["thumbv6m-none-eabi", BOARD, "thumbv8m.main-none-eabihf"];
 

@@ -5,8 +5,8 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::{
-    llvm, page,
-    project::{self, BARE_METAL, BOARD},
+    llvm,
+    project::{self, BARE_METAL, BOARD, BROWSER},
 };
 
 /// Something that a task needs.
@@ -31,7 +31,7 @@ pub enum Need {
 }
 
 /// To build the page.
-pub const PAGE: &[Need] = &[Need::Target(page::TARGET)];
+pub const PAGE: &[Need] = &[Need::Target(BROWSER)];
 
 /// To build firmware and to run it in the emulator.
 pub const FIRMWARE: &[Need] = &[Need::Target(BOARD), Need::Qemu];
@@ -53,7 +53,7 @@ pub const TEST: &[Need] = &[
     Need::Qemu,
     Need::Cxx,
     Need::CargoFuzz,
-    Need::Target(page::TARGET),
+    Need::Target(BROWSER),
     Need::Chromium,
 ];
 
