@@ -2,7 +2,8 @@
 //
 // tracks [[[x, y]]], bearings [{x, y, bearing_deg, outlier, retracted, used, id}], particles [x, y, weight, ..],
 // sources, hypotheses, advice, vehicles [{x, y, heading_deg, name, kind}], truth [[x, y]], ways [[[x, y]]],
-// links [[[x, y], [x, y]]], marks [{x, y, text}], tags, site {size, radios}, selected (the id of a bearing).
+// links [[[x, y], [x, y]]], marks [{x, y, text}], tags, site {corner, size, radios, points}, selected (the id of a
+// bearing).
 
 import { palette } from "./palette.js";
 
@@ -48,13 +49,15 @@ function background(context, view, scene) {
 
 function site(context, view, { site }) {
   if (!site) return;
-  const [x, y] = view.at([0, site.size[1]]);
+  const [left, low] = site.corner ?? [0, 0];
+  const [x, y] = view.at([left, low + site.size[1]]);
   const [width, height] = [site.size[0] * view.scale, site.size[1] * view.scale * view.stretch];
   context.fillStyle = palette.panel;
   context.fillRect(x, y, width, height);
   context.strokeStyle = palette.text;
   context.lineWidth = 1.5;
   context.strokeRect(x, y, width, height);
+  for (const point of site.points ?? []) dot(context, view.at(point), 1.5, palette.way);
   for (const [index, radio] of (site.radios ?? []).entries()) {
     const [px, py] = view.at(radio);
     context.fillStyle = palette.text;

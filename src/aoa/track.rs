@@ -1,8 +1,10 @@
 //! What locators of several and of manoeuvring sources need of the locator that they build on.
 
+use heapless::Vec;
+
 use super::robust::outside::read;
 use super::robust::{self, Candidate, Errors, Learned, Shared};
-use super::{Answer, Locate, Observation, PushError};
+use super::{Alternative, Answer, Locate, Observation, PushError};
 use crate::random::Rng;
 
 /// A locator of one source that others can build on: it starts from some of the bearings of a channel, and says which of the
@@ -66,6 +68,24 @@ pub trait Stationary: Track {
 
     /// Takes an earlier bearing without moving particles: the next push does.
     fn recall(&mut self, observation: &Observation, config: &Self::Config);
+}
+
+/// The bearings of a reading.
+pub(in crate::aoa) type Reading = Vec<Alternative, ALTERNATIVES>;
+
+/// The most bearings of a reading that are taken: one more than a spectrum has peaks.
+const ALTERNATIVES: usize = 4;
+
+/// A reading of which every bearing is changed.
+pub(in crate::aoa) fn reading_of(
+    alternatives: &[Alternative],
+    change: impl Fn(&Alternative) -> Alternative,
+) -> Reading {
+    let mut reading = Reading::new();
+    for one in alternatives {
+        let _ = reading.push(change(one));
+    }
+    reading
 }
 
 /// The odds of [`Track::odds`] by the normal distribution of position and bias with the moments of the particles.

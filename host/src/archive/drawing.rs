@@ -84,7 +84,7 @@ impl Archive {
     /// The way of the vehicle, as far as it is on the plane.
     fn way_on(&self, plane: &LocalPlane) -> Vec<[f64; 2]> {
         thinned(&self.track, MOST_PLACES)
-            .filter_map(|place| plane.to_local(*place).ok())
+            .filter_map(|passed| plane.to_local(passed.place).ok())
             .map(|place| place.map(f64::from))
             .collect()
     }

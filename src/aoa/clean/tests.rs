@@ -208,7 +208,7 @@ fn a_source_among_the_bearings_of_two_is_taken_over() {
         for (k, observation) in [(0, own), (1, other)] {
             let clocked = crate::aoa::testing::at(1000 * i + 500 * k, &observation);
             candidates
-                .push(&clocked, &Shared::NOTHING, 5.0, &beliefs, &mut rng)
+                .push(&[clocked.into()], &Shared::NOTHING, 5.0, &beliefs, &mut rng)
                 .unwrap();
         }
     }

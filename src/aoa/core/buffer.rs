@@ -129,7 +129,7 @@ impl<const B: usize> Buffer<B> {
     }
 
     /// Forgets all bearings but those to `keep`.
-    pub(in crate::aoa) fn retain(&mut self, keep: impl Fn(&Entry) -> bool) {
+    pub(in crate::aoa) fn retain(&mut self, mut keep: impl FnMut(&Entry) -> bool) {
         let mut gone = 0.0;
         self.entries.retain(|entry| {
             let stays = keep(entry);
@@ -367,6 +367,11 @@ impl Entry {
     pub(in crate::aoa) fn excludes(&self, other: &Self) -> bool {
         let both = self.is_one_of_several() && other.is_one_of_several();
         both && self.position() == other.position()
+    }
+
+    /// Whether they are, or the last of each: of several sources, those of one stop were heard at different times.
+    pub(in crate::aoa) fn excludes_last(&self, other: &Self) -> bool {
+        self.excludes(other) && self.observation.time_ms() == other.observation.time_ms()
     }
 
     /// Bearings of different stations are never merged.

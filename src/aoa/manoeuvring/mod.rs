@@ -36,12 +36,12 @@ mod moved;
 mod stations;
 mod track;
 
-use heapless::{Deque, Vec};
+use heapless::Deque;
 
 use super::core::square_of_distance;
 use super::robust::outside::independent;
 use super::robust::{Errors, Learned};
-use super::track::{Stationary, Track};
+use super::track::{Reading, Stationary, Track, reading_of};
 use super::words::Belief;
 use super::{
     Advice, Alternative, Answer, Bias, Fix, Hypothesis, Locate, Mixture, Observation, PushError,
@@ -99,24 +99,6 @@ impl Lost {
         seconds: 0.0,
         bearings: 0,
     };
-}
-
-/// The bearings of a reading.
-type Reading = Vec<Alternative, ALTERNATIVES>;
-
-/// The most bearings of a reading that are taken: one more than a spectrum has peaks.
-const ALTERNATIVES: usize = 4;
-
-/// A reading of which every bearing is changed.
-fn reading_of(
-    alternatives: &[Alternative],
-    change: impl Fn(&Observation) -> Observation,
-) -> Reading {
-    let mut reading = Reading::new();
-    for one in alternatives {
-        let _ = reading.push(one.with_observation(change(one.observation())));
-    }
-    reading
 }
 
 /// Seconds of so many milliseconds.
@@ -398,10 +380,11 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
         let range_m = (self.answer.fix()).map_or(0.0, |fix| {
             sqrt(square_of_distance(fix.position, best.position()))
         });
-        let fresh = reading_of(alternatives, |one| {
+        let fresh = reading_of(alternatives, |alternative| {
+            let one = alternative.observation();
             let earlier =
                 (self.recent.iter()).map(|old| (old, seconds(one.since_ms(old.time_ms()))));
-            independent(one, earlier, errors, range_m)
+            alternative.with_observation(independent(one, earlier, errors, range_m))
         });
         self.keep(best);
         fresh

@@ -6,11 +6,11 @@ use super::component::{Component, Heard, KnownBias};
 use super::drive::Drive;
 use super::explanations::BEARINGS_TO_START_OVER;
 use super::moved::COMPONENTS;
-use super::{Config, MEMORY, Manoeuvring, Phase, reading_of, seconds};
+use super::{Config, MEMORY, Manoeuvring, Phase, seconds};
 use crate::aoa::core::{check_narrow, square_of_distance};
 use crate::aoa::robust::Errors;
 use crate::aoa::robust::outside::successive;
-use crate::aoa::track::{Stationary, Track};
+use crate::aoa::track::{Stationary, Track, reading_of};
 use crate::aoa::{Alternative, Observation, PushError};
 use crate::random::{Rng, uniform};
 
@@ -64,7 +64,9 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
         let since = self.since_station_heard(best);
         // The same for all components: what differs among them would count with every reading, however much repeats.
         let about = self.cloud.position().0;
-        let fresh = reading_of(alternatives, |one| successive(one, since, &errors, about));
+        let fresh = reading_of(alternatives, |one| {
+            one.with_observation(successive(one.observation(), since, &errors, about))
+        });
         (errors.sigma_scale, errors.position_sigma_m) = (1.0, 0.0);
         self.keep(best);
         let drive = Drive::new(config, seconds(elapsed_ms));

@@ -18,7 +18,7 @@ mod config;
 mod slot;
 
 use super::robust::{self, Candidates, Shared};
-use super::track::Track;
+use super::track::{Track, reading_of};
 use super::{
     Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
     Observation, PushError, Retract, Retracted, SigmaScale, Source,
@@ -93,15 +93,15 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
         live.filter_map(|(slot, track)| Some((slot.identity?, track)))
     }
 
-    /// The track that explains a bearing best, if any does; and the bearing as one that may be of another source or an outlier.
+    /// The track that explains a reading best, if any does; and the probability that the reading is of no other source.
     fn associate(
         &self,
-        observation: &Observation,
+        reading: &[Alternative],
         odds: &[f32; K],
         beliefs: &robust::Config,
-    ) -> Option<(usize, Alternative)> {
+    ) -> Option<(usize, f32)> {
         let (mut best, mut most) = (None, 1.0);
-        let mut sum = self.candidates.odds(observation, beliefs);
+        let mut sum = mean(reading, |one| self.candidates.odds(one, beliefs));
         if sum > most {
             most = sum;
         }
@@ -111,17 +111,16 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
                 (best, most) = (Some(place), *odds);
             }
         }
-        let alone = 1.0 / (1.0 + (sum - most));
-        Some((best?, Alternative::new(*observation, alone).ok()?))
+        Some((best?, 1.0 / (1.0 + (sum - most))))
     }
 
-    /// For each track, the odds that a bearing is of its source rather than an outlier.
-    fn odds(&self, observation: &Observation, config: &Config<L::Config>) -> [f32; K] {
+    /// For each track, the odds that a reading is of its source rather than an outlier.
+    fn odds(&self, reading: &[Alternative], config: &Config<L::Config>) -> [f32; K] {
         let mut all = [0.0; K];
         let tracks = self.slots.iter().zip(&self.tracks);
         for (odds, (slot, track)) in all.iter_mut().zip(tracks) {
             if slot.identity.is_some() {
-                *odds = track.odds(observation, &config.track);
+                *odds = mean(reading, |one| track.odds(one, &config.track));
             }
         }
         all
@@ -306,6 +305,8 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
 impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
     type Config = Config<L::Config>;
 
+    const ALTERNATIVES: bool = L::ALTERNATIVES;
+
     const EMPTY: Self = {
         assert!(
             K >= 1 && B >= 2,
@@ -326,26 +327,38 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
         config.check_own()
     }
 
-    /// A track or the candidates may refuse a bearing, before anything else changes.
     fn push<R: Rng + ?Sized>(
         &mut self,
         observation: &Observation,
         config: &Self::Config,
         rng: &mut R,
     ) -> Result<Answer, PushError> {
+        self.push_alternatives(&[(*observation).into()], config, rng)
+    }
+
+    /// A track or the candidates may refuse a reading, before anything else changes. Takes up to four of its bearings: those
+    /// after them are left out.
+    fn push_alternatives<R: Rng + ?Sized>(
+        &mut self,
+        alternatives: &[Alternative],
+        config: &Self::Config,
+        rng: &mut R,
+    ) -> Result<Answer, PushError> {
+        let first = alternatives.first().ok_or(PushError::Empty)?.observation();
         let beliefs = L::beliefs(&config.track);
-        let odds = self.odds(observation, config);
-        let associated = self.associate(observation, &odds, &beliefs);
+        let odds = self.odds(alternatives, config);
+        let associated = self.associate(alternatives, &odds, &beliefs);
         let place = associated.map(|(place, _)| place);
         let outliers = self.outliers;
         let shared = self.shared(place);
-        if let (Some((slot, track)), Some((_, bearing))) = (self.at(place), associated) {
-            track.assume(&shared, observation)?;
+        if let (Some((slot, track)), Some((_, alone))) = (self.at(place), associated) {
+            track.assume(&shared, first)?;
             track.set_outliers_removed(outliers / (slot.heard + 1.0));
-            track.push_alternatives(&[bearing], &config.track, rng)?;
+            let reading = reading_of(alternatives, |one| one.if_any(alone));
+            track.push_alternatives(&reading, &config.track, rng)?;
         } else {
             let log_odds = -ln(config.false_initiation);
-            (self.candidates).push(observation, &shared, log_odds, &beliefs, rng)?;
+            (self.candidates).push(alternatives, &shared, log_odds, &beliefs, rng)?;
         }
         self.weigh(&odds, config);
         let most = -ln(config.false_deletion);
@@ -444,8 +457,9 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
 
     /// By the source that explains it best.
     fn classify(&self, observation: &Observation, config: &Self::Config) -> Option<Mixture> {
-        let odds = self.odds(observation, config);
-        let associated = self.associate(observation, &odds, &L::beliefs(&config.track));
+        let reading = [(*observation).into()];
+        let odds = self.odds(&reading, config);
+        let associated = self.associate(&reading, &odds, &L::beliefs(&config.track));
         let track = associated.and_then(|(place, _)| self.tracks.get(place));
         track.or(self.best())?.classify(observation, &config.track)
     }
@@ -453,6 +467,13 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
     fn cloud(&self, index: usize) -> Option<Cloud<'_>> {
         self.tracks.get(self.place(index)?)?.cloud(0)
     }
+}
+
+/// The mean of something over the bearings of a reading, by their probabilities.
+fn mean(reading: &[Alternative], of: impl Fn(&Observation) -> f32) -> f32 {
+    let all = reading.iter();
+    all.map(|one| one.probability() * of(one.observation()))
+        .sum()
 }
 
 /// Whether two sources are at the same place as far as can be told.

@@ -12,7 +12,8 @@ use crate::aoa::core::is_narrow;
 use crate::aoa::track::odds_by_moments;
 use crate::aoa::words::Belief;
 use crate::aoa::{
-    Advice, Answer, Hypothesis, NotObservable, Observation, PushError, Retract, Retracted,
+    Advice, Alternative, Answer, Hypothesis, NotObservable, Observation, PushError, Retract,
+    Retracted,
 };
 use crate::math::{exp, ln};
 use crate::persist;
@@ -50,22 +51,25 @@ impl<const B: usize> Candidates<B> {
         self.evidence.shared = Shared::NOTHING;
     }
 
-    /// Takes a bearing, and looks for modes beside the sources that are tracked, of which the bearings say this of the errors;
+    /// Takes the bearings of a reading, and looks for modes beside the sources that are tracked, of which the bearings say this of the errors;
     /// and for those among them that alone would make a fix, and are as likely as `log_odds` says to be a source's beside the
     /// others.
     #[inline(never)]
     pub(in crate::aoa) fn push<R: Rng + ?Sized>(
         &mut self,
-        observation: &Observation,
+        alternatives: &[Alternative],
         shared: &Shared,
         log_odds: f32,
         config: &Config,
         rng: &mut R,
     ) -> Result<(), PushError> {
         let errors = &config.errors;
-        self.evidence.bearings.admit(observation)?;
+        let first = alternatives.first().ok_or(PushError::Empty)?;
+        self.evidence.bearings.admit(first.observation())?;
         self.evidence.shared = *shared;
-        self.evidence.push(&(*observation).into(), errors, true);
+        for alternative in alternatives {
+            self.evidence.push(alternative, errors, true);
+        }
         if self.evidence.entries().len() > 1 {
             let mut terms = self.evidence.terms_of_several(errors);
             self.modes = search(&self.evidence, &terms, config, &self.modes, rng);

@@ -56,12 +56,13 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
                 let rest = self.entries().iter().zip(&all).skip(i);
                 rest.filter(|(_, other)| usize::from(other.first) == i)
             };
-            let weights = || of_place().map(|(entry, _)| entry.weight());
-            let readings = if several { 0.0 } else { weights().sum() };
-            let most = weights().fold(0.0, |a: f32, b| if b > a { b } else { a });
+            let weights = of_place().map(|(entry, _)| entry.weight());
+            let readings = if several { 0.0 } else { weights.sum() };
+            let counts = of_place().map(|(entry, _)| entry.readings);
+            let most = counts.fold(0.0, |a: f32, b| if b > a { b } else { a });
             for (entry, other) in of_place() {
                 let term = self.term(entry, errors, other.covariance, readings);
-                let _ = terms.push(term.with_fraction(entry.weight() / most));
+                let _ = terms.push(term.with_fraction(entry.readings / most));
             }
             if let Some(last) = terms.last_mut() {
                 last.ends_place();

@@ -174,11 +174,15 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         }
     }
 
-    /// Forgets the bearings that the first of some modes explains best.
+    /// Forgets the readings that the first of some modes explains best.
     pub(super) fn release(&mut self, modes: &[Mode<D>], errors: &Errors) {
         let source = self.source;
-        self.bearings
-            .retain(|entry| !explains(modes, entry, source, errors));
+        let mut own = [false; B];
+        for (own, entry) in own.iter_mut().zip(self.entries()) {
+            *own = explains_reading(modes, entry, self.entries(), source, errors);
+        }
+        let mut own = own.into_iter();
+        (self.bearings).retain(|_| own.next() != Some(true));
     }
 
     /// Takes a bearing, that of several sources or of one, which is thought to be where it was last [set](Self::set_source).
@@ -329,9 +333,25 @@ impl Candidate<'_> {
 
     /// The bearings as they stand in the buffer.
     pub(in crate::aoa) fn entries(&self) -> impl Iterator<Item = &Entry> + Clone {
-        let explained = |entry: &&Entry| explains(&self.found, entry, self.source, self.errors);
+        let explained = |entry: &&Entry| {
+            explains_reading(&self.found, entry, self.entries, self.source, self.errors)
+        };
         self.entries.iter().filter(explained)
     }
+}
+
+/// Whether the first of some modes explains a bearing best, or one that the bearing excludes.
+#[inline(never)]
+fn explains_reading<const D: usize>(
+    modes: &[Mode<D>],
+    entry: &Entry,
+    all: &[Entry],
+    source: Option<[f32; 2]>,
+    errors: &Errors,
+) -> bool {
+    let is_own = |entry: &Entry| explains(modes, entry, source, errors);
+    let mut excluded = all.iter().filter(|other| other.excludes_last(entry));
+    is_own(entry) || excluded.any(is_own)
 }
 
 /// Whether a bearing is likelier direct or mirrored of a source at the first of some modes than an outlier, or of a source at

@@ -2,6 +2,8 @@
 
 use core::f32::consts::TAU;
 
+use heapless::Vec;
+
 use super::density::Density;
 use super::mode::{MODES, Mode};
 use super::term::{PLAIN, Term, Width};
@@ -15,31 +17,45 @@ pub(super) type Taken = [bool; MODES];
 pub(super) struct Joint<const B: usize> {
     /// The modes that may be sources.
     all: Taken,
-    /// Of each mode and bearing: how many times as likely it is from there as if it was an outlier.
-    odds: [[f32; B]; MODES],
+    bearings: Vec<Bearing, B>,
     /// Of each mode: logarithms of the mass of its place, and of the density of its errors before any bearing.
     masses: [f32; MODES],
     errors: [f32; MODES],
-    /// What each bearing counts for; nothing, beyond the last.
-    worths: [f32; B],
-    /// All of that.
+    /// What all readings count for.
     count: f32,
+}
+
+/// What the modes say of a bearing.
+struct Bearing {
+    /// What it counts for.
+    worth: f32,
+    /// That it is the right one of the bearings of its reading.
+    probability: f32,
+    /// Of each mode: how many times as likely it is from there as if it was an outlier.
+    odds: [f32; MODES],
 }
 
 impl<const B: usize> Joint<B> {
     /// For these bearings, which from now on count in full each.
     pub(super) fn new(terms: &mut [Term<PLAIN>]) -> Self {
-        let mut worths = [0.0; B];
-        for (worth, term) in worths.iter_mut().zip(terms) {
-            (*worth, *term) = term.in_full();
+        let (mut bearings, mut count) = (Vec::new(), 0.0);
+        for term in terms {
+            let worth;
+            (worth, *term) = term.in_full();
+            let bearing = Bearing {
+                worth,
+                probability: term.probability(),
+                odds: [0.0; MODES],
+            };
+            count += worth * bearing.probability;
+            let _ = bearings.push(bearing);
         }
         Self {
             all: [false; MODES],
-            odds: [[0.0; B]; MODES],
+            bearings,
             masses: [0.0; MODES],
             errors: [0.0; MODES],
-            count: worths.iter().sum(),
-            worths,
+            count,
         }
     }
 
@@ -54,15 +70,16 @@ impl<const B: usize> Joint<B> {
         rates: &Mixture,
     ) {
         let masses = self.masses.iter_mut().zip(&mut self.errors);
-        let odds = self.odds.iter_mut().zip(&mut self.all);
-        let Some(((mass, errors), (odds, may_be))) = masses.zip(odds).nth(place) else {
+        let Some(((mass, errors), may_be)) = masses.zip(&mut self.all).nth(place) else {
             return;
         };
         *may_be = true;
         let width = Width::new(density.scale_sigma, &mode.mean);
         let scale = rates.outlier / (1.0 - rates.outlier);
-        for (odds, term) in odds.iter_mut().zip(density.terms) {
-            *odds = scale * term.read(&density.line(term, &mode.mean), &width).odds;
+        for (bearing, term) in self.bearings.iter_mut().zip(density.terms) {
+            if let Some(odds) = bearing.odds.get_mut(place) {
+                *odds = scale * term.read(&density.line(term, &mode.mean), &width).odds;
+            }
         }
         *errors = density.log_prior_of_errors(&mode.mean);
         let log_prior = density.log_prior(&mode.mean) - *errors - log_volume;
@@ -125,25 +142,13 @@ impl<const B: usize> Joint<B> {
         sums.log_likelihood + errors
     }
 
-    /// The bearings, with how much more likely each is than all as outliers.
-    fn bearings(&self, rates: &[f32; MODES]) -> impl Iterator<Item = (f32, [f32; MODES], f32)> {
-        let outliers = 1.0 - rates.iter().sum::<f32>();
-        let worths = self.worths.iter().take_while(|worth| **worth > 0.0);
-        worths.enumerate().map(move |(i, worth)| {
-            let odds = self.odds.each_ref().map(|odds| odds[i]);
-            let pairs = odds.iter().zip(rates);
-            let fitted: f32 = pairs.map(|(odds, rate)| rate * odds).sum();
-            (*worth, odds, outliers + fitted)
-        })
-    }
-
     /// How many bearings are of each source.
     #[inline(never)]
     fn counts(&self, rates: &[f32; MODES]) -> [f32; MODES] {
         let mut counts = [0.0; MODES];
-        for (worth, odds, total) in self.bearings(rates) {
-            let part = worth / total;
-            for (count, (odds, rate)) in counts.iter_mut().zip(odds.iter().zip(rates)) {
+        for bearing in &self.bearings {
+            let part = bearing.worth / bearing.likelihood(rates);
+            for (count, (odds, rate)) in counts.iter_mut().zip(bearing.odds.iter().zip(rates)) {
                 *count += part * rate * odds;
             }
         }
@@ -153,14 +158,26 @@ impl<const B: usize> Joint<B> {
     #[inline(never)]
     fn sums(&self, rates: &[f32; MODES]) -> Sums {
         let mut sums = Sums::default();
-        for (worth, odds, total) in self.bearings(rates) {
-            for (information, odds) in sums.information.iter_mut().zip(odds) {
-                let slope = (odds - 1.0) / total;
-                *information += worth * slope * slope;
+        for bearing in &self.bearings {
+            let likelihood = bearing.likelihood(rates);
+            for (information, odds) in sums.information.iter_mut().zip(bearing.odds) {
+                let slope = (odds - bearing.probability) / likelihood;
+                *information += bearing.worth * slope * slope;
             }
-            sums.log_likelihood += worth * ln(total);
+            sums.log_likelihood += bearing.worth * ln(likelihood);
         }
         sums
+    }
+}
+
+impl Bearing {
+    /// How much more likely it is, if sources have these rates, than as an outlier. Of bearings that exclude each other, each
+    /// has its part of the rates: 1 + a + b is nearly (1 + a) (1 + b).
+    #[inline(never)]
+    fn likelihood(&self, rates: &[f32; MODES]) -> f32 {
+        let pairs = self.odds.iter().zip(rates);
+        let fitted: f32 = pairs.map(|(odds, rate)| rate * odds).sum();
+        1.0 - self.probability * rates.iter().sum::<f32>() + fitted
     }
 }
 

@@ -39,6 +39,8 @@ pub(super) struct Term<const D: usize> {
     station: u8,
     /// How many readings it has, beside that of its place which has most, of 255.
     fraction: u8,
+    /// That it is the right one of the bearings of its reading, of 255.
+    probability: u8,
     /// Derivatives of its error by the numbers of a state, in radians: those that place and scale have are zero.
     features: State<D>,
 }
@@ -151,13 +153,14 @@ impl<const D: usize> Term<D> {
             is_last_of_place: false,
             station: observation.station(),
             fraction: u8::MAX,
+            probability: u8::MAX,
             features: [0.0; D],
         }
     }
 
     /// Of one with so many readings, as a fraction of those of the one of its place that has most.
     pub(super) fn with_fraction(mut self, fraction: f32) -> Self {
-        self.fraction = (fraction * 255.0 + 0.5) as u8;
+        self.fraction = of_255(fraction);
         self
     }
 
@@ -202,6 +205,11 @@ impl<const D: usize> Term<D> {
         (fraction * self.worth, self.with_worth(1.0 / self.worth))
     }
 
+    /// The probability that it is the right one of the bearings of its reading.
+    pub(super) fn probability(&self) -> f32 {
+        f32::from(self.probability) / 255.0
+    }
+
     /// With its part in the biases, of which it is off by `known` radians for certain.
     #[inline(never)]
     pub(super) fn with_biases(mut self, features: State<D>, known: f32) -> Self {
@@ -243,6 +251,7 @@ impl<const D: usize> Term<D> {
             let log = ln(probability);
             self.direct += log;
             self.mirrored += log;
+            self.probability = of_255(probability);
         }
         self
     }
@@ -358,6 +367,10 @@ impl<const D: usize> Term<D> {
         let inverse = 1.0 / (dx * dx + dy * dy + NEAREST);
         [-dy * inverse, dx * inverse]
     }
+}
+
+fn of_255(fraction: f32) -> u8 {
+    (fraction * 255.0 + 0.5) as u8
 }
 
 /// The direction of a line, in (-pi/2, pi/2], from any angle within a circle.

@@ -302,6 +302,14 @@ impl Alternative {
         }
     }
 
+    /// The same, if the reading may be of none of its bearings: one of them is right with this probability.
+    pub(in crate::aoa) const fn if_any(&self, probability: f32) -> Self {
+        Self {
+            observation: self.observation,
+            probability: self.probability * probability,
+        }
+    }
+
     /// The most probable of some bearings; of several that are as probable the last.
     pub(in crate::aoa) fn most_probable(alternatives: &[Self]) -> Option<&Observation> {
         let best = alternatives.iter().reduce(Self::likelier)?;

@@ -1,4 +1,4 @@
-//! A bootstrap filter of many particles that knows when the source departs and when it stops.
+//! A bootstrap filter of many particles that knows when the source departs, and when it stops if that is wished.
 
 use super::chase::{Chase, Step};
 use super::*;
@@ -7,8 +7,16 @@ use crate::aoa::robust::{Correlation, Errors};
 
 const PARTICLES: usize = 20_000;
 
-/// Mean position at every bearing.
-pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
+/// What is known of the position at a bearing.
+pub struct Known {
+    pub mean: [f32; 2],
+    /// In square metres squared.
+    pub determinant: f32,
+}
+
+/// What is known at every bearing. Without the time of the stop, the source may stop at any time, as often as the locator
+/// believes.
+pub fn track(chase: &Chase, bearings: &[Step], knows_stop: bool, seed: u64) -> Vec<Known> {
     let mut rng = generator(seed ^ 0x04ac1e);
     let habits = Config::DEFAULT;
     let errors = Errors {
@@ -29,6 +37,7 @@ pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
     let mut out = Vec::new();
     let sigma = habits.speed_m_s * FRAC_1_SQRT_2;
     let turn = 1.0 - (-1.0 / habits.straight_s).exp();
+    let stop = 1.0 - (-1.0 / habits.moving_s).exp();
     // A straight road keeps the velocity for twenty times as long as it lasts.
     let keep = (-1.0 / (20.0 * habits.straight_s)).exp();
     for Step {
@@ -37,7 +46,10 @@ pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
     {
         if *time < chase.departure {
             let answer = stationary.push(observation, &mut rng).unwrap();
-            out.push(answer.fix().map_or([f32::NAN; 2], |fix| fix.position));
+            out.push(Known {
+                mean: answer.fix().map_or([f32::NAN; 2], |fix| fix.position),
+                determinant: f32::NAN,
+            });
             continue;
         }
         if particles.is_empty() {
@@ -48,24 +60,41 @@ pub fn track(chase: &Chase, bearings: &[Step], seed: u64) -> Vec<[f32; 2]> {
             }));
         }
         for particle in &mut particles {
-            if *time < chase.stop {
+            let drives = match knows_stop {
+                true => *time < chase.stop,
+                false => particle[2..] != [0.0; 2],
+            };
+            if drives {
                 let keep = if uniform(&mut rng) < turn { 0.0 } else { keep };
                 drive(particle, keep, sigma, &mut rng);
+                if !knows_stop && uniform(&mut rng) < stop {
+                    particle[2..].fill(0.0);
+                }
             } else {
                 particle[0] += 0.1 * normal(&mut rng);
                 particle[1] += 0.1 * normal(&mut rng);
             }
         }
         weigh(&particles, &mut weights, observation, &errors);
-        out.push([0, 1].map(|d: usize| {
-            let all = particles.iter().zip(&weights);
-            all.map(|(p, w)| w * p[d]).sum::<f32>()
-        }));
+        out.push(known(&particles, &weights));
         if effective_sample_size(&weights) < 0.5 * PARTICLES as f32 {
             particles = resampled(&particles, &mut weights, &mut rng);
         }
     }
     out
+}
+
+fn known(particles: &[[f32; 4]], weights: &[f32]) -> Known {
+    let sum = |of: &dyn Fn(&[f32; 4]) -> f32| {
+        let all = particles.iter().zip(weights);
+        all.map(|(p, w)| w * of(p)).sum::<f32>()
+    };
+    let mean = [sum(&|p| p[0]), sum(&|p| p[1])];
+    let moment = |a: usize, b: usize| sum(&|p| (p[a] - mean[a]) * (p[b] - mean[b]));
+    Known {
+        mean,
+        determinant: moment(0, 0) * moment(1, 1) - moment(0, 1) * moment(0, 1),
+    }
 }
 
 fn effective_sample_size(weights: &[f32]) -> f32 {

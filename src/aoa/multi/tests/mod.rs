@@ -1,5 +1,6 @@
 extern crate std;
 
+mod alternatives;
 mod stops;
 
 use std::vec::Vec;
@@ -334,7 +335,14 @@ fn an_initiated_track_has_forgotten_how_many_outliers_were_removed() {
     let mut candidates = Candidates::<64>::EMPTY;
     let config = robust::Config::DEFAULT;
     for observation in &sights[..60] {
-        (candidates.push(observation, &Shared::NOTHING, 0.0, &config, &mut rng)).unwrap();
+        (candidates.push(
+            &[(*observation).into()],
+            &Shared::NOTHING,
+            0.0,
+            &config,
+            &mut rng,
+        ))
+        .unwrap();
     }
     let candidate = candidates.candidate(0, &config).unwrap();
     let follow = |before: f32, after: f32| {

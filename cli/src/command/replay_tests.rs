@@ -4,6 +4,11 @@ use clap::Parser;
 
 use super::*;
 
+/// The drive that comes with the project.
+fn example() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/data/drive.nmea")
+}
+
 #[derive(Parser)]
 struct Task {
     #[command(flatten)]
@@ -23,7 +28,7 @@ fn replay(file: &Path, more: &[&str]) -> (Result<()>, PathBuf) {
 /// The shipped drive, by every locator: all find the source within their ellipse, widened to 99.99 %.
 #[test]
 fn the_shipped_drive_is_kept() {
-    let file = project::root().join(crate::drive::EXAMPLE);
+    let file = example();
     let truth = foxhunt_host::drive::truth(&fs::read(&file).unwrap()).unwrap();
     for locator in ["plain", "robust", "single", "moving"] {
         let (done, directory) = replay(&file, &["--locator", locator]);
@@ -47,6 +52,8 @@ fn the_shipped_drive_is_kept() {
         );
         assert!(directory.join("archive.geojson").is_file());
         assert!(directory.join("picture.svg").is_file());
+        assert!(directory.join("archive.kml").is_file());
+        assert!(directory.join("archive.gpx").is_file());
         fs::remove_dir_all(directory).unwrap();
     }
 }
@@ -61,7 +68,7 @@ fn nothing_is_written_of_nothing() {
     );
     assert!(!directory.exists());
 
-    let file = project::root().join(crate::drive::EXAMPLE);
+    let file = example();
     // The drive's finder is a KrakenSDR.
     let (done, directory) = replay(&file, &["--finder", "agrelo"]);
     assert!(
@@ -74,7 +81,7 @@ fn nothing_is_written_of_nothing() {
 
 #[test]
 fn what_a_locator_does_not_listen_to_is_refused() {
-    let file = project::root().join(crate::drive::EXAMPLE);
+    let file = example();
     let (done, _) = replay(&file, &["--locator", "plain", "--bias-sigma", "3"]);
     assert!(
         done.unwrap_err()
@@ -129,7 +136,7 @@ fn what_contradicts_is_refused_before_anything_is_read() {
 
 #[test]
 fn a_file_is_no_directory_to_write_to() {
-    let example = project::root().join(crate::drive::EXAMPLE);
+    let example = example();
     for output in [example.clone(), example.join("below")] {
         let arguments = [
             "replay".as_ref(),

@@ -1,4 +1,4 @@
-//! What a gateway and a locator are told.
+//! What a gateway and a locator are told, on the command line and in a settings file.
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
@@ -13,13 +13,16 @@ use foxhunt::{
         formats::{self, Finder, Sense as Turn, kraken, ublox},
     },
 };
+use serde::{Deserialize, Serialize};
 
 /// What takes the bearings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize, Default)]
+#[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// One source, and every bearing is right but for its error: the firmware `vehicle`.
     Plain,
     /// Several sources; bearings may be outliers, mirrored, biased: the firmware `vehicle_robust`.
+    #[default]
     Robust,
     /// One source that stays where it is, with such bearings.
     Single,
@@ -27,14 +30,16 @@ pub enum Kind {
     Moving,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Reference {
     /// From the bow: the heading is added.
     Relative,
     TrueNorth,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Sense {
     /// Of a KrakenSDR by its spectra; clockwise of others.
     Recognised,
@@ -42,7 +47,8 @@ enum Sense {
     CounterClockwise,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Confidence {
     /// Up to 1 a fraction, decibels above.
     Recognised,
@@ -50,7 +56,8 @@ enum Confidence {
     Fraction,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Heading {
     /// By the label, and by whether the KrakenSDR moves.
     Recognised,
@@ -62,7 +69,8 @@ enum Heading {
     Compass,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Sigmas {
     /// What the firmware takes: of each device what its format has by default.
     Firmware,
@@ -72,12 +80,14 @@ enum Sigmas {
     Devices,
 }
 
-/// How the log is read.
-#[derive(clap::Args)]
-#[command(next_help_heading = "The log")]
-pub struct Input {
+/// How lines are read.
+#[derive(Debug, Clone, PartialEq, clap::Args, Serialize, Deserialize)]
+#[command(next_help_heading = "How lines are read")]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Reading {
     /// The only direction finder that is heard: lines of others are rejected. Unless given, every one is heard.
     #[arg(long, value_parser = finders())]
+    #[serde(with = "named", skip_serializing_if = "Option::is_none")]
     finder: Option<Finder>,
     /// What the angles count from.
     #[arg(long, value_enum, default_value_t = Reference::Relative)]
@@ -96,6 +106,7 @@ pub struct Input {
     frequency: Option<u32>,
     /// The tag to look for, as a u-blox board names it: 12 hexadecimal digits.
     #[arg(long, value_name = "TAG", value_parser = tag)]
+    #[serde(with = "hexadecimal", skip_serializing_if = "Option::is_none")]
     tag: Option<u64>,
     /// Bearings of a lower quality, 0 to 100, are rejected.
     #[arg(
@@ -149,6 +160,49 @@ pub struct Input {
     seed: u64,
 }
 
+impl Default for Reading {
+    /// What holds where nothing is told on the command line.
+    fn default() -> Self {
+        #[derive(clap::Parser)]
+        struct Nothing {
+            #[command(flatten)]
+            reading: Reading,
+        }
+        <Nothing as clap::Parser>::parse_from([""]).reading
+    }
+}
+
+/// A direction finder by its name.
+mod named {
+    use foxhunt::gateway::formats::Finder;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+    pub fn serialize<S: Serializer>(finder: &Option<Finder>, to: S) -> Result<S::Ok, S::Error> {
+        finder.map(Finder::name).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Finder>, D::Error> {
+        let name = String::deserialize(from)?;
+        let found = Finder::ALL.iter().find(|one| one.name() == name);
+        let unknown = || D::Error::custom(format!("there is no direction finder {name}"));
+        found.copied().map(Some).ok_or_else(unknown)
+    }
+}
+
+/// A tag by its 12 digits.
+mod hexadecimal {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+    pub fn serialize<S: Serializer>(tag: &Option<u64>, to: S) -> Result<S::Ok, S::Error> {
+        tag.map(|tag| format!("{tag:012X}")).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<u64>, D::Error> {
+        let text = String::deserialize(from)?;
+        super::tag(&text).map(Some).map_err(D::Error::custom)
+    }
+}
+
 /// The direction finders that the library knows, by their names.
 fn finders() -> impl TypedValueParser<Value = Finder> {
     let named = |name: String| Finder::ALL.iter().copied().find(|one| one.name() == name);
@@ -161,7 +215,7 @@ fn tag(text: &str) -> Result<u64> {
     u64::from_str_radix(text, 16).context("a tag has hexadecimal digits")
 }
 
-impl Input {
+impl Reading {
     /// Fails if anything is told that another setting makes idle.
     fn ensure_of_use(&self) -> Result<()> {
         let heard = self
@@ -220,6 +274,11 @@ impl Input {
             ensure!(!(given && idle), "{name} is of no use with {other}");
         }
         Ok(())
+    }
+
+    /// Seeds the particles.
+    pub fn seed(&self) -> u64 {
+        self.seed
     }
 
     /// The configuration of the gateway, with that of its locator.
@@ -293,7 +352,8 @@ impl Input {
 }
 
 /// What is believed of the errors of bearings.
-#[derive(clap::Args)]
+#[derive(Debug, Clone, Default, PartialEq, clap::Args, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 #[command(next_help_heading = "The errors of bearings, of all locators but plain")]
 pub struct Belief {
     /// Standard deviation of the common bias of all bearings, as of an array that is not mounted straight; unless

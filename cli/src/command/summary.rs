@@ -2,34 +2,47 @@
 
 use std::fmt::Write;
 
+use crate::engine::why;
 use comfy_table::{Cell, CellAlignment, Table, presets::ASCII_MARKDOWN};
 use foxhunt::{
-    aoa::{Answer, NotObservable},
+    aoa::Answer,
     gateway::{Counters, Rejected},
 };
 use foxhunt_host::archive::{Answered, Archive, Kind, coordinates};
 
-/// What became of the lines.
-pub fn lines(bytes: u64, counters: &Counters) -> String {
-    let mut table = Table::new();
-    table.load_style(ASCII_MARKDOWN).set_header(["lines", ""]);
-    let mut row = |name: &str, count: u32| {
-        let count = Cell::new(count).set_alignment(CellAlignment::Right);
-        table.add_row([Cell::new(name), count]);
-    };
-    row("all", counters.lines);
-    row("sentences used", counters.sentences);
-    row("bearings used", counters.bearings);
-    row("sentences for others", counters.ignored);
-    row("queries", counters.queries);
-    row("restarts", counters.restarts);
+/// What became of the lines, by name.
+pub fn counts(counters: &Counters) -> Vec<(String, u32)> {
+    let mut counts = vec![
+        ("all".into(), counters.lines),
+        ("sentences used".into(), counters.sentences),
+        ("bearings used".into(), counters.bearings),
+        ("sentences for others".into(), counters.ignored),
+        ("queries".into(), counters.queries),
+        ("restarts".into(), counters.restarts),
+    ];
     for reason in Rejected::ALL {
         let count = counters.rejected(reason);
         if count > 0 {
-            row(&format!("rejected: {reason}"), count);
+            counts.push((format!("rejected: {reason}"), count));
         }
     }
-    format!("{bytes} bytes\n{table}")
+    counts
+}
+
+/// The same as a table, below the number of bytes.
+pub fn lines(bytes: u64, counters: &Counters) -> String {
+    format!("{bytes} bytes\n{}", table(counters))
+}
+
+/// The same as a table.
+pub fn table(counters: &Counters) -> Table {
+    let mut table = Table::new();
+    table.load_style(ASCII_MARKDOWN).set_header(["lines", ""]);
+    for (name, count) in counts(counters) {
+        let count = Cell::new(count).set_alignment(CellAlignment::Right);
+        table.add_row([Cell::new(name), count]);
+    }
+    table
 }
 
 /// What has changed since the first `shown` answers: fixes that came and went.
@@ -79,7 +92,7 @@ pub fn answer(archive: &Archive) -> String {
         }
     }
     if let Answer::NotObservable(reason) = last.answer {
-        line(format_args!("no fix: {}", why(reason)));
+        line(format_args!("no fix: {}", why(reason).1));
     }
     let likely = archive.hypotheses.iter().filter(|h| h.probability >= 0.01);
     if last.sources.is_empty() || likely.clone().count() > 1 {
@@ -120,32 +133,4 @@ pub fn answer(archive: &Archive) -> String {
         ));
     }
     text
-}
-
-fn why(reason: NotObservable) -> String {
-    match reason {
-        NotObservable::TooFewBearings { have } => format!("{have} bearings are too few"),
-        NotObservable::CrossingAngle {
-            have_rad,
-            needed_rad,
-        } => format!(
-            "the bearings cross at {:.1} degrees, {:.1} are needed",
-            have_rad.to_degrees(),
-            needed_rad.to_degrees(),
-        ),
-        NotObservable::NoIntersection => {
-            "the bearings do not meet in front of their receivers".into()
-        }
-        NotObservable::SeveralPlaces { have } => format!("{have} places fit"),
-        NotObservable::WideRange { have, needed } => format!(
-            "the range is known to {:.0} %, {:.0} % are needed",
-            100.0 * have,
-            100.0 * needed,
-        ),
-        NotObservable::Contradiction { outliers } => format!(
-            "{:.0} % of the bearings do not agree with the best place",
-            100.0 * outliers,
-        ),
-        _ => "the bearings do not say where the source is".into(),
-    }
 }

@@ -1,0 +1,83 @@
+//! The commands.
+
+mod init;
+mod live;
+mod replay;
+mod simulate;
+mod summary;
+mod survey;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::screen;
+
+/// Finds radio transmitters by bearings, and tags by how strongly radios hear them: from logs, and live.
+#[derive(Parser)]
+#[command(name = "foxhunt", version, max_term_width = 100)]
+enum Command {
+    Replay(replay::Options),
+    Live(live::Options),
+    Simulate(simulate::Options),
+    Init(init::Options),
+    #[command(subcommand)]
+    Survey(survey::Command),
+}
+
+/// A log has no bearing that was used.
+#[derive(Debug)]
+struct NothingUsed(String);
+
+impl std::fmt::Display for NothingUsed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for NothingUsed {}
+
+/// Runs the command that the arguments name.
+pub fn run() -> ExitCode {
+    let done = match Command::parse() {
+        Command::Replay(options) => replay::run(&options),
+        Command::Live(options) => live::run(&options),
+        Command::Simulate(options) => simulate::run(&options),
+        Command::Init(options) => init::run(&options),
+        Command::Survey(command) => survey::run(&command),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if screen::is_unread(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            match error.downcast_ref::<NothingUsed>() {
+                Some(_) => ExitCode::from(3),
+                None => ExitCode::FAILURE,
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn every_command_has_an_example() {
+        fn check(command: &clap::Command) {
+            for inner in command.get_subcommands().filter(|c| c.get_name() != "help") {
+                if inner.has_subcommands() {
+                    check(inner);
+                    continue;
+                }
+                let example = inner.get_after_help().map(ToString::to_string);
+                let example = example.unwrap_or_default();
+                assert!(example.contains("foxhunt "), "{}", inner.get_name());
+            }
+        }
+        let command = super::Command::command();
+        command.clone().debug_assert();
+        check(&command);
+    }
+}
