@@ -1,6 +1,6 @@
 // Draws a scene: all that is known at one moment, in metres east and north. Whatever a scene lacks is not drawn.
 //
-// tracks [[[x, y]]], bearings [{x, y, bearing_deg, outlier, retracted, used, id}], particles [x, y, weight, ..],
+// tracks [[[x, y]]], bearings [{x, y, bearing_deg, outlier, past, retracted, used, id}], particles [x, y, weight, ..],
 // sources, hypotheses, advice, vehicles [{x, y, heading_deg, name, kind}], truth [[x, y]], ways [[[x, y]]],
 // links [[[x, y], [x, y]]], marks [{x, y, text}], tags, site {corner, size, radios, points}, selected (the id of a
 // bearing).
@@ -95,7 +95,7 @@ function bearings(context, view, scene) {
   const fade = Math.min(1, 40 / Math.max(bearings.length, 1));
   for (const [index, bearing] of bearings.entries()) {
     const isOutlier = (bearing.outlier ?? 0) > OUTLIER;
-    const isOut = bearing.retracted || bearing.used === false;
+    const isOut = bearing.retracted || bearing.used === false || bearing.past;
     context.strokeStyle = isOut ? palette.retracted : isOutlier ? palette.outlier : palette.bearing;
     context.setLineDash(isOut ? [2, 7] : isOutlier ? [8, 6] : []);
     context.lineWidth = bearing.id === selected ? 5 : index === newest ? 2.5 : 1.2;

@@ -9,7 +9,7 @@ import { answerPanel, legend, metres } from "./words.js";
 const SPEEDS = [[2, "2 bearings a second"], [8, "8 a second"], [30, "30 a second"], [120, "120 a second"]];
 const LEGEND = [
   "Arrowhead: the vehicle. Thick line: its track; dotted: the way that it will take.",
-  "Thin lines: bearings, the newest with an arrow. Dashed: taken for outliers.",
+  "Thin lines: bearings, the newest with an arrow. Dashed: taken for outliers. Dotted: of where a source was before.",
   "Dots: particles. Cross and ellipse: a fix, and what holds the source with 95 %.",
   "Dashed ellipses with a percentage: places that fit, before there is a fix.",
   "Thick short arrow: where to drive. Square: where the source truly is.",
