@@ -136,10 +136,12 @@ impl Live {
             .spawn()
             .unwrap();
         let mut lines = BufReader::new(process.stderr.take().unwrap()).lines();
-        let address = lines
-            .by_ref()
-            .find_map(|line| Some(line.ok()?.strip_prefix("page: ")?.to_owned()))
-            .expect("it says where the page is");
+        let mut after = |start: &str| {
+            let found = lines.find_map(|line| Some(line.ok()?.strip_prefix(start)?.to_owned()));
+            found.unwrap_or_else(|| panic!("it does not say `{start}`"))
+        };
+        let address = after("page: ");
+        after("lines: open");
         // What it says later is read, so that it does not wait.
         thread::spawn(move || lines.for_each(drop));
         Self {
