@@ -5,8 +5,9 @@ use std::{
     fs,
     io::{BufRead, BufReader},
     net::UdpSocket,
-    path::{Path, PathBuf},
+    path::Path,
     process::{Child, Command, Stdio},
+    sync::mpsc::{self, Receiver},
     thread,
     time::{Duration, Instant},
 };
@@ -28,17 +29,14 @@ fn what_comes_in_is_seen_on_the_page() {
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page");
     let mut browser = Browser::start(&program, &directory.join("profile"));
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
-    let live = Live::start(&directory, &free_port());
-    socket.connect(&live.input).unwrap();
+    let port = free_port();
+    let live = Live::start(&directory, &port);
+    socket.connect(&port).unwrap();
     let send = |line: &str| socket.send(format!("{line}\r\n").as_bytes()).unwrap();
 
     let drive = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/data/drive.nmea");
     let drive = fs::read_to_string(drive).unwrap();
-    let last = drive
-        .lines()
-        .filter(|line| !line.starts_with('$'))
-        .next_back()
-        .unwrap();
+    let last = drive.lines().rfind(|line| !line.starts_with('$')).unwrap();
     for line in drive.lines().take_while(|line| *line != last) {
         send(line);
         // A receiver takes much longer, and no line is to be lost.
@@ -83,6 +81,29 @@ fn what_comes_in_is_seen_on_the_page() {
     assert!(outside.is_empty(), "requests left the machine: {outside:?}");
 }
 
+#[test]
+fn the_demo_shows_a_drive_and_a_tunnel() {
+    let Some(program) = program() else {
+        return;
+    };
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("demo");
+    let mut browser = Browser::start(&program, &directory.join("profile"));
+    let live = Live::run(
+        &directory,
+        &["live", "--demo", "--speed", "30", "--listen", "127.0.0.1:0"],
+    );
+    browser.size(1280, 800, false);
+    browser.open(&live.address);
+    browser.wait("foxhunt.live?.store.answer?.sources.length === 2");
+    browser.picture(&directory.join("drive.png"));
+    browser.click("#tabs button:nth-child(2)");
+    browser.wait("foxhunt.stage.mode.title === 'Site' && foxhunt.live.store.tags.size === 8");
+    browser.picture(&directory.join("tunnel.png"));
+    // That there is no background is found by asking for it.
+    browser.complaints.retain(|text| !text.contains("404"));
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}
+
 /// Takes the last bearing back by a click on its line, and sees that the fix changes.
 fn retract(browser: &mut Browser) {
     let fix = "foxhunt.live.store.answer.sources.map((s) => [s.lat, s.lon]).join()";
@@ -118,37 +139,53 @@ fn free_port() -> String {
 /// The program, for as long as the test runs.
 struct Live {
     process: Child,
-    input: String,
+    said: Receiver<String>,
     address: String,
 }
 
 impl Live {
+    /// With lines that come by UDP.
     fn start(directory: &Path, input: &str) -> Self {
-        let settings: PathBuf = directory.join("foxhunt.toml");
+        let settings = directory.join("foxhunt.toml");
         let text = format!("[[input]]\nname = \"lines\"\nudp = \"{input}\"\n");
         fs::write(&settings, text).unwrap();
+        let settings = settings.to_str().unwrap();
+        let mut live = Self::run(directory, &["live", "--listen", "127.0.0.1:0", settings]);
+        live.after("lines: open");
+        live
+    }
+
+    fn run(directory: &Path, arguments: &[&str]) -> Self {
         let mut process = Command::new(env!("CARGO_BIN_EXE_foxhunt"))
-            .args(["live", "--listen", "127.0.0.1:0"])
-            .arg(&settings)
+            .args(arguments)
             .current_dir(directory)
             .stdin(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let mut lines = BufReader::new(process.stderr.take().unwrap()).lines();
-        let mut after = |start: &str| {
-            let found = lines.find_map(|line| Some(line.ok()?.strip_prefix(start)?.to_owned()));
-            found.unwrap_or_else(|| panic!("it does not say `{start}`"))
-        };
-        let address = after("page: ");
-        after("lines: open");
-        // What it says later is read, so that it does not wait.
-        thread::spawn(move || lines.for_each(drop));
-        Self {
+        let (sender, said) = mpsc::channel();
+        let lines = BufReader::new(process.stderr.take().unwrap()).lines();
+        thread::spawn(move || {
+            lines
+                .map_while(Result::ok)
+                .all(|line| sender.send(line).is_ok())
+        });
+        let mut live = Self {
             process,
-            input: input.into(),
-            address,
-        }
+            said,
+            address: String::new(),
+        };
+        live.address = live.after("page: ");
+        live
+    }
+
+    /// The rest of the first line that it says and that starts so.
+    fn after(&mut self, start: &str) -> String {
+        let said = || self.said.recv_timeout(Duration::from_secs(20)).ok();
+        let mut rest =
+            std::iter::from_fn(said).filter_map(|line| Some(line.strip_prefix(start)?.to_owned()));
+        rest.next()
+            .unwrap_or_else(|| panic!("it does not say `{start}`"))
     }
 }
 

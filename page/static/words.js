@@ -80,7 +80,9 @@ function percent(value) {
 }
 
 function signed(value) {
-  return `${value < 0 ? "−" : "+"}${Math.abs(value).toFixed(1)}`;
+  const text = Math.abs(value).toFixed(1);
+  const sign = value < 0 ? "−" : "+";
+  return Number(text) === 0 ? text : `${sign}${text}`;
 }
 
 function count(value) {
