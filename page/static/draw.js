@@ -1,8 +1,9 @@
 // Draws a scene: all that is known at one moment, in metres east and north. Whatever a scene lacks is not drawn.
 //
-// tracks [[[x, y]]], bearings [{x, y, bearing_deg, outlier, retracted, used, id}], particles [x, y, weight, ..],
+// tracks [[[x, y]]], bearings [{x, y, bearing_deg, outlier, past, retracted, used, id}], particles [x, y, weight, ..],
 // sources, hypotheses, advice, vehicles [{x, y, heading_deg, name, kind}], truth [[x, y]], ways [[[x, y]]],
-// links [[[x, y], [x, y]]], marks [{x, y, text}], tags, site {size, radios}, selected (the id of a bearing).
+// links [[[x, y], [x, y]]], marks [{x, y, text}], tags, site {corner, size, radios, points}, selected (the id of a
+// bearing).
 
 import { palette } from "./palette.js";
 
@@ -48,13 +49,15 @@ function background(context, view, scene) {
 
 function site(context, view, { site }) {
   if (!site) return;
-  const [x, y] = view.at([0, site.size[1]]);
+  const [left, low] = site.corner ?? [0, 0];
+  const [x, y] = view.at([left, low + site.size[1]]);
   const [width, height] = [site.size[0] * view.scale, site.size[1] * view.scale * view.stretch];
   context.fillStyle = palette.panel;
   context.fillRect(x, y, width, height);
   context.strokeStyle = palette.text;
   context.lineWidth = 1.5;
   context.strokeRect(x, y, width, height);
+  for (const point of site.points ?? []) dot(context, view.at(point), 1.5, palette.way);
   for (const [index, radio] of (site.radios ?? []).entries()) {
     const [px, py] = view.at(radio);
     context.fillStyle = palette.text;
@@ -92,7 +95,7 @@ function bearings(context, view, scene) {
   const fade = Math.min(1, 40 / Math.max(bearings.length, 1));
   for (const [index, bearing] of bearings.entries()) {
     const isOutlier = (bearing.outlier ?? 0) > OUTLIER;
-    const isOut = bearing.retracted || bearing.used === false;
+    const isOut = bearing.retracted || bearing.used === false || bearing.past;
     context.strokeStyle = isOut ? palette.retracted : isOutlier ? palette.outlier : palette.bearing;
     context.setLineDash(isOut ? [2, 7] : isOutlier ? [8, 6] : []);
     context.lineWidth = bearing.id === selected ? 5 : index === newest ? 2.5 : 1.2;
@@ -200,7 +203,7 @@ function tags(context, view, { tags = [] }) {
     context.setLineDash([]);
     const [px, py] = view.at([tag.x, tag.y]);
     dot(context, [px, py], 5, context.strokeStyle);
-    label(context, String(tag.id), [px, py - 12], context.strokeStyle);
+    label(context, String(tag.id), [px, py - 12 - 15 * (tag.row ?? 0)], context.strokeStyle);
   }
 }
 
@@ -312,7 +315,8 @@ function line(context, view, places) {
 
 function outline(context, view, place, { semi_major_m, semi_minor_m, angle_deg }) {
   const [px, py] = view.at(place);
-  const radii = [semi_major_m, semi_minor_m].map((metres) => Math.max(metres * view.scale, 2));
+  const least = 2 / view.stretch;
+  const radii = [semi_major_m, semi_minor_m].map((metres) => Math.max(metres * view.scale, least));
   // Clockwise from north, on a canvas whose angles are clockwise from east.
   const angle = ((angle_deg - 90) * Math.PI) / 180;
   context.save();

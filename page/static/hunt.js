@@ -9,7 +9,7 @@ import { answerPanel, legend, metres } from "./words.js";
 const SPEEDS = [[2, "2 bearings a second"], [8, "8 a second"], [30, "30 a second"], [120, "120 a second"]];
 const LEGEND = [
   "Arrowhead: the vehicle. Thick line: its track; dotted: the way that it will take.",
-  "Thin lines: bearings, the newest with an arrow. Dashed: taken for outliers.",
+  "Thin lines: bearings, the newest with an arrow. Dashed: taken for outliers. Dotted: of where a source was before.",
   "Dots: particles. Cross and ellipse: a fix, and what holds the source with 95 %.",
   "Dashed ellipses with a percentage: places that fit, before there is a fix.",
   "Thick short arrow: where to drive. Square: where the source truly is.",
@@ -101,14 +101,15 @@ export class Hunt {
   }
 
   #makeTools() {
-    const pick = (name, text) => button(text, () => this.#pick(name), {
+    const pick = (name, text, title) => button(text, () => this.#pick(name), {
       id: `tool-${name}`,
+      title,
       ariaPressed: String(this.tool === name),
     });
     return [
-      pick("track", "Draw track"),
-      pick("source", "Drop sources"),
-      pick("way", "Let it move"),
+      pick("track", "Track", "Tap the corners of the vehicle's track"),
+      pick("source", "Sources", "Tap where sources are"),
+      pick("way", "Motion", "Tap where the last source drives"),
       this.tool ? button("Done", () => this.#pick(null), { className: "main", id: "tool-done" }) : null,
     ];
   }

@@ -19,7 +19,7 @@ export class Replay {
     this.tools = [];
     this.opener = this.#makeOpener();
     this.legend = legend([
-      "Thick line: where the vehicle was. Thin lines: bearings. Dashed: taken for outliers.",
+      "Thick line: where the vehicle was. Thin lines: bearings. Dashed: taken for outliers. Dotted: of where a source was before.",
       "Dots: particles. Cross and ellipse: a fix, and what holds the source with 95 %.",
     ]);
   }

@@ -3,6 +3,9 @@
 import { make, table } from "./dom.js";
 import { legend, metres } from "./words.js";
 
+const MARGIN_M = 2;
+const MOST_STRETCH = 6; // Of a tunnel, which is long and narrow.
+
 export class Site {
   title = "Site";
   tools = [];
@@ -11,7 +14,7 @@ export class Site {
     this.stage = stage;
     this.live = live;
     this.legend = legend([
-      "Rectangle: the site. Dots and ellipses: where tags are, and what holds them with 95 %.",
+      "Rectangle: the site; a narrow one is drawn wider than it is. Dots and ellipses: where tags are, and what holds them with 95 %.",
     ]);
   }
 
@@ -20,12 +23,16 @@ export class Site {
   }
 
   open() {
+    const [width, height] = this.#box().size;
+    this.stage.view.stretch = Math.min(Math.max(Math.round(width / (4 * height)), 1), MOST_STRETCH);
     this.stage.view.following = true;
     this.stage.render();
     this.fit();
   }
 
-  close() {}
+  close() {
+    this.stage.view.stretch = 1;
+  }
 
   tapped() {}
 
@@ -33,8 +40,8 @@ export class Site {
     const { site } = this.live.store;
     if (!site) return {};
     return {
-      site: { size: [site.width, site.height], radios: site.points },
-      tags: this.#tags(),
+      site: { ...this.#box(), points: site.points },
+      tags: this.#tags().toSorted((one, other) => one.x - other.x).map((tag, index) => ({ ...tag, row: index % 3 })),
       hasGrid: false,
     };
   }
@@ -57,8 +64,18 @@ export class Site {
   }
 
   fit() {
+    if (this.isHidden) return;
+    const { corner: [x, y], size: [width, height] } = this.#box();
+    this.stage.view.follow([[x, y], [x + width, y + height]]);
+  }
+
+  // The corner of the site and its size, with a margin round the points of its map.
+  #box() {
     const { site } = this.live.store;
-    if (site) this.stage.view.follow([[0, 0], [site.width, site.height]]);
+    const points = site.points?.length > 0 ? site.points : [[0, 0], [site.width, site.height]];
+    const [low, high] = [Math.min, Math.max].map((end) => [0, 1].map((axis) => end(...points.map((point) => point[axis]))));
+    const corner = low.map((metres) => metres - MARGIN_M);
+    return { corner, size: [0, 1].map((axis) => high[axis] - low[axis] + 2 * MARGIN_M) };
   }
 
   #tags() {

@@ -35,7 +35,10 @@ export class Store {
 
   on_bearing(message) {
     const [x, y] = this.#metres(message.lat, message.lon);
+    const isNew = !this.bearings.has(message.id);
     this.bearings.set(message.id, { ...this.bearings.get(message.id), ...message, x, y });
+    // After a reload, bearings are all that tells where the vehicle has been.
+    if (isNew) this.#pass({ name: `bearings of ${message.receiver}`, x, y });
   }
 
   on_retracted({ id, by }) {

@@ -50,7 +50,9 @@ export class Walkers {
     if (!state) return {};
     const truth = new Map(state.truth);
     const links = state.tags.filter((tag) => truth.has(tag.id)).map((tag) => [[tag.x, tag.y], truth.get(tag.id)]);
-    return { site: state, tags: state.tags, truth: [...truth.values()], links, hasGrid: false };
+    // Neighbours along the tunnel have their labels one above the other.
+    const tags = state.tags.toSorted((one, other) => one.x - other.x).map((tag, index) => ({ ...tag, row: index % 3 }));
+    return { site: state, tags, truth: [...truth.values()], links, hasGrid: false };
   }
 
   tapped() {

@@ -46,10 +46,12 @@ export function answerPanel({ answer, bearings = [], where = () => null, extra =
   }
   if (answer?.advice) parts.push(make("p", { className: "say advice" }, answer.advice.text));
   const used = bearings.filter((bearing) => bearing.used !== false && !bearing.retracted);
-  const outliers = used.filter((bearing) => (bearing.outlier ?? 0) > OUTLIER).length;
+  const past = used.filter((bearing) => bearing.past).length;
+  const outliers = used.filter((bearing) => !bearing.past && (bearing.outlier ?? 0) > OUTLIER).length;
   parts.push(table([
     ["Bearings", String(used.length)],
-    ["Taken for outliers", outliers > 0 ? String(outliers) : null],
+    ["Taken for outliers", count(outliers)],
+    ["Of where a source was", count(past)],
     ["Retracted or not used", count(bearings.length - used.length)],
     ["Array bias", answer?.bias_deg && `${signed(answer.bias_deg[0])}° ± ${answer.bias_deg[1].toFixed(1)}°`],
     ["Outlier rate, learned", answer?.rates && percent(answer.rates[2])],
@@ -78,7 +80,9 @@ function percent(value) {
 }
 
 function signed(value) {
-  return `${value < 0 ? "−" : "+"}${Math.abs(value).toFixed(1)}`;
+  const text = Math.abs(value).toFixed(1);
+  const sign = value < 0 ? "−" : "+";
+  return Number(text) === 0 ? text : `${sign}${text}`;
 }
 
 function count(value) {

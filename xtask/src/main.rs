@@ -20,6 +20,7 @@ mod kernels;
 mod llvm;
 mod measure;
 mod monitor;
+mod page;
 mod papers;
 mod project;
 mod qemu;
@@ -54,6 +55,8 @@ enum Task {
     Drive,
     /// Simulate the radio map and the packets of the tunnel's demo again, from their seed, and write their files.
     Tunnel,
+    /// Build the WebAssembly of the page.
+    Page(page::Options),
     /// Reproduce published results, and compare with their figures.
     Papers(papers::Options),
 }
@@ -80,6 +83,7 @@ fn run(task: Task) -> Result<()> {
         Task::Tunnel => tunnel::run(),
         Task::Damage(options) => damage::run(&options),
         Task::Fuzz(options) => fuzz::run(&options),
+        Task::Page(options) => page::run_task(&options),
         Task::Papers(options) => papers::run(&options),
     }
 }

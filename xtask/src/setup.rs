@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail, ensure};
 
 use crate::{
     llvm,
-    project::{self, BARE_METAL, BOARD},
+    project::{self, BARE_METAL, BOARD, BROWSER},
 };
 
 /// Something that a task needs.
@@ -30,7 +30,12 @@ pub enum Need {
     Mosquitto,
     /// gpsd.
     Gpsd,
+    /// A browser, for the page.
+    Chromium,
 }
+
+/// To build the page.
+pub const PAGE: &[Need] = &[Need::Target(BROWSER)];
 
 /// To build firmware and to run it in the emulator.
 pub const FIRMWARE: &[Need] = &[Need::Target(BOARD), Need::Qemu];
@@ -54,6 +59,8 @@ pub const TEST: &[Need] = &[
     Need::CargoFuzz,
     Need::Mosquitto,
     Need::Gpsd,
+    Need::Target(BROWSER),
+    Need::Chromium,
 ];
 
 /// Installs everything that any task needs.
@@ -93,6 +100,9 @@ impl Need {
             Self::CargoFuzz => works(project::cargo().args(["fuzz", "--version"])),
             Self::Mosquitto => runs("mosquitto", "-h") && runs("mosquitto_sub", "--version"),
             Self::Gpsd => runs("gpsd", "-V"),
+            Self::Chromium => ["chromium", "chromium-browser", "google-chrome"]
+                .iter()
+                .any(|program| works(Command::new(program).arg("--version"))),
         })
     }
 
@@ -106,6 +116,7 @@ impl Need {
             Self::Cxx => install_packages(|manager| &manager.cxx),
             Self::Mosquitto => install_packages(|manager| manager.mosquitto),
             Self::Gpsd => install_packages(|manager| &manager.gpsd),
+            Self::Chromium => install_packages(|_| &["chromium"]),
             Self::CargoFuzz => {
                 announce(project::cargo().args(["install", "--locked", "cargo-fuzz"]))
             }
@@ -196,7 +207,7 @@ fn install_packages(names: fn(&PackageManager) -> &[&'static str]) -> Result<()>
         .find(|manager| works(Command::new(manager.program).arg("--version")))
     else {
         bail!(
-            "no known package manager was found: install QEMU for Arm, a C++ compiler, mosquitto and gpsd by hand"
+            "no known package manager was found: install QEMU for Arm, a C++ compiler, Chromium, mosquitto and gpsd by hand"
         );
     };
     let sudo = manager.needs_root && !is_root();

@@ -2,7 +2,6 @@
 //!
 //! One browser for all, and no more than one at a time. Without Chromium nothing is tested, which is said.
 
-mod chromium;
 mod server;
 
 use std::{
@@ -11,14 +10,14 @@ use std::{
     sync::Arc,
 };
 
-use chromium::Browser;
+use foxhunt_browser::Browser;
 use foxhunt_wasm::{Hunt, Log, LogOptions, Walkers};
 use serde_json::{Value, json};
 use server::Live;
 
 #[test]
 fn the_page_in_a_browser() {
-    let Some(program) = chromium::program() else {
+    let Some(program) = foxhunt_browser::program() else {
         eprintln!("Chromium was not found, so the page was not tested: cargo xtask setup");
         return;
     };
@@ -30,6 +29,7 @@ fn the_page_in_a_browser() {
         let own = ["http://127.0.0.1:", "data:", "blob:", "about:", "chrome:"];
         !own.iter().any(|start| address.starts_with(start))
     };
+    bless();
     let strangers: Vec<&String> = browser.requests.iter().filter(outside).collect();
     assert!(
         strangers.is_empty(),
@@ -272,6 +272,22 @@ fn bearing(id: u32) -> Value {
         "type": "bearing", "id": id, "receiver": "car", "time_ms": 1_000 + 2_000 * id, "lat": 52.2300, "lon": longitude,
         "bearing_deg": degrees.rem_euclid(360.0), "sigma_deg": 3.0, "used": true, "outlier": if id == 3 { 0.97 } else { 0.02 },
     })
+}
+
+/// The pictures of the guide are made anew if `BLESS` is set.
+fn bless() {
+    if env::var_os("BLESS").is_none() {
+        return;
+    }
+    for (picture, name) in [("desk-city", "page"), ("phone-live", "page-phone")] {
+        let from = pictures().join(picture).with_extension("png");
+        let to = root()
+            .join("docs/src/images")
+            .join(name)
+            .with_extension("png");
+        fs::create_dir_all(to.parent().unwrap()).unwrap();
+        fs::copy(from, to).unwrap();
+    }
 }
 
 /// Where pictures of the page go.

@@ -27,6 +27,8 @@ pub struct Hunt {
     scenario: Scenario,
     readings: Vec<Reading>,
     observations: Vec<Observation>,
+    /// The probability of each bearing so far that it was an outlier when it was taken.
+    outliers: Vec<Option<f32>>,
     /// The locator after every so many bearings, from none on.
     kept: Vec<Box<dyn Any>>,
     locator: Box<dyn Any>,
@@ -85,6 +87,7 @@ impl Hunt {
             scenario,
             readings,
             observations,
+            outliers: Vec::new(),
             kept: vec![locator.copied()],
             locator,
             position: 0,
@@ -106,8 +109,12 @@ impl Hunt {
         }
         while self.position < position {
             // A bearing that a locator does not take leaves it as it was.
-            let _ = self.locator.push(&self.observations[self.position]);
+            let observation = &self.observations[self.position];
+            let _ = self.locator.push(observation);
             self.position += 1;
+            if self.position > self.outliers.len() {
+                self.outliers.push(self.locator.outlier(observation));
+            }
             if self.position == self.kept.len() * EVERY {
                 self.kept.push(self.locator.copied());
             }
@@ -131,7 +138,7 @@ impl Hunt {
             bearings: bearings
                 .take(self.position)
                 .map(|(id, (observation, reading))| Known {
-                    taken: self.locator.taken(id as u32, observation),
+                    taken: self.locator.taken((id, observation), self.outliers[id]),
                     is_outlier: reading.kind == Kind::Outlier,
                     is_mirrored: reading.kind == Kind::Mirrored,
                 })

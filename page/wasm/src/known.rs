@@ -49,24 +49,39 @@ pub fn answer<L: Locate>(locator: &L, config: &L::Config, here: [f32; 2]) -> Ans
     }
 }
 
-/// A bearing, as the locator takes it.
-pub fn taken<L: Locate>(
-    id: u32,
+/// The probability that a bearing is an outlier.
+pub fn outlier<L: Locate>(
     observation: &Observation,
+    locator: &L,
+    config: &L::Config,
+) -> Option<f32> {
+    let kinds = locator.classify(observation, config)?;
+    Some(kinds.outlier)
+}
+
+/// A bearing as the locator takes it now. `then` is the probability that it was an outlier when it was taken.
+pub fn taken<L: Locate>(
+    (id, observation): (usize, &Observation),
+    then: Option<f32>,
     locator: &L,
     config: &L::Config,
 ) -> Taken {
     let [x, y] = observation.position();
+    let now = outlier(observation, locator, config);
+    let is_outlier = |probability: f32| probability > 0.5;
+    let mut sources = (0..MOST).map_while(|index| locator.source(index));
+    let past = now.is_some_and(is_outlier)
+        && then.is_some_and(|then| !is_outlier(then))
+        && sources.any(|source| source.motion.is_some());
     Taken {
-        id,
+        id: id as u32,
         time_ms: observation.time_ms(),
         x,
         y,
         bearing_deg: observation.bearing().compass_degrees(),
         sigma_deg: observation.sigma_rad().to_degrees(),
-        outlier: locator
-            .classify(observation, config)
-            .map(|kinds| kinds.outlier),
+        outlier: now,
+        past,
     }
 }
 

@@ -69,8 +69,11 @@ pub trait Any: Send {
     /// What is known, while the vehicle is `here`.
     fn answer(&self, here: [f32; 2]) -> Answer;
 
-    /// A bearing, as the locator now takes it.
-    fn taken(&self, id: u32, observation: &Observation) -> Taken;
+    /// The probability that a bearing is an outlier.
+    fn outlier(&self, observation: &Observation) -> Option<f32>;
+
+    /// A bearing as the locator takes it now; `then` as in [`known::taken`].
+    fn taken(&self, bearing: (usize, &Observation), then: Option<f32>) -> Taken;
 
     /// The same state once more.
     fn copied(&self) -> Box<dyn Any>;
@@ -94,8 +97,12 @@ where
         known::answer(self.locator.state(), self.locator.config(), here)
     }
 
-    fn taken(&self, id: u32, observation: &Observation) -> Taken {
-        known::taken(id, observation, self.locator.state(), self.locator.config())
+    fn outlier(&self, observation: &Observation) -> Option<f32> {
+        known::outlier(observation, self.locator.state(), self.locator.config())
+    }
+
+    fn taken(&self, bearing: (usize, &Observation), then: Option<f32>) -> Taken {
+        known::taken(bearing, then, self.locator.state(), self.locator.config())
     }
 
     fn copied(&self) -> Box<dyn Any> {

@@ -25,7 +25,8 @@ pub struct Options {
 pub struct Log {
     gateway: Box<dyn AnyGateway>,
     plane: Option<LocalPlane>,
-    observations: Vec<Observation>,
+    /// Each with the probability that it was an outlier when it was taken.
+    observations: Vec<(Observation, Option<f32>)>,
     track: Vec<[f32; 2]>,
 }
 
@@ -51,10 +52,11 @@ pub struct State {
 trait AnyGateway: Send {
     fn push(&mut self, byte: u8) -> Option<Event>;
     fn plane(&self) -> Option<LocalPlane>;
-    fn observation(&self) -> Option<Observation>;
+    /// The last bearing that was used, and the probability that it is an outlier.
+    fn observation(&self) -> Option<(Observation, Option<f32>)>;
     /// Where the vehicle is, in the plane.
     fn place(&self) -> Option<[f32; 2]>;
-    fn state(&self, observations: &[Observation]) -> (Vec<Taken>, Answer);
+    fn state(&self, observations: &[(Observation, Option<f32>)]) -> (Vec<Taken>, Answer);
     /// Lines, bearings that were used, and reasons.
     fn counts(&self) -> (u32, u32, Vec<(String, u32)>);
 }
@@ -68,8 +70,10 @@ impl<L: Locate<Config: Send> + Send> AnyGateway for Gateway<L, All, FullReport> 
         self.vehicle().plane().copied()
     }
 
-    fn observation(&self) -> Option<Observation> {
-        self.vehicle().observation()
+    fn observation(&self) -> Option<(Observation, Option<f32>)> {
+        let observation = self.vehicle().observation()?;
+        let (locator, config) = (self.vehicle().locator(), &self.config().locator);
+        Some((observation, known::outlier(&observation, locator, config)))
     }
 
     fn place(&self) -> Option<[f32; 2]> {
@@ -77,11 +81,12 @@ impl<L: Locate<Config: Send> + Send> AnyGateway for Gateway<L, All, FullReport> 
         self.vehicle().plane()?.to_local(place).ok()
     }
 
-    fn state(&self, observations: &[Observation]) -> (Vec<Taken>, Answer) {
+    fn state(&self, observations: &[(Observation, Option<f32>)]) -> (Vec<Taken>, Answer) {
         let (locator, config) = (self.vehicle().locator(), &self.config().locator);
         let taken = observations.iter().enumerate();
-        let taken =
-            taken.map(|(id, observation)| known::taken(id as u32, observation, locator, config));
+        let taken = taken.map(|(id, (observation, then))| {
+            known::taken((id, observation), *then, locator, config)
+        });
         let here = AnyGateway::place(self).unwrap_or_default();
         (taken.collect(), known::answer(locator, config, here))
     }

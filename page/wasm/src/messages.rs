@@ -37,6 +37,8 @@ pub struct Taken {
     pub sigma_deg: f32,
     /// The probability that it is an outlier, as the locator now takes it.
     pub outlier: Option<f32>,
+    /// Whether it is one now, but was not when it was taken, and sources may move: it points at where one was.
+    pub past: bool,
 }
 
 /// A source that has a fix.

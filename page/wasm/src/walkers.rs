@@ -112,7 +112,7 @@ impl Walkers {
         let packets = &self.minute.packets;
         let until = packets.partition_point(|packet| packet.time_ms <= time_ms);
         if until < self.heard {
-            self.gateway = Box::new(Gateway::EMPTY);
+            *self.gateway = Gateway::EMPTY;
             self.heard = 0;
         }
         for packet in &packets[self.heard..until] {

@@ -1,4 +1,7 @@
-//! Chromium without a window, driven over the DevTools protocol: messages through a pipe, each ended by a zero.
+//! Chromium without a window, for tests of the page.
+//!
+//! It is driven over the DevTools protocol: messages through a pipe, each ended by a zero. Whatever does not come within a
+//! minute fails the test.
 
 use std::{
     env, fs,
@@ -42,6 +45,9 @@ pub fn program() -> Option<PathBuf> {
 
 impl Browser {
     /// Starts it with an empty profile in `directory`.
+    ///
+    /// # Panics
+    /// If it does not start. All that follows panics likewise: it is for tests.
     pub fn start(program: &Path, directory: &Path) -> Self {
         let _ = fs::remove_dir_all(directory);
         fs::create_dir_all(directory).unwrap();
