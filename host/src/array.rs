@@ -13,7 +13,7 @@ use foxhunt::{
 use nalgebra::{Complex, SMatrix, SVector};
 use rand::{Rng, RngExt};
 
-use crate::simulate::{generator, normal};
+use foxhunt_simulation::random::{generator, normal};
 
 const ANTENNAS: usize = 5;
 /// Degrees of the circle.

@@ -8,7 +8,11 @@ use std::f64::consts::TAU;
 
 use rand::{Rng, RngExt};
 
-use crate::{simulate::normal, survey::Survey, tunnel::Packet, tunnel::Shadow};
+use foxhunt_simulation::{
+    random::normal,
+    survey::Survey,
+    tunnel::{Packet, Shadow},
+};
 
 /// Floors.
 pub const FLOORS: usize = 3;
@@ -321,7 +325,7 @@ fn climb(places: &mut Vec<Place>, to: f64, seconds: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::generator;
+    use foxhunt_simulation::random::generator;
 
     #[test]
     fn rooms_fill_the_floors_and_walks_stay_in_them() {

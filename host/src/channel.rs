@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 
 use rand::{Rng, RngExt, seq::SliceRandom};
 
-use crate::{
+use foxhunt_simulation::{
     Sight,
+    path::along,
+    random::normal,
     sight::{direction, wrap},
-    simulate::normal,
-    tracks::along,
 };
 
 /// One reading.
@@ -194,7 +194,7 @@ impl Channel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::generator;
+    use foxhunt_simulation::random::generator;
 
     #[test]
     fn readings_of_a_stop_have_an_error_in_common() {

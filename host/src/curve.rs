@@ -2,12 +2,11 @@
 
 use rand::Rng;
 
-use crate::{
+use crate::{reference::turns, tracks::Track};
+use foxhunt_simulation::{
     Sight,
-    reference::turns,
+    random::normal,
     sight::{direction, wrap},
-    simulate::normal,
-    tracks::Track,
 };
 
 /// The bias of an array: a mean and harmonics of the direction from the bow.
@@ -65,10 +64,8 @@ fn headings(places: &[[f64; 2]]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        reference::{Biases, ByDirection, Difference, Model, Posterior, Prior, Square},
-        simulate::generator,
-    };
+    use crate::reference::{Biases, ByDirection, Difference, Model, Posterior, Prior, Square};
+    use foxhunt_simulation::random::generator;
 
     #[test]
     fn a_curve_is_as_large_as_asked_for() {

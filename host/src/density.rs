@@ -222,7 +222,7 @@ fn wound(mut ring: Ring, counter_clockwise: bool) -> Ring {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::{generator, normal};
+    use foxhunt_simulation::random::{generator, normal};
 
     fn cloud(count: usize, place: impl Fn(f64, f64, usize) -> [f64; 2]) -> [Vec<f32>; 2] {
         let mut rng = generator(3, 0);

@@ -8,11 +8,11 @@ use std::{
 use foxhunt::gateway::formats::kraken;
 use rand::{Rng, RngExt};
 
-use crate::{
-    array,
-    geodesy::Place,
-    simulate::{generator, normal},
-    tracks::along,
+use crate::{array, geodesy::Place};
+use foxhunt_simulation::{
+    path::along,
+    random::{generator, normal},
+    sentence::sentence,
 };
 
 /// A line of serial data with its sentences, one after the other.
@@ -43,9 +43,7 @@ const KNOTS: f64 = 3600.0 / 1852.0;
 impl Drive {
     /// Appends `$payload*hh`.
     pub fn sentence(&mut self, payload: impl Display) {
-        let payload = payload.to_string();
-        let checksum = payload.bytes().fold(0, |sum, byte| sum ^ byte);
-        self.line(format_args!("${payload}*{checksum:02X}"));
+        self.text.push_str(&sentence(payload));
     }
 
     /// Appends the true place of a transmitter.

@@ -4,12 +4,12 @@
 //! f64 with everything a desk has:
 //!
 //! - [`tracks`]: the problems of the published experiments, ready made;
-//! - [`tunnel`]: a tunnel with beacons, its survey and walks through it; [`survey`]: what a survey is;
+//! - [`experiment`]: the walk of the published experiment through a tunnel;
 //! - [`radio_map`]: from the readings of a survey to a radio map in flash;
 //! - [`tetam`]: a survey and walks measured in an office floor; [`walks`]: those, and simulated ones, tracked;
 //! - [`building`]: a building of several floors, its survey and walks through it;
 //! - [`robot`]: a survey and a drive of a robot in a flat;
-//! - [`simulate`]: noisy bearings along a track; [`faults`]: what goes wrong with them; [`drive`]: a whole drive
+//! - [`simulate`]: noisy bearings along a track; [`stationary`]: those of a vehicle at rest; [`drive`]: a whole drive
 //!   of a vehicle, as the bytes that its receiver and its direction finder put on the line;
 //! - [`accuracy`]: the largest error of each function of `foxhunt::math`;
 //! - [`mod@reference`]: exact answers, to measure the library against;
@@ -35,7 +35,7 @@ pub mod curve;
 pub mod damage;
 pub mod density;
 pub mod drive;
-pub mod faults;
+pub mod experiment;
 pub mod figures;
 pub mod geodesy;
 pub mod measured;
@@ -48,16 +48,11 @@ pub mod replay;
 pub mod robot;
 pub mod scripts;
 pub mod simulate;
+pub mod stationary;
 pub mod stations;
 pub mod stops;
-pub mod survey;
 pub mod tetam;
 pub mod tracks;
-pub mod tunnel;
 pub mod walker;
 pub mod walks;
 pub mod xplr;
-
-mod sight;
-
-pub use sight::Sight;

@@ -17,8 +17,8 @@ use rand::RngExt;
 use crate::{
     array::{self, Method, Scene},
     geodesy::Place,
-    simulate::{generator, normal},
 };
+use foxhunt_simulation::random::{generator, normal};
 
 /// Builds of the KrakenSDR's software that write lines of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

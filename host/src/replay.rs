@@ -10,7 +10,7 @@ use foxhunt::{
 
 use foxhunt_gateways::plain;
 
-use crate::Sight;
+use foxhunt_simulation::Sight;
 
 /// A gateway and all that it has said so far.
 #[derive(Debug)]
@@ -127,7 +127,8 @@ impl<L: Locate, R: ReportForm> Replay<L, R> {
     }
 }
 
-fn by_weight(cloud: &Cloud<'_>) -> Vec<[f64; 2]> {
+/// Its particles, each as often as its weight says.
+pub(crate) fn by_weight(cloud: &Cloud<'_>) -> Vec<[f64; 2]> {
     let mut memory = vec![0.0; cloud.weights.len()];
     let mut generator = Xoshiro128PlusPlus::seed_from_u64(1);
     resample(

@@ -7,7 +7,8 @@ use std::{fs::File, path::Path};
 use anyhow::{Context, Result, ensure};
 use csv::StringRecord;
 
-use crate::{radio_map::SiteSurvey, tunnel::Packet};
+use crate::radio_map::SiteSurvey;
+use foxhunt_simulation::tunnel::Packet;
 
 /// A drive: places by time, and what was heard.
 #[derive(Debug, Clone, Default)]

@@ -7,8 +7,10 @@ use rand::RngExt;
 use crate::{
     drive::{Drive, Reading, sigma_degrees},
     geodesy::Place,
-    packets::Path,
-    simulate::{generator, normal},
+};
+use foxhunt_simulation::{
+    path::Path,
+    random::{generator, normal},
 };
 
 /// What happens on a drive.

@@ -2,10 +2,10 @@
 
 use rand::{Rng, RngExt};
 
-use crate::{
+use foxhunt_simulation::{
     Sight,
+    random::normal,
     sight::{direction, wrap},
-    simulate::normal,
 };
 
 /// Four arrays in the middles of the walls of a room of 12 by 6 m, which hear a tag ten times a second.
@@ -107,7 +107,7 @@ impl Stations {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::generator;
+    use foxhunt_simulation::random::generator;
 
     #[test]
     fn a_summary_is_off_by_as_much_as_it_says() {

@@ -2,11 +2,11 @@
 
 use rand::{Rng, RngExt};
 
-use crate::{
+use foxhunt_simulation::{
     Sight,
+    path::along,
+    random::normal,
     sight::{direction, wrap},
-    simulate::normal,
-    tracks::along,
 };
 
 /// Round a square of 400 m, with a stop every 80 m. What is off at a stop, like its heading or the reflections there, is
@@ -92,7 +92,7 @@ pub fn shuffle(sights: &mut [Sight], rng: &mut impl Rng) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::generator;
+    use foxhunt_simulation::random::generator;
 
     #[test]
     fn a_summary_is_off_by_as_much_as_it_says() {

@@ -8,7 +8,7 @@ use std::path::Path;
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, de::DeserializeOwned};
 
-use crate::{survey::Survey, tunnel::Packet};
+use foxhunt_simulation::{survey::Survey, tunnel::Packet};
 
 /// A walk, packet by packet.
 #[derive(Debug, Clone)]

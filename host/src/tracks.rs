@@ -4,6 +4,7 @@
 //! [`foxhunt_problems::bearings`], for references in f64.
 
 use foxhunt_problems::bearings;
+use foxhunt_simulation::path::along;
 
 /// A source and the places from which its bearing is taken.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,44 +95,5 @@ impl Track {
             process: f64::from(track.process_variance()),
             particles: track.particles(),
         }
-    }
-}
-
-/// `count` places at equal distances along the line through `corners`, both ends included.
-pub fn along(corners: &[[f64; 2]], count: usize) -> Vec<[f64; 2]> {
-    let lengths: Vec<f64> = corners
-        .windows(2)
-        .map(|leg| (leg[1][0] - leg[0][0]).hypot(leg[1][1] - leg[0][1]))
-        .collect();
-    let step = lengths.iter().sum::<f64>() / (count.max(2) - 1) as f64;
-    (0..count)
-        .map(|k| {
-            let mut rest = step * k as f64;
-            let mut leg = 0;
-            while leg + 1 < lengths.len() && rest > lengths[leg] {
-                rest -= lengths[leg];
-                leg += 1;
-            }
-            let part = rest / lengths[leg];
-            let (from, to) = (corners[leg], corners[leg + 1]);
-            [
-                from[0] + part * (to[0] - from[0]),
-                from[1] + part * (to[1] - from[1]),
-            ]
-        })
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn places_are_equally_spaced_round_the_corner() {
-        let places = along(&[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0]], 5);
-        assert_eq!(
-            places,
-            [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 2.0]]
-        );
     }
 }

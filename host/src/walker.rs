@@ -2,11 +2,11 @@
 
 use rand::{Rng, RngExt};
 
-use crate::{
+use crate::stations::Stations;
+use foxhunt_simulation::{
     Sight,
+    random::normal,
     sight::{direction, wrap},
-    simulate::normal,
-    stations::Stations,
 };
 
 /// A way that is straight is so much longer than until a turn: a velocity is kept for so many times as long.

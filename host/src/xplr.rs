@@ -6,7 +6,7 @@ use std::{collections::BTreeMap, fs, path::Path};
 
 use anyhow::{Context, Result};
 
-use crate::Sight;
+use foxhunt_simulation::Sight;
 
 /// What the arrays heard of a tag at one place.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,13 +7,13 @@ use foxhunt::filter::ParticleFilter;
 use foxhunt::model::ConstantVelocity;
 use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus, normal};
 use foxhunt::resample::Scheme;
-use foxhunt_host::Sight;
 use foxhunt_host::measured::Measured;
 use foxhunt_host::reference::{Kalman, Maximum, Posterior, growth, mahalanobis, von_mises};
 use foxhunt_host::replay::Replay;
 use foxhunt_host::simulate;
 use foxhunt_host::tracks::Track;
 use foxhunt_problems::growth::{Growth, Measurement, START};
+use foxhunt_simulation::{Sight, random};
 use nalgebra::{Matrix4, RowVector4, Vector4};
 use rayon::prelude::*;
 
@@ -61,12 +61,12 @@ mod linear {
     }
 
     pub fn run<const N: usize>(steps: usize, seed: u64) -> Run {
-        let mut simulation = simulate::generator(seed, 0);
+        let mut simulation = random::generator(seed, 0);
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
         let dynamics = ConstantVelocity {
             sigma_m_s2: [ACCELERATION as f32; 2],
         };
-        let mut truth = Vector4::from(START.map(|s| s * simulate::normal(&mut simulation)));
+        let mut truth = Vector4::from(START.map(|s| s * random::normal(&mut simulation)));
         let variances = START.map(|s| s * s);
         let mut kalman = Kalman {
             mean: Vector4::zeros(),
@@ -77,13 +77,13 @@ mod linear {
 
         let (mut mean, mut covariance, mut evidence) = (0.0, 0.0, 0.0);
         for _ in 0..steps {
-            let push = [0, 1].map(|_| ACCELERATION * simulate::normal(&mut simulation));
+            let push = [0, 1].map(|_| ACCELERATION * random::normal(&mut simulation));
             truth = transition() * truth;
             for d in 0..2 {
                 truth[d] += push[d] * DT * DT / 2.0;
                 truth[d + 2] += push[d] * DT;
             }
-            let z = [0, 1].map(|d| truth[d] + MEASURED * simulate::normal(&mut simulation));
+            let z = [0, 1].map(|d| truth[d] + MEASURED * random::normal(&mut simulation));
 
             kalman.predict(&transition(), &process());
             let rows = [
@@ -148,7 +148,7 @@ fn linear_gaussian_model_agrees_with_the_kalman_filter() {
 
 /// Mean squared errors of the particle filter and of the exact filter over one run.
 fn growth_run(exact: &growth::GridFilter, steps: usize, run: u64) -> [f64; 2] {
-    let (states, measurements) = growth::run(steps, &mut simulate::generator(50, run));
+    let (states, measurements) = growth::run(steps, &mut random::generator(50, run));
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(run);
     let mut filter = ParticleFilter::<1, 1000>::new();
     filter.initialise(&mut rng, |_| [START]);
@@ -207,7 +207,7 @@ fn locator_is_nearly_exact_on_the_published_tracks() {
     for track in [Track::a1(), Track::a2()] {
         let (mut ours, mut floor, mut apart, mut covered) = (0.0, 0.0, 0.0, 0);
         for run in 0..RUNS {
-            let sights = simulate::bearings(&track, &mut simulate::generator(12, run));
+            let sights = simulate::bearings(&track, &mut random::generator(12, run));
             let mut rng = Xoshiro128PlusPlus::seed_from_u64(run);
             let mut locator = Locator::<Clean<100>>::new(clean::Config::DEFAULT).unwrap();
             for sight in &sights {

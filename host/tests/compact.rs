@@ -4,9 +4,9 @@
 use std::path::Path;
 
 use foxhunt::fingerprint::tracker::{Config, Exact, OneFloor, Packed, Site, Stored};
-use foxhunt_host::simulate::generator;
-use foxhunt_host::tunnel::experiment::Run;
+use foxhunt_host::experiment::Run;
 use foxhunt_host::walks::{Office, fixes_as, follow_scans_as, of_simulated_scans, tunnel_map};
+use foxhunt_simulation::random::generator;
 use rayon::prelude::*;
 
 const RUNS: u64 = 300;

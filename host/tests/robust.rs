@@ -4,10 +4,12 @@
 use foxhunt::aoa::robust::{Config, Correlation, Errors};
 use foxhunt::aoa::{Fix, Locate, Robust};
 use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
-use foxhunt_host::faults::{Faults, Stationary};
 use foxhunt_host::reference::{Posterior, cramer_rao_of_biased};
+use foxhunt_host::simulate;
+use foxhunt_host::stationary::Stationary;
 use foxhunt_host::tracks::Track;
-use foxhunt_host::{Sight, simulate};
+use foxhunt_simulation::Sight;
+use foxhunt_simulation::{faults::Faults, random};
 use rayon::prelude::*;
 
 const RUNS: u64 = 100;
@@ -48,9 +50,9 @@ fn run(track: &Track, faults: &Faults) -> Outcome {
     let runs: Vec<[f64; 4]> = (0..RUNS)
         .into_par_iter()
         .map(|run| {
-            let mut sights = simulate::bearings(track, &mut simulate::generator(81, run));
+            let mut sights = simulate::bearings(track, &mut random::generator(81, run));
             let bound = cramer_rao_of_biased(&sights, track.source, faults.bias_sigma).unwrap();
-            faults.spoil(&mut sights, &mut simulate::generator(82, run));
+            faults.spoil(&mut sights, &mut random::generator(82, run));
             let fix = last_fix(&config, &sights, run).expect("a fix");
             let exact = off(Posterior::with_faults(&sights, faults).unwrap().mean);
             let ours = off(fix.position.map(f64::from));
@@ -143,7 +145,7 @@ fn a_stationary_vehicle_is_as_sure_as_it_may_be() {
         (0..RUNS)
             .into_par_iter()
             .filter(|&run| {
-                let sights = stationary.bearings(&track, &mut simulate::generator(83, run));
+                let sights = stationary.bearings(&track, &mut random::generator(83, run));
                 let fix = last_fix(&config, &sights, run).expect("a fix");
                 fix.ellipse(0.95).contains(track.source.map(|v| v as f32))
             })

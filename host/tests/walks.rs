@@ -4,10 +4,10 @@
 use std::path::PathBuf;
 
 use foxhunt::fingerprint::tracker::Config;
+use foxhunt_host::experiment::Run;
 use foxhunt_host::reference::corridor::{CorridorFilter, Motion};
-use foxhunt_host::simulate::generator;
-use foxhunt_host::tunnel::experiment::Run;
 use foxhunt_host::walks::{Office, Walk, follow_scans, of_simulated_scans, tunnel_map};
+use foxhunt_simulation::random::generator;
 use rayon::prelude::*;
 
 const RUNS: u64 = 100;
@@ -97,7 +97,7 @@ fn measured(office: &Office, is_straight: bool, hears: impl Fn(usize) -> bool) -
         .iter()
         .filter(|walk| walk.is_straight == is_straight);
     let of_walk = |walk: &Walk| -> Vec<f64> {
-        let heard = |packet: &&foxhunt_host::tunnel::Packet| hears(packet.beacon);
+        let heard = |packet: &&foxhunt_simulation::tunnel::Packet| hears(packet.beacon);
         let packets: Vec<_> = walk.packets.iter().filter(heard).copied().collect();
         let times = walk.times();
         (0..4)

@@ -19,13 +19,12 @@ mod house;
 mod kernels;
 mod llvm;
 mod machines;
-mod map;
 mod measure;
 mod monitor;
+mod page;
 mod papers;
 mod project;
 mod qemu;
-mod replay;
 mod reports;
 mod reset;
 mod setup;
@@ -49,20 +48,18 @@ enum Task {
     Cost(cost::Options),
     /// Locate a transmitter with the vehicle firmware in the emulator, and draw it.
     Demo(demo::Options),
-    /// Run a log from the field through a vehicle's gateway, and write tables, GeoJSON and a picture of the results.
-    Replay(replay::Options),
-    /// Make a radio map of a survey, for the flash of a tunnel's gateway.
-    Map(map::Options),
     /// Run the portable tests, a whole drive and a whole walk on emulated machines of other cores.
     Machines(machines::Options),
     /// Damage sentences of real receivers, and count the wrong positions that a vehicle's gateway believes.
     Damage(damage::Options),
     /// Look for faults of the gateways and the map reader with random input.
     Fuzz(fuzz::Options),
-    /// Simulate the drive of the demo again, from its seed, or one on which something happens, and write its file.
-    Drive(drive::Options),
+    /// Simulate the drive of the demo again, from its seed, and write its file.
+    Drive,
     /// Simulate the radio map and the packets of the tunnel's demo again, from their seed, and write their files.
     Tunnel,
+    /// Build the WebAssembly of the page.
+    Page(page::Options),
     /// Reproduce published results, and compare with their figures.
     Papers(papers::Options),
 }
@@ -85,13 +82,12 @@ fn run(task: Task) -> Result<()> {
         Task::Count => house::print_count(),
         Task::Cost(options) => cost::run(&options),
         Task::Demo(options) => demo::run(&options),
-        Task::Drive(options) => drive::run(&options),
+        Task::Drive => drive::run(),
         Task::Tunnel => tunnel::run(),
-        Task::Replay(options) => replay::run(&options),
-        Task::Map(options) => map::run(&options),
         Task::Machines(options) => machines::run(&options),
         Task::Damage(options) => damage::run(&options),
         Task::Fuzz(options) => fuzz::run(&options),
+        Task::Page(options) => page::run_task(&options),
         Task::Papers(options) => papers::run(&options),
     }
 }

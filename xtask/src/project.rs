@@ -13,6 +13,9 @@ use cargo_metadata::{Artifact, Message, Metadata, MetadataCommand, camino::Utf8P
 /// The target of the emulated board: a Cortex-M4 with its single-precision FPU.
 pub const BOARD: &str = "thumbv7em-none-eabihf";
 
+/// The target of the page's code.
+pub const BROWSER: &str = "wasm32-unknown-unknown";
+
 /// Every bare-metal target on which the library must compile: soft float, M4F, M33 with FPU.
 pub const BARE_METAL: [&str; 3] = ["thumbv6m-none-eabi", BOARD, "thumbv8m.main-none-eabihf"];
 
@@ -42,6 +45,11 @@ pub fn metadata() -> Result<Metadata> {
         .current_dir(root())
         .no_deps()
         .exec()?)
+}
+
+/// Where cargo puts what it builds.
+pub fn target_directory() -> Result<PathBuf> {
+    Ok(metadata()?.target_directory.into())
 }
 
 /// Builds the firmware `example` for the board in release mode and returns its ELF file.

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail, ensure};
 
 use crate::{
     llvm,
-    project::{self, BARE_METAL, BOARD},
+    project::{self, BARE_METAL, BOARD, BROWSER},
 };
 
 /// Something that a task needs.
@@ -30,7 +30,16 @@ pub enum Need {
     Cxx,
     /// `cargo fuzz`.
     CargoFuzz,
+    /// A broker of MQTT, and its clients.
+    Mosquitto,
+    /// gpsd.
+    Gpsd,
+    /// A browser, for the page.
+    Chromium,
 }
+
+/// To build the page.
+pub const PAGE: &[Need] = &[Need::Target(BROWSER)];
 
 /// To build firmware and to run it in the emulator.
 pub const FIRMWARE: &[Need] = &[Need::Target(BOARD), Need::Qemu];
@@ -52,6 +61,10 @@ pub const TEST: &[Need] = &[
     Need::Qemu,
     Need::Cxx,
     Need::CargoFuzz,
+    Need::Mosquitto,
+    Need::Gpsd,
+    Need::Target(BROWSER),
+    Need::Chromium,
 ];
 
 /// Installs everything that any task needs.
@@ -91,6 +104,11 @@ impl Need {
             Self::Node => works(Command::new("node").arg("--version")),
             Self::Cxx => works(Command::new("c++").arg("--version")),
             Self::CargoFuzz => works(project::cargo().args(["fuzz", "--version"])),
+            Self::Mosquitto => runs("mosquitto", "-h") && runs("mosquitto_sub", "--version"),
+            Self::Gpsd => runs("gpsd", "-V"),
+            Self::Chromium => ["chromium", "chromium-browser", "google-chrome"]
+                .iter()
+                .any(|program| works(Command::new(program).arg("--version"))),
         })
     }
 
@@ -100,10 +118,13 @@ impl Need {
             Self::Rustfmt => rustup(&["component", "add", "rustfmt"]),
             Self::Clippy => rustup(&["component", "add", "clippy"]),
             Self::LlvmTools => rustup(&["component", "add", "llvm-tools"]),
-            Self::Qemu => install_package(|manager| manager.qemu),
-            Self::QemuRiscV => install_package(|manager| manager.qemu_riscv),
-            Self::Node => install_package(|manager| manager.node),
-            Self::Cxx => install_package(|manager| manager.cxx),
+            Self::Qemu => install_packages(|manager| &manager.qemu),
+            Self::Cxx => install_packages(|manager| &manager.cxx),
+            Self::Mosquitto => install_packages(|manager| manager.mosquitto),
+            Self::Gpsd => install_packages(|manager| &manager.gpsd),
+            Self::Chromium => install_packages(|_| &["chromium"]),
+            Self::QemuRiscV => install_packages(|manager| &manager.qemu_riscv),
+            Self::Node => install_packages(|manager| &manager.node),
             Self::CargoFuzz => {
                 announce(project::cargo().args(["install", "--locked", "cargo-fuzz"]))
             }
@@ -129,10 +150,12 @@ struct PackageManager {
     prepare: Option<&'static str>,
     /// What installs the package whose name follows.
     install: &'static [&'static str],
-    qemu: &'static str,
-    qemu_riscv: &'static str,
-    node: &'static str,
-    cxx: &'static str,
+    qemu: [&'static str; 1],
+    cxx: [&'static str; 1],
+    mosquitto: &'static [&'static str],
+    gpsd: [&'static str; 1],
+    qemu_riscv: [&'static str; 1],
+    node: [&'static str; 1],
 }
 
 const PACKAGE_MANAGERS: [PackageManager; 5] = [
@@ -141,65 +164,75 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         needs_root: true,
         prepare: Some("update"),
         install: &["install", "--yes", "--no-install-recommends"],
-        qemu: "qemu-system-arm",
-        qemu_riscv: "qemu-system-misc",
-        node: "nodejs",
-        cxx: "g++",
+        qemu: ["qemu-system-arm"],
+        cxx: ["g++"],
+        mosquitto: &["mosquitto", "mosquitto-clients"],
+        gpsd: ["gpsd"],
+        qemu_riscv: ["qemu-system-misc"],
+        node: ["nodejs"],
     },
     PackageManager {
         program: "dnf",
         needs_root: true,
         prepare: None,
         install: &["install", "--assumeyes"],
-        qemu: "qemu-system-arm",
-        qemu_riscv: "qemu-system-riscv",
-        node: "nodejs",
-        cxx: "gcc-c++",
+        qemu: ["qemu-system-arm"],
+        cxx: ["gcc-c++"],
+        mosquitto: &["mosquitto"],
+        gpsd: ["gpsd"],
+        qemu_riscv: ["qemu-system-riscv"],
+        node: ["nodejs"],
     },
     PackageManager {
         program: "pacman",
         needs_root: true,
         prepare: None,
         install: &["--sync", "--refresh", "--noconfirm"],
-        qemu: "qemu-system-arm",
-        qemu_riscv: "qemu-system-riscv",
-        node: "nodejs",
-        cxx: "gcc",
+        qemu: ["qemu-system-arm"],
+        cxx: ["gcc"],
+        mosquitto: &["mosquitto"],
+        gpsd: ["gpsd"],
+        qemu_riscv: ["qemu-system-riscv"],
+        node: ["nodejs"],
     },
     PackageManager {
         program: "zypper",
         needs_root: true,
         prepare: None,
         install: &["--non-interactive", "install"],
-        qemu: "qemu-arm",
-        qemu_riscv: "qemu-extra",
-        node: "nodejs",
-        cxx: "gcc-c++",
+        qemu: ["qemu-arm"],
+        cxx: ["gcc-c++"],
+        mosquitto: &["mosquitto"],
+        gpsd: ["gpsd"],
+        qemu_riscv: ["qemu-extra"],
+        node: ["nodejs"],
     },
     PackageManager {
         program: "brew",
         needs_root: false,
         prepare: None,
         install: &["install"],
-        qemu: "qemu",
-        qemu_riscv: "qemu",
-        node: "node",
-        cxx: "gcc",
+        qemu: ["qemu"],
+        cxx: ["gcc"],
+        mosquitto: &["mosquitto"],
+        gpsd: ["gpsd"],
+        qemu_riscv: ["qemu"],
+        node: ["node"],
     },
 ];
 
-fn install_package(name: fn(&PackageManager) -> &'static str) -> Result<()> {
+fn install_packages(names: fn(&PackageManager) -> &[&'static str]) -> Result<()> {
     let Some(manager) = PACKAGE_MANAGERS
         .iter()
         .find(|manager| works(Command::new(manager.program).arg("--version")))
     else {
         bail!(
-            "no known package manager was found: install QEMU, Node.js and a C++ compiler by hand"
+            "no known package manager was found: install QEMU, Node.js, a C++ compiler, Chromium, mosquitto and gpsd by hand"
         );
     };
     let sudo = manager.needs_root && !is_root();
-    let package = name(manager);
-    let install = manager.install.iter().copied().chain([package]);
+    let packages = names(manager).iter().copied();
+    let install = manager.install.iter().copied().chain(packages);
     for arguments in manager
         .prepare
         .map(|prepare| vec![prepare])
@@ -224,6 +257,13 @@ fn is_root() -> bool {
 fn works(command: &mut Command) -> bool {
     let status = command.stdout(Stdio::null()).stderr(Stdio::null()).status();
     status.is_ok_and(|status| status.success())
+}
+
+/// Whether the program is there, whatever it says.
+fn runs(program: &str, argument: &str) -> bool {
+    let mut command = Command::new(program);
+    let silent = command.arg(argument).stdout(Stdio::null());
+    silent.stderr(Stdio::null()).status().is_ok()
 }
 
 /// Says what is run, and runs it.

@@ -9,7 +9,7 @@ use indicatif::ProgressBar;
 use crate::{
     book, constants, cost,
     expected::Expected,
-    figures, fuzz, house, machines,
+    figures, fuzz, house, machines, page,
     project::{self, BARE_METAL, BOARD, cargo, run},
     qemu::Machine,
     reset, setup, trace,
@@ -69,6 +69,7 @@ const STEPS: &[Step] = &[
             .context("a panic is possible: its handler was linked")
     }),
     ("every combination of features, on every target", features),
+    ("the page's WebAssembly", page::check),
     ("chapters and links of the guide", book::check),
     ("tuned constants of the guide", constants::check),
     ("documentation", || {

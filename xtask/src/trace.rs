@@ -18,6 +18,7 @@ use foxhunt_host::{
     replay,
     scripts::Script,
 };
+use foxhunt_simulation::people::EXAMPLE_SEED;
 use rayon::prelude::*;
 
 use crate::{
@@ -96,7 +97,7 @@ const CROWD_S: f64 = 20.0;
 /// as they have trackers, byte for byte as the host does; or if a damaged map compiles.
 pub fn compare_tunnel() -> Result<()> {
     let scene = tunnel::scene()?;
-    let crowd = packets::crowd(packets::EXAMPLE_SEED, CROWD_S);
+    let crowd = packets::crowd(EXAMPLE_SEED, CROWD_S);
     ensure!(scene.map == crowd.map, "the map is not that of the seed");
     for (scene, framed) in [
         (&scene, Framed::Lines),

@@ -4,7 +4,8 @@ use std::fs;
 
 use anyhow::{Context, Result};
 use foxhunt::gateway::beacon::Framing;
-use foxhunt_host::packets::{self, EXAMPLE_SEED, Message, Recording, Scene, example};
+use foxhunt_host::packets::{self, Message, Recording, Scene, example};
+use foxhunt_simulation::people::EXAMPLE_SEED;
 
 use crate::project;
 

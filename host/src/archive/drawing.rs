@@ -4,7 +4,8 @@ use foxhunt::aoa::geodesy::LocalPlane;
 
 use super::coordinates::{clock, coordinates};
 use super::{Archive, Kind, Taken, thinned};
-use crate::{Sight, geodesy::Place, picture::Map};
+use crate::{geodesy::Place, picture::Map};
+use foxhunt_simulation::Sight;
 
 /// The most of each kind that can be told apart: of a longer log every second, third, ... is drawn.
 const MOST_BEARINGS: usize = 500;
@@ -83,7 +84,7 @@ impl Archive {
     /// The way of the vehicle, as far as it is on the plane.
     fn way_on(&self, plane: &LocalPlane) -> Vec<[f64; 2]> {
         thinned(&self.track, MOST_PLACES)
-            .filter_map(|place| plane.to_local(*place).ok())
+            .filter_map(|passed| plane.to_local(passed.place).ok())
             .map(|place| place.map(f64::from))
             .collect()
     }

@@ -101,7 +101,7 @@ impl Archive {
     }
 
     fn way(&self, features: &mut Vec<Feature>) {
-        let track = thinned(&self.track, MOST_PLACES).map(|place| degrees(*place));
+        let track = thinned(&self.track, MOST_PLACES).map(|passed| degrees(passed.place));
         let track: Vec<[f64; 2]> = track.collect();
         // A line has two places at the least.
         if let [first, .., _] = track.as_slice() {
@@ -155,7 +155,7 @@ impl Archive {
 
     /// How far a ray goes that points at nothing known, in metres: as far as the best hypothesis is, or as the vehicle
     /// drove.
-    fn range(&self) -> f64 {
+    pub(super) fn range(&self) -> f64 {
         let places = self
             .last_bearings()
             .map(|taken| taken.observation.position());
@@ -170,7 +170,7 @@ impl Archive {
 }
 
 /// Where a bearing was taken, and where its ray ends.
-fn ray(taken: &Taken, range: f64) -> [[f32; 2]; 2] {
+pub(super) fn ray(taken: &Taken, range: f64) -> [[f32; 2]; 2] {
     let from = taken.observation.position();
     let fits = taken
         .fits
@@ -187,7 +187,7 @@ fn distance(a: [f32; 2], b: [f32; 2]) -> f64 {
 }
 
 /// The outline of an ellipse, counter-clockwise; coarser than in a picture.
-fn ellipse(plane: &LocalPlane, ellipse: &Ellipse) -> Vec<[f64; 2]> {
+pub(super) fn ellipse(plane: &LocalPlane, ellipse: &Ellipse) -> Vec<[f64; 2]> {
     let ring: Vec<[f64; 2]> = outline(ellipse).step_by(3).collect();
     line(plane, &ring)
 }

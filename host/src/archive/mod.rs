@@ -6,8 +6,11 @@
 mod coordinates;
 mod drawing;
 mod features;
+mod gpx;
+mod kml;
 mod record;
 mod tables;
+pub mod times;
 
 #[cfg(test)]
 mod tests;
@@ -27,14 +30,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::{density::Region, geodesy::Place, picture};
 pub use coordinates::coordinates;
-pub use record::Recorder;
+pub use record::{Notes, Recorder};
 pub use tables::{BearingRow, FixRow};
 
 /// All that is known of a log.
 #[derive(Debug, Clone)]
 pub struct Archive {
+    /// Midnight UTC of the day of the first bearing, in milliseconds after 1970; 0 if the day is not known.
+    pub midnight_ms: i64,
     /// Where the vehicle was, by its receiver.
-    pub track: Vec<Geodetic>,
+    pub track: Vec<Passed>,
     /// What each bearing led to, in their order.
     pub answers: Vec<Answered>,
     /// Every bearing that was used, in the same order.
@@ -49,6 +54,15 @@ pub struct Archive {
     pub advice: Option<Advice>,
     /// Where each source was at the end, if the log says it, as a simulated one does.
     pub truths: Vec<Place>,
+}
+
+/// Where the vehicle was.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Passed {
+    /// When, in milliseconds after midnight UTC, if that is known.
+    pub time_ms: Option<u32>,
+    /// Where.
+    pub place: Geodetic,
 }
 
 /// What is known with a bearing.
@@ -156,8 +170,8 @@ impl Archive {
         moves
     }
 
-    /// Writes `fixes.csv`, `bearings.csv`, `archive.geojson`, `picture.svg` and `picture.png`; says which files these
-    /// are. The title is that of the picture.
+    /// Writes `fixes.csv`, `bearings.csv`, `archive.geojson`, `picture.svg`, `picture.png`, `archive.kml` and
+    /// `archive.gpx`; says which files these are. The title is that of the picture.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -177,6 +191,8 @@ impl Archive {
         let stem = directory.join("picture");
         picture::save(&self.map(title).svg()?, &stem)?;
         files.extend(["svg", "png"].map(|ending| stem.with_extension(ending)));
+        files.push(write("archive.kml", self.kml(title).into_bytes())?);
+        files.push(write("archive.gpx", self.gpx(title).into_bytes())?);
         Ok(files)
     }
 }

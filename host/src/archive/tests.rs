@@ -306,7 +306,9 @@ fn files_are_written() {
             "bearings.csv",
             "archive.geojson",
             "picture.svg",
-            "picture.png"
+            "picture.png",
+            "archive.kml",
+            "archive.gpx"
         ]
     );
     for file in &files {

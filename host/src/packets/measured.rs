@@ -5,7 +5,9 @@ use std::path::Path as Directory;
 use anyhow::Result;
 use foxhunt::gateway::beacon::Packet;
 
-use super::{Path, Recording, Scene, Walks};
+use foxhunt_simulation::path::Path;
+
+use super::{Recording, Scene, Walks};
 use crate::{
     radio_map::{Recipe, SiteSurvey},
     tetam, walks,

@@ -2,18 +2,20 @@
 
 mod example;
 mod measured;
-mod path;
 mod replay;
 
-pub use example::{EXAMPLE_SEED, crowd, example};
+pub use example::{crowd, example};
 pub use measured::measured;
-pub use path::Path;
 pub use replay::{Gateway, Replay};
 
 use std::collections::BTreeMap;
 
 use anyhow::{Context, Result};
 use foxhunt::{fingerprint::tracker, gateway::beacon::Packet};
+use foxhunt_simulation::{
+    path::Path,
+    sentence::{of_packet, sentence},
+};
 
 /// A place with a radio map, and what was heard there.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,19 +86,12 @@ impl Recording {
         let truth = self.truth.iter().flat_map(|(tag, path)| {
             path.corners().iter().map(move |(seconds, [x, y])| {
                 let time_ms = (1e3 * seconds).round() as u32;
-                (0, sentence(&format!("PFOXG,{time_ms},{tag},{x:.3},{y:.3}")))
+                let place = sentence(format_args!("PFOXG,{time_ms},{tag},{x:.3},{y:.3}"));
+                (0, place.into_bytes())
             })
         });
-        let packets = self.packets.iter().map(|packet| {
-            let Packet {
-                time_ms,
-                radio,
-                tag,
-                rssi_dbm,
-            } = packet;
-            let payload = format!("PFOXB,{time_ms},{radio},{tag},{rssi_dbm}");
-            (*time_ms, sentence(&payload))
-        });
+        let packets =
+            (self.packets.iter()).map(|packet| (packet.time_ms, of_packet(packet).into_bytes()));
         truth.chain(packets).collect()
     }
 
@@ -137,7 +132,7 @@ impl Recording {
 
 /// Asks the gateway for all fixes and its status, as a sentence and as a frame.
 pub fn query() -> [Vec<u8>; 2] {
-    [sentence("PFOXQ"), stuffed(b"Q")]
+    [sentence("PFOXQ").into_bytes(), stuffed(b"Q")]
 }
 
 fn packet(fields: &[&str]) -> Option<Packet> {
@@ -162,11 +157,6 @@ fn place(fields: &[&str]) -> Option<(u32, f64, [f64; 2])> {
         seconds,
         [x.parse().ok()?, y.parse().ok()?],
     ))
-}
-
-fn sentence(payload: &str) -> Vec<u8> {
-    let checksum = payload.bytes().fold(0, |sum, byte| sum ^ byte);
-    format!("${payload}*{checksum:02X}\r\n").into_bytes()
 }
 
 /// A frame on the line: stuffed, so that a zero ends it and stands nowhere else.

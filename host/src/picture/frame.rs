@@ -2,7 +2,7 @@
 
 use foxhunt::estimate::Ellipse;
 
-use crate::Sight;
+use foxhunt_simulation::Sight;
 
 /// The outline of an ellipse, counter-clockwise: 181 places, of which the last is the first.
 pub fn outline(ellipse: &Ellipse) -> impl Iterator<Item = [f64; 2]> + Clone + use<> {

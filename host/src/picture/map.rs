@@ -17,7 +17,8 @@ use foxhunt::estimate::Ellipse;
 
 use super::frame::{Frame, outline};
 use super::{GRID, INK, font, width};
-use crate::{Sight, density::Region};
+use crate::density::Region;
+use foxhunt_simulation::Sight;
 
 const WIDTH: u32 = 1480;
 const HEIGHT: u32 = 860;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::survey::Survey;
+use foxhunt_simulation::survey::Survey;
 
 /// Cells of a survey that have readings.
 #[derive(Debug, Clone)]

@@ -4,7 +4,7 @@ use super::{
     cells::{Cells, distance},
     kriging::Kriging,
 };
-use crate::survey::Survey;
+use foxhunt_simulation::survey::Survey;
 
 /// The mean level of each beacon at each place, less what the places outside of its block predict.
 pub(super) struct Errors {

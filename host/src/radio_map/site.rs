@@ -7,7 +7,7 @@ use foxhunt::fingerprint::Lattice;
 
 use super::reading;
 pub use super::reading::Reading;
-use crate::survey::Survey;
+use foxhunt_simulation::survey::Survey;
 
 /// A survey, and which beacons it is of.
 #[derive(Debug, Clone, Default)]

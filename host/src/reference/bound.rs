@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use crate::Sight;
+use foxhunt_simulation::Sight;
 
 /// The Cramer-Rao bound on the covariance of an estimate of a `source` that the `sights` are taken on,
 /// in square metres: the inverse of the sum of u u^T / (sigma r)^2, u across the line of sight and r
@@ -31,13 +31,15 @@ pub fn cramer_rao_of_biased(sights: &[Sight], source: [f64; 2], bias: f64) -> Op
 
 #[cfg(test)]
 mod tests {
+    use foxhunt_simulation::random;
+
     use super::*;
     use crate::{simulate, tracks::Track};
 
     #[test]
     fn bound_of_the_published_tracks() {
         let sigma = |track: Track| {
-            let sights = simulate::bearings(&track, &mut simulate::generator(0, 0));
+            let sights = simulate::bearings(&track, &mut random::generator(0, 0));
             cramer_rao(&sights, track.source).unwrap().trace().sqrt()
         };
         assert!((sigma(Track::a1()) - 6.86).abs() < 0.005);
@@ -48,7 +50,7 @@ mod tests {
     /// Nothing gets better by not knowing, and one direction gets worse: the difference is of rank one, but for rounding.
     #[test]
     fn a_bias_costs_one_direction() {
-        let sights = simulate::bearings(&Track::a2(), &mut simulate::generator(8, 0));
+        let sights = simulate::bearings(&Track::a2(), &mut random::generator(8, 0));
         let source = Track::a2().source;
         let straight = cramer_rao(&sights, source).unwrap();
         let biased = cramer_rao_of_biased(&sights, source, 0.05).unwrap();

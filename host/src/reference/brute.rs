@@ -8,7 +8,7 @@ use std::{
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 use super::{Biases, ByDirection, Model, Prior, Square, turns};
-use crate::{Sight, faults::Faults};
+use foxhunt_simulation::{Sight, faults::Faults};
 
 /// What a uniform grid says of the posterior that [`Posterior`](super::Posterior) computes; it shares no code with it.
 ///

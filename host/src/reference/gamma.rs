@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use rand::Rng;
 use rand_distr::{Distribution, Gamma};
 
-use crate::simulate::normal;
+use foxhunt_simulation::random::normal;
 
 /// State before the first step.
 pub const START: f64 = 1.0;
@@ -141,8 +141,9 @@ pub fn noise(rng: &mut impl Rng) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use foxhunt_simulation::random;
+
     use super::*;
-    use crate::simulate;
 
     #[test]
     fn a_finer_grid_says_the_same() {
@@ -152,7 +153,7 @@ mod tests {
                 variance,
             };
             for run in 0..5 {
-                let (_, measurements) = model.run(50, &mut simulate::generator(7, run));
+                let (_, measurements) = model.run(50, &mut random::generator(7, run));
                 let coarse = model.means(&measurements);
                 let fine = model.means_with(&measurements, 8 * CELLS);
                 for (a, b) in coarse.iter().zip(fine) {
@@ -170,7 +171,7 @@ mod tests {
             variance: 1.0,
         };
         let measurements = [1.0, 4.0];
-        let mut rng = simulate::generator(8, 0);
+        let mut rng = random::generator(8, 0);
         let (mut sum, mut total) = (0.0, 0.0);
         for _ in 0..400_000 {
             let x1 = model.base(START, 1) + noise(&mut rng);

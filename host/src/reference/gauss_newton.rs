@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use crate::Sight;
+use foxhunt_simulation::Sight;
 
 /// A maximum of the likelihood.
 #[derive(Debug, Clone, Copy)]

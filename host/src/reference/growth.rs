@@ -5,7 +5,7 @@
 
 use rand::Rng;
 
-use crate::simulate::normal;
+use foxhunt_simulation::random::normal;
 
 /// State before the first step.
 pub const START: f64 = 0.1;

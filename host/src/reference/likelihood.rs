@@ -12,7 +12,7 @@ use super::{
     scales::Scale,
     sums::{Known, Sums, Turned},
 };
-use crate::Sight;
+use foxhunt_simulation::Sight;
 
 /// What holds everywhere in a cell.
 #[derive(Debug, Clone, Copy)]

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use nalgebra::Vector2;
 
 use super::cell::Cell;
-use crate::{Sight, faults::Faults};
+use foxhunt_simulation::{Sight, faults::Faults};
 
 /// A bearing, as its likelihood needs it.
 #[derive(Debug, Clone)]

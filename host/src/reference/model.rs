@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::{DMatrix, DVector, Vector2};
 
 use super::cell::Cell;
-use crate::{Sight, faults::Faults};
+use foxhunt_simulation::{Sight, faults::Faults};
 
 /// What is known of the bearings and of the place before any of them. By default: errors as stated, and nothing of the place.
 #[derive(Debug, Clone, Default, PartialEq)]

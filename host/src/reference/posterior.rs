@@ -10,7 +10,7 @@ use super::{
     model::{Biases, Model, Prior},
     pending::Pending,
 };
-use crate::{Sight, faults::Faults, sight::direction};
+use foxhunt_simulation::{Sight, faults::Faults, sight::direction};
 
 /// The posterior of the place of the source given all bearings, within a square.
 ///

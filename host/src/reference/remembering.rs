@@ -3,7 +3,7 @@
 use rand::{Rng, RngExt};
 
 use super::corridor::LineMap;
-use crate::{simulate::normal, tunnel::Packet};
+use foxhunt_simulation::{random::normal, tunnel::Packet};
 
 /// How somebody walks, and how wrong the map is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -154,7 +154,7 @@ fn update(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::generator;
+    use foxhunt_simulation::random::generator;
 
     #[test]
     fn with_a_right_map_it_finds_who_stands() {

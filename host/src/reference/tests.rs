@@ -10,7 +10,8 @@ use super::{
     Biases, Brute, ByDirection, Difference, Model, Posterior, Prior, Square, biases_by_station,
     cell::Cell, cramer_rao, cramer_rao_of_biased, gauss_newton, likelihood::Likelihood,
 };
-use crate::{Sight, faults::Faults, measured::Measured, simulate, tracks::Track};
+use crate::{measured::Measured, simulate, tracks::Track};
+use foxhunt_simulation::{Sight, faults::Faults, random};
 
 /// One of each kind, and all kinds that may be together.
 pub fn faults() -> [Faults; 5] {
@@ -99,7 +100,7 @@ fn near(a: &Posterior, b: &Posterior) {
 fn narrow_posterior_is_the_maximum_likelihood() {
     let mut track = Track::a2();
     track.sigma = 1e-4;
-    let sights = simulate::bearings(&track, &mut simulate::generator(1, 0));
+    let sights = simulate::bearings(&track, &mut random::generator(1, 0));
     let posterior = Posterior::new(&sights).unwrap();
     let maximum = gauss_newton(&sights, [1000.0, 1000.0]).unwrap();
     let bound = cramer_rao(&sights, track.source).unwrap();
@@ -136,8 +137,8 @@ fn brute_force_says_the_same() {
         .iter()
         .flat_map(|track| faults().map(|faults| (track, faults)));
     pairs.par_bridge().for_each(|(track, faults)| {
-        let mut sights = simulate::bearings(track, &mut simulate::generator(31, 0));
-        faults.spoil(&mut sights, &mut simulate::generator(32, 0));
+        let mut sights = simulate::bearings(track, &mut random::generator(31, 0));
+        faults.spoil(&mut sights, &mut random::generator(32, 0));
         let square = Square::round(&sights).unwrap();
         let posterior = Posterior::with_faults(&sights, &faults).unwrap();
         let brute = Brute::new(&square, &sights, &Model::with_faults(&faults), 1024);
@@ -173,14 +174,14 @@ fn brute_force_says_the_same_of_other_models() {
         // A third of the bearings, or the grids would take minutes.
         track.receivers = track.receivers.into_iter().step_by(3).collect();
 
-        let sights = simulate::bearings(&track, &mut simulate::generator(33, 0));
+        let sights = simulate::bearings(&track, &mut random::generator(33, 0));
         let models = models(&sights).into_iter();
         models.map(move |(name, model)| (track.name, sights.clone(), name, model))
     });
     cases
         .par_bridge()
         .for_each(|(track, mut sights, name, model)| {
-            (model.faults).spoil(&mut sights, &mut simulate::generator(34, 0));
+            (model.faults).spoil(&mut sights, &mut random::generator(34, 0));
             let square = Square::round(&sights).unwrap();
             let posterior = Posterior::within(&square, &sights, &model).unwrap();
             let brute = Brute::new(&square, &sights, &model, 256);
@@ -232,7 +233,7 @@ fn measured_rooms_are_what_brute_force_says() {
 #[test]
 fn faults_that_are_rare_make_no_difference() {
     for run in 0..10 {
-        let sights = simulate::bearings(&Track::a1(), &mut simulate::generator(7, run));
+        let sights = simulate::bearings(&Track::a1(), &mut random::generator(7, run));
         let plain = Posterior::new(&sights).unwrap();
         let next_to_none = Faults {
             outlier_rate: 1e-5,
@@ -253,7 +254,7 @@ fn faults_that_are_rare_make_no_difference() {
 
 #[test]
 fn narrow_posterior_of_biased_bearings_is_their_bound() {
-    let sights = simulate::bearings(&Track::a2(), &mut simulate::generator(8, 0));
+    let sights = simulate::bearings(&Track::a2(), &mut random::generator(8, 0));
     let biased = cramer_rao_of_biased(&sights, Track::a2().source, 0.05).unwrap();
     let faults = Faults {
         bias_sigma: 0.05,
@@ -266,13 +267,13 @@ fn narrow_posterior_of_biased_bearings_is_their_bound() {
 
 #[test]
 fn mirrored_bearings_say_as_much_as_direct_ones() {
-    let sights = simulate::bearings(&Track::a2(), &mut simulate::generator(8, 0));
+    let sights = simulate::bearings(&Track::a2(), &mut random::generator(8, 0));
     let mut turned = sights.clone();
     let half = Faults {
         mirrored_rate: 0.5,
         ..Faults::default()
     };
-    half.spoil(&mut turned, &mut simulate::generator(9, 0));
+    half.spoil(&mut turned, &mut random::generator(9, 0));
     assert_ne!(turned, sights);
     near(
         &Posterior::with_faults(&turned, &half).unwrap(),
@@ -283,7 +284,7 @@ fn mirrored_bearings_say_as_much_as_direct_ones() {
 #[test]
 fn a_bias_is_found_if_it_is_known_of() {
     let track = Track::a2();
-    let mut sights = simulate::bearings(&track, &mut simulate::generator(10, 0));
+    let mut sights = simulate::bearings(&track, &mut random::generator(10, 0));
     for sight in &mut sights {
         sight.bearing += 0.1;
     }
@@ -302,7 +303,7 @@ fn a_bias_is_found_if_it_is_known_of() {
 /// small.
 #[test]
 fn nothing_in_a_cell_is_above_its_bound() {
-    let mut rng = simulate::generator(21, 0);
+    let mut rng = random::generator(21, 0);
     let sights = simulate::bearings(&Track::a2(), &mut rng);
     let plain = faults().map(|faults| ("faults", Model::with_faults(&faults)));
     for (name, model) in plain.into_iter().chain(models(&sights)) {

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::Maximum;
-use crate::Sight;
+use foxhunt_simulation::Sight;
 
 /// The place that is most likely if the errors of all `sights` are von Mises distributed with one concentration, which is
 /// estimated from the residuals, and its asymptotic covariance: Lenth, "On finding the source of a signal", Technometrics 23

@@ -4,11 +4,10 @@ use nalgebra::{Matrix2, Vector2};
 use rand::{Rng, RngExt};
 
 use crate::{
-    Sight,
-    simulate::normal,
     stations::Stations,
     walker::{Gait, Walker},
 };
+use foxhunt_simulation::{Sight, random::normal};
 
 /// A bootstrap filter over walks. The biases of the arrays are marginalised: given a walk, they are normal (Rao-Blackwellised
 /// filtering, Doucet and others 2000), whatever the errors have in common from one reading to the next. It knows all but the

@@ -15,14 +15,11 @@ pub(crate) use office::lattice;
 pub use office::{Office, Walk};
 
 use crate::{
+    experiment::{INTERVAL, MISMATCH, Run, SURVEYED},
     packets::Walks,
     radio_map::{Recipe, SiteSurvey},
-    survey::Survey,
-    tunnel::{
-        Packet,
-        experiment::{INTERVAL, MISMATCH, Run, SURVEYED},
-    },
 };
+use foxhunt_simulation::{survey::Survey, tunnel::Packet};
 
 /// Particles of every tracker here.
 pub const PARTICLES: usize = 300;

@@ -12,8 +12,8 @@ use super::{POINTS, fixes};
 use crate::{
     radio_map::{Choices, Made, Recipe, SiteSurvey},
     tetam,
-    tunnel::Packet,
 };
+use foxhunt_simulation::tunnel::Packet;
 
 /// The survey of the data set, and all of its walks.
 #[derive(Debug, Clone)]

@@ -2,10 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use foxhunt_host::{
-    Sight,
-    channel::{Channel, Heard, Reading},
-};
+use foxhunt_simulation::Sight;
+use foxhunt_host::channel::{Channel, Heard, Reading};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use tracktor::{
     filters::lmb::{LmbFilterState, LmbTrack, NoBirthModel, extract_lmb_estimates},
@@ -232,7 +230,7 @@ mod tests {
     #[test]
     fn four_sources_are_found() {
         let channel = Channel::stops(1200.0, 1, 0.02, 0.0);
-        let readings = channel.readings(&mut foxhunt_host::simulate::generator(1, 0));
+        let readings = channel.readings(&mut foxhunt_simulation::random::generator(1, 0));
         let found = locate(&channel, &readings, 1200.0);
         assert_eq!(found.len(), 4);
     }

@@ -9,6 +9,7 @@ use super::formats::{All, Formats};
 use super::line::LineReader;
 use super::navigation::{Navigation, Receiver};
 use super::outcome::{Counters, Event, Rejected};
+use super::record::BearingRecord;
 use super::report::{ReportForm, ShortReport};
 use super::search::Search;
 use crate::ConfigError;
@@ -95,10 +96,7 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
             .and_then(|()| line.parse(&config.formats))
             .and_then(|sentence| self.take(port, sentence, config))
             .unwrap_or_else(Event::Rejected);
-        self.counters.count(&event);
-        if let Some(port) = self.ports.get_mut(port) {
-            port.counters.count(&event);
-        }
+        self.count(port, &event);
         match event {
             Event::Queried => {
                 self.write_answer(config);
@@ -108,6 +106,29 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
             _ => {}
         }
         Some(event)
+    }
+
+    /// Takes a bearing of a port that did not come as a line; says what it led to, as a line of it would have.
+    pub fn push_record(
+        &mut self,
+        port: usize,
+        record: &BearingRecord,
+        config: &Config<L::Config>,
+    ) -> Event {
+        self.report.clear();
+        let event = record
+            .reading()
+            .and_then(|reading| self.reading(port, &reading, config))
+            .unwrap_or_else(Event::Rejected);
+        self.count(port, &event);
+        event
+    }
+
+    fn count(&mut self, port: usize, event: &Event) {
+        self.counters.count(event);
+        if let Some(port) = self.ports.get_mut(port) {
+            port.counters.count(event);
+        }
     }
 
     /// What to send for the last line: sentences with their line ends, or nothing. Holds until the next line
@@ -169,6 +190,11 @@ impl<L: Locate, F: Formats, R: ReportForm, const PORTS: usize> Vehicle<L, F, R, 
     /// The locator, with its particles and bearings.
     pub fn locator(&self) -> &L {
         &self.search.locator
+    }
+
+    /// The same, to take bearings back: see [`Locate::retract`].
+    pub const fn locator_mut(&mut self) -> &mut L {
+        &mut self.search.locator
     }
 
     fn take(

@@ -4,8 +4,9 @@
 //! that leave the posterior invariant, beside the plain filter, ours and the exact answer.
 
 use anyhow::Result;
-use foxhunt_host::{figures::Figure, reference, simulate, tracks::Track};
+use foxhunt_host::{figures::Figure, reference, tracks::Track};
 use foxhunt_problems::growth::{self, Growth, Measurement};
+use foxhunt_simulation::random;
 
 use super::{
     bearings,
@@ -41,7 +42,7 @@ pub(super) fn growth_experiment(
     let exact = reference::growth::GridFilter::new(STEPS);
     let problem = |run| {
         let (truth, measurements) =
-            reference::growth::run(STEPS, &mut simulate::generator(study.seed, run));
+            reference::growth::run(STEPS, &mut random::generator(study.seed, run));
         let measured = |(y, step): (&f64, u32)| (Growth { step }, Measurement { value: *y as f32 });
         Problem {
             start: growth::START,

@@ -15,8 +15,8 @@ use foxhunt_host::{
     building::{Building, EXTENT, FLOORS, Room, STAIRS, Walk},
     figures::Figure,
     radio_map::{Recipe, SiteSurvey},
-    simulate::generator,
 };
+use foxhunt_simulation::random::generator;
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 

@@ -1,6 +1,6 @@
 //! What is known to be done with bearings of which some are outliers, all of them at once.
 
-use foxhunt_host::Sight;
+use foxhunt_simulation::Sight;
 use nalgebra::{Matrix2, Vector2};
 
 /// The least cost by Huber's function with that limit, in sigmas, from 144 starts all over the room; where there is

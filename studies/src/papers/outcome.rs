@@ -5,10 +5,8 @@ use foxhunt::{
     aoa::{Answer, Fix, Locate, Robust, robust::Config},
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
-use foxhunt_host::{
-    Sight,
-    reference::{Posterior, mahalanobis},
-};
+use foxhunt_host::reference::{Posterior, mahalanobis};
+use foxhunt_simulation::Sight;
 
 use super::statistics::NINETY_FIVE;
 

@@ -1,5 +1,6 @@
 //! A state of one dimension over some steps: methods on the same measurements, beside the exact filter.
 
+use foxhunt_simulation::random;
 use std::ops::Range;
 
 use anyhow::Result;
@@ -10,7 +11,6 @@ use foxhunt::{
 use foxhunt_host::{
     figures::Figure,
     picture::{Axis, Curve, Curves, Style},
-    simulate,
 };
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
@@ -175,7 +175,7 @@ impl Experiment {
         });
         let run = |run: u32| {
             let problem = problem(run.into());
-            let mut rng = simulate::generator(!seed, run.into());
+            let mut rng = random::generator(!seed, run.into());
             let of_method = |method: &Method<_>| {
                 let mut own = Xoshiro128PlusPlus::from_rng(&mut rng);
                 (method.run)(&problem, &mut own)

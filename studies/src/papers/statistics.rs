@@ -1,6 +1,6 @@
 //! What many runs say, and how sure that is.
 
-use foxhunt_host::simulate::generator;
+use foxhunt_simulation::random::generator;
 
 /// 95 % of a normal distribution in the plane lie within this Mahalanobis distance.
 pub const NINETY_FIVE: f64 = 2.447_746_830_680_816;

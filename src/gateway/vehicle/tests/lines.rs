@@ -254,3 +254,42 @@ fn ports_have_lines_of_their_own() {
     assert_eq!(gateway.push(2, b'\n'), None);
     assert_eq!(gateway.vehicle().counters().lines, 11);
 }
+
+#[test]
+fn a_record_is_as_good_as_a_line() {
+    let mut vehicle: Vehicle<Clean<60, 16>> = Vehicle::EMPTY;
+    let place = Geodetic::new(481_173_000, 115_166_667).unwrap();
+    let record = |seconds: u32, degrees: f32| BearingRecord {
+        time_ms: Some(43_200_000 + 1_000 * seconds),
+        place: Some(place),
+        sigma_rad: Some(0.05),
+        ..BearingRecord::new(degrees)
+    };
+    let event = vehicle.push_record(0, &record(0, 30.0), &CONFIG);
+    assert!(matches!(event, Event::NotObservable(_)), "{event:?}");
+    let taken = vehicle.observation().unwrap();
+    assert!((taken.bearing().compass_degrees() - 30.0).abs() < 1e-3);
+    assert_eq!(taken.sigma_rad(), 0.05);
+    for (record, reason) in [
+        (record(0, 31.0), Rejected::Duplicate),
+        (record(1, 361.0), Rejected::OutOfRange),
+        (record(1, f32::NAN), Rejected::OutOfRange),
+        (BearingRecord::new(0.0), Rejected::NoPosition),
+    ] {
+        let event = vehicle.push_record(0, &record, &CONFIG);
+        assert_eq!(event, Event::Rejected(reason));
+    }
+    // From the bow, with a heading of its own.
+    let relative = BearingRecord {
+        reference: BearingReference::Relative,
+        heading_deg: Some(350.0),
+        ..record(2, 20.0)
+    };
+    vehicle.push_record(0, &relative, &CONFIG);
+    let taken = vehicle.observation().unwrap();
+    assert!((taken.bearing().compass_degrees() - 10.0).abs() < 1e-3);
+    assert_eq!(
+        (vehicle.counters().lines, vehicle.counters().bearings),
+        (6, 2)
+    );
+}

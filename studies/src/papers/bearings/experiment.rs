@@ -3,12 +3,12 @@
 use anyhow::{Context, Result};
 use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
 use foxhunt_host::{
-    Sight,
     figures::Figure,
     reference::{cramer_rao, mahalanobis},
     simulate,
     tracks::Track,
 };
+use foxhunt_simulation::{Sight, random};
 use indicatif::ParallelProgressIterator;
 use nalgebra::Matrix2;
 use rayon::prelude::*;
@@ -46,7 +46,7 @@ impl Experiment {
                 sigma: 0.0,
                 ..track.clone()
             },
-            &mut simulate::generator(0, 0),
+            &mut random::generator(0, 0),
         )
         .into_iter()
         .map(|sight| Sight {
@@ -71,7 +71,7 @@ impl Experiment {
             .into_par_iter()
             .progress_with(progress(runs.into(), track.name)?)
             .map(|run| {
-                let mut rng = simulate::generator(seed, run.into());
+                let mut rng = random::generator(seed, run.into());
                 let problem = Problem::new(&track, &mut rng)?;
                 let one = |method: &&Method| {
                     let mut own = Xoshiro128PlusPlus::from_rng(&mut rng);
@@ -184,7 +184,7 @@ impl Experiment {
             .into_par_iter()
             .progress_with(progress(MORE_RUNS.into(), "lost runs")?)
             .map(|run| {
-                let mut rng = simulate::generator(!seed, run.into());
+                let mut rng = random::generator(!seed, run.into());
                 let [x, y] = method.error(&self.track, &mut rng)?;
                 Ok(x.hypot(y) / self.bound())
             })

@@ -3,11 +3,11 @@
 use anyhow::{Context, Result};
 use foxhunt::aoa::Observation;
 use foxhunt_host::{
-    Sight,
     reference::{Posterior, mahalanobis},
     simulate,
     tracks::Track,
 };
+use foxhunt_simulation::Sight;
 use rand::Rng;
 
 use crate::papers::statistics::NINETY_FIVE;

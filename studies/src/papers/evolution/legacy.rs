@@ -12,10 +12,8 @@
 
 use std::f64::consts::TAU;
 
-use foxhunt_host::{
-    reference::gamma::{GammaNoise, START, noise},
-    simulate::normal,
-};
+use foxhunt_host::reference::gamma::{GammaNoise, START, noise};
+use foxhunt_simulation::random::normal;
 use rand::{Rng, RngExt};
 
 /// Added to every likelihood.

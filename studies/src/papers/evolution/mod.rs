@@ -9,9 +9,10 @@ use anyhow::Result;
 use foxhunt_host::{
     figures::Figure,
     picture::{Axis, Curve, Curves, Style},
-    reference, simulate,
+    reference,
 };
 use foxhunt_problems::gamma::{self, GammaNoise, Measurement};
+use foxhunt_simulation::random;
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 
@@ -163,7 +164,7 @@ fn table_of_the_paper(study: &Study, omega: f64) -> Result<Vec<Figure>> {
         .into_par_iter()
         .progress_with(progress(runs.into(), format!("legacy, omega {omega}"))?)
         .map(|run| {
-            let rng = &mut simulate::generator(study.seed, run.into());
+            let rng = &mut random::generator(study.seed, run.into());
             let (truth, measurements) = model.run(STEPS, rng);
             PAPER.map(|row| row.method.rmse(&model, &truth, &measurements, rng))
         })
@@ -224,7 +225,7 @@ pub(super) fn experiment(
 ) -> Result<Experiment> {
     let model = reference::gamma::GammaNoise { omega, variance };
     let problem = |run| {
-        let (truth, measurements) = model.run(STEPS, &mut simulate::generator(study.seed, run));
+        let (truth, measurements) = model.run(STEPS, &mut random::generator(study.seed, run));
         let measured = |(z, step): (&f64, u32)| {
             let dynamics = GammaNoise {
                 step,

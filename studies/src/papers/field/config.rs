@@ -6,10 +6,8 @@ use foxhunt::aoa::{
     Robust, clean,
     robust::{Biases, Config, Correlation, Errors},
 };
-use foxhunt_host::{
-    Sight,
-    reference::{Prior, Square},
-};
+use foxhunt_host::reference::{Prior, Square};
+use foxhunt_simulation::Sight;
 
 const DEGREE: f64 = PI / 180.0;
 

@@ -6,13 +6,12 @@ use foxhunt::{
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
 use foxhunt_host::{
-    Sight,
     curve::Curve,
     figures::Figure,
     reference::{Biases, ByDirection as Unknown, Model, Posterior},
-    simulate::generator,
     tracks::Track,
 };
+use foxhunt_simulation::{Sight, random::generator};
 
 use super::{
     config::{self, ByDirection, CURVE_SIGMA, HARMONICS, Told},

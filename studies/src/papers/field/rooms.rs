@@ -5,14 +5,12 @@ use std::path::Path;
 
 use anyhow::Result;
 use foxhunt_host::{
-    Sight,
-    faults::Faults,
     figures::Figure,
     measured::Measured,
     reference::{Model, mahalanobis},
-    simulate,
     stops::shuffle,
 };
+use foxhunt_simulation::{Sight, faults::Faults, random};
 use indicatif::ParallelProgressIterator;
 use nalgebra::Vector2;
 use rayon::prelude::*;
@@ -264,7 +262,7 @@ fn order_of(
     for (sight, second) in sights.iter_mut().zip(0..) {
         sight.time_ms = 1000 * second;
     }
-    shuffle(&mut sights, &mut simulate::generator(seed, order));
+    shuffle(&mut sights, &mut random::generator(seed, order));
     let told = nothing(SIGMA_DEGREES.to_radians());
     let answer = locate(&told.config, &sights, seed ^ order)?;
     let last = sights[sights.len() - 1].position;

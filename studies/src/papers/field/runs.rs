@@ -3,10 +3,10 @@
 use anyhow::{Context, Result};
 use foxhunt::aoa::Answer;
 use foxhunt_host::{
-    Sight,
     figures::Figure,
     reference::{Model, Posterior},
 };
+use foxhunt_simulation::Sight;
 use indicatif::ParallelProgressIterator;
 use nalgebra::Vector2;
 use rayon::prelude::*;

@@ -1,14 +1,8 @@
 //! Sigmas that are not as stated, and tracks of any size.
 
 use anyhow::Result;
-use foxhunt_host::{
-    Sight,
-    faults::Faults,
-    figures::Figure,
-    reference::Model,
-    simulate::{self, generator},
-    tracks::Track,
-};
+use foxhunt_host::{figures::Figure, reference::Model, simulate, tracks::Track};
+use foxhunt_simulation::{Sight, faults::Faults, random::generator};
 
 use super::{
     config::{BIAS_SIGMA, SCALE_SIGMA, nothing},

@@ -6,13 +6,12 @@ use foxhunt::{
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
 use foxhunt_host::{
-    Sight,
     figures::Figure,
     reference::Model,
-    simulate::generator,
     stations::Stations,
     xplr::{self, Stop},
 };
+use foxhunt_simulation::{Sight, random::generator};
 use nalgebra::Vector2;
 use rayon::prelude::*;
 

@@ -3,12 +3,11 @@
 use anyhow::Result;
 use foxhunt::aoa::Clean;
 use foxhunt_host::{
-    Sight,
     figures::Figure,
     reference::Model,
-    simulate::generator,
     stops::{Stops, shuffle},
 };
+use foxhunt_simulation::{Sight, random::generator};
 
 use super::{
     config::{self, CLEAN, GUESSED_SIGMA, READING_SIGMA, STOP_SIGMA, Told},

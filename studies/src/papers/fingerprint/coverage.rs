@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use foxhunt_host::simulate::generator;
+use foxhunt_simulation::random::generator;
 use rand::RngExt;
 
 /// Steps of a walk that are drawn together, because their errors are alike.

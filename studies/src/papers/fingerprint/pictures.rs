@@ -6,13 +6,13 @@ use foxhunt::fingerprint::{
     tracker::{Config, Site},
 };
 use foxhunt_host::{
+    experiment::{SAMPLES, SURVEYED, WALKED},
     picture::{self, Axis, Curve, Curves, Walks},
-    simulate::generator,
-    tunnel::{
-        Radio, Tunnel,
-        experiment::{SAMPLES, SURVEYED, WALKED},
-    },
     walks::{Office, Walk, follow, of_simulated_packets, tunnel_map},
+};
+use foxhunt_simulation::{
+    random::generator,
+    tunnel::{Radio, Tunnel},
 };
 
 use super::windows::{NOISE, RATE, SPEED};

@@ -9,13 +9,13 @@ use foxhunt::{
     resample::Scheme,
 };
 use foxhunt_host::{
+    experiment::{INTERVAL, MISMATCH, Run, SAMPLES, SURVEYED, WALKED},
     figures::Figure,
     picture::{Axis, Curves},
     reference::corridor::{CorridorFilter, LineMap, Motion},
-    simulate::generator,
-    tunnel::experiment::{INTERVAL, MISMATCH, Run, SAMPLES, SURVEYED, WALKED},
     walks::{PARTICLES, follow_scans, of_simulated_scans, tunnel_map},
 };
+use foxhunt_simulation::random::generator;
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 

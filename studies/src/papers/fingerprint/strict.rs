@@ -12,9 +12,11 @@ use foxhunt_host::{
         corridor::LineMap,
         remembering::{self, Model},
     },
-    simulate::{generator, normal},
-    tunnel::Packet,
     walks::fixes,
+};
+use foxhunt_simulation::{
+    random::{generator, normal},
+    tunnel::Packet,
 };
 use indicatif::ParallelProgressIterator;
 use rand::{Rng, RngExt};

@@ -6,13 +6,13 @@ use foxhunt::fingerprint::{
     tracker::{Config, Site},
 };
 use foxhunt_host::{
+    experiment::{SAMPLES, SURVEYED, WALKED},
     figures::Figure,
-    simulate::generator,
-    tunnel::{
-        Radio, Tunnel,
-        experiment::{SAMPLES, SURVEYED, WALKED},
-    },
     walks::{follow, of_simulated_packets, tunnel_map},
+};
+use foxhunt_simulation::{
+    random::generator,
+    tunnel::{Radio, Tunnel},
 };
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;

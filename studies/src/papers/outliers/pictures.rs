@@ -6,7 +6,8 @@ use foxhunt::{
     estimate::Ellipse,
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
-use foxhunt_host::{Sight, faults::Faults, picture::Map, simulate, tracks::Track};
+use foxhunt_host::{picture::Map, simulate, tracks::Track};
+use foxhunt_simulation::{Sight, faults::Faults, random};
 
 use crate::papers::study::Study;
 
@@ -14,13 +15,13 @@ use crate::papers::study::Study;
 pub fn draw(study: &Study) -> Result<()> {
     let seed = study.seed;
     let track = Track::a2();
-    let mut sights = simulate::bearings(&track, &mut simulate::generator(seed, 0));
+    let mut sights = simulate::bearings(&track, &mut random::generator(seed, 0));
     let faults = Faults {
         outlier_rate: 0.3,
         mirrored_rate: 0.1,
         bias_sigma: 0.0,
     };
-    faults.spoil(&mut sights, &mut simulate::generator(!seed, 0));
+    faults.spoil(&mut sights, &mut random::generator(!seed, 0));
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
     let mut locator = Box::new(Locator::<Robust<256>>::new(robust::Config::DEFAULT)?);
     let mut competing = false;

@@ -9,13 +9,12 @@ use foxhunt::{
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
 use foxhunt_host::{
-    Sight,
-    faults::Faults,
     figures::Figure,
     reference::{Posterior, cramer_rao_of_biased},
     simulate,
     tracks::Track,
 };
+use foxhunt_simulation::{Sight, faults::Faults, random};
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 
@@ -90,10 +89,10 @@ impl Run {
     fn new(track: &Track, faults: &Faults, run: u32, seed: u64) -> Result<Self> {
         let run = u64::from(run);
         let source = track.source;
-        let mut sights = simulate::bearings(track, &mut simulate::generator(seed, run));
+        let mut sights = simulate::bearings(track, &mut random::generator(seed, run));
         let bound = cramer_rao_of_biased(&sights, source, faults.bias_sigma).context("no bound")?;
         let floor = Posterior::new(&sights).context("no posterior")?;
-        faults.spoil(&mut sights, &mut simulate::generator(!seed, run));
+        faults.spoil(&mut sights, &mut random::generator(!seed, run));
         let exact = Posterior::with_faults(&sights, faults).context("no posterior")?;
         let config = Config {
             errors: Errors {

@@ -2,7 +2,8 @@
 
 use anyhow::Result;
 use foxhunt::aoa::robust::{Config, Correlation, Errors};
-use foxhunt_host::{faults::Stationary, figures::Figure, simulate, tracks::Track};
+use foxhunt_host::{figures::Figure, stationary::Stationary, tracks::Track};
+use foxhunt_simulation::random;
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 
@@ -97,7 +98,7 @@ fn outcomes(
             format!("{}, stationary at {stop}", track.name),
         )?)
         .map(|run| {
-            let sights = stationary.bearings(track, &mut simulate::generator(seed, run.into()));
+            let sights = stationary.bearings(track, &mut random::generator(seed, run.into()));
             let answer = locate(&config, &sights, seed ^ u64::from(run))?;
             Ok(Outcome::of(answer, track.source))
         })

@@ -1,6 +1,7 @@
 //! What is compared, and the tracks of it.
 
-use foxhunt_host::{Sight, faults::Faults, reference::Square, simulate, tracks::Track};
+use foxhunt_host::{reference::Square, simulate, tracks::Track};
+use foxhunt_simulation::{Sight, faults::Faults, random};
 
 /// Bearings, and what is known of them.
 pub struct Case {
@@ -44,8 +45,8 @@ pub fn tracks(runs: u64, seed: u64) -> Vec<Case> {
     for track in Track::all() {
         for (name, faults) in faults() {
             cases.extend((0..runs).filter_map(|run| {
-                let mut sights = simulate::bearings(&track, &mut simulate::generator(seed, run));
-                faults.spoil(&mut sights, &mut simulate::generator(!seed, run));
+                let mut sights = simulate::bearings(&track, &mut random::generator(seed, run));
+                faults.spoil(&mut sights, &mut random::generator(!seed, run));
                 Some(Case {
                     group: format!("{}.{name}", track.name.to_lowercase()),
                     square: Square::round(&sights)?,

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use anyhow::Result;
-use foxhunt_host::{Sight, faults::Faults, measured::Measured, reference::Square, xplr};
+use foxhunt_host::{measured::Measured, reference::Square, xplr};
+use foxhunt_simulation::{Sight, faults::Faults};
 
 use super::cases::{Case, faults};
 

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use foxhunt_host::{Sight, reference::Square, simulate};
+use foxhunt_host::reference::Square;
+use foxhunt_simulation::{Sight, random};
 use rand::{Rng, RngExt};
 
 use super::cases::{Case, faults};
@@ -33,7 +34,7 @@ pub fn cases(runs: u64, seed: u64) -> Vec<Case> {
     for (k, (kind_name, kind)) in (0..).zip(KINDS) {
         for (f, (fault_name, faults)) in (0..).zip(faults()) {
             cases.extend((0..runs).map(|run| {
-                let mut rng = simulate::generator(seed ^ (k << 40) ^ (f << 48), run);
+                let mut rng = random::generator(seed ^ (k << 40) ^ (f << 48), run);
                 let (mut sights, source) = geometry(kind, &mut rng);
                 faults.spoil(&mut sights, &mut rng);
                 Case {
@@ -92,7 +93,7 @@ fn geometry(kind: Kind, rng: &mut impl Rng) -> (Vec<Sight>, [f64; 2]) {
             Sight {
                 time_ms,
                 position,
-                bearing: y.atan2(x) + sigma * simulate::normal(rng),
+                bearing: y.atan2(x) + sigma * random::normal(rng),
                 sigma,
             }
         })

@@ -5,7 +5,8 @@
 
 use std::f64::consts::TAU;
 
-use foxhunt_host::{Sight, channel::Reading, simulate::generator};
+use foxhunt_host::channel::Reading;
+use foxhunt_simulation::{Sight, random::generator};
 use nalgebra::{Matrix2, Vector2};
 use rand::{Rng, RngExt};
 

@@ -5,9 +5,9 @@ use std::f64::consts::PI;
 use anyhow::{Result, ensure};
 use foxhunt_host::{
     channel::{Channel, Heard, Reading},
-    simulate::generator,
     tracks::Track,
 };
+use foxhunt_simulation::random::generator;
 
 const DEGREE: f64 = PI / 180.0;
 /// The sides of the squares, in metres.

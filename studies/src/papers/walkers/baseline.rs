@@ -1,6 +1,6 @@
 //! Least squares of the lines of each second, smoothed by a Kalman filter.
 
-use foxhunt_host::Sight;
+use foxhunt_simulation::Sight;
 use nalgebra::{Matrix2, Vector2};
 
 use crate::papers::others::nearest_to_lines;

@@ -5,11 +5,10 @@ use std::path::Path;
 use anyhow::Result;
 use foxhunt::aoa::{manoeuvring::Config, robust::Correlation};
 use foxhunt_host::{
-    Sight,
     figures::Figure,
-    simulate::generator,
     xplr::{self, Walk},
 };
+use foxhunt_simulation::{Sight, random::generator};
 use nalgebra::Vector2;
 
 use super::{EVERY_S, FIRST_S, Follower, baseline::Smoothed};

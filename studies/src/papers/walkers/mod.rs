@@ -6,7 +6,8 @@ use foxhunt::{
     aoa::{Answer, Locator, Manoeuvring, Observation, PushError, Robust, manoeuvring::Config},
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
-use foxhunt_host::{Sight, figures::Figure};
+use foxhunt_host::figures::Figure;
+use foxhunt_simulation::Sight;
 
 use super::study::Study;
 

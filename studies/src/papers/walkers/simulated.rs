@@ -5,10 +5,10 @@ use foxhunt::aoa::{manoeuvring::Config, robust};
 use foxhunt_host::{
     figures::Figure,
     reference::{Walkers, mahalanobis},
-    simulate::generator,
     stations::Stations,
     walker::Walker,
 };
+use foxhunt_simulation::random::generator;
 use indicatif::ParallelProgressIterator;
 use nalgebra::Vector2;
 use rayon::prelude::*;

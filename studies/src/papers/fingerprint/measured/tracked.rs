@@ -2,7 +2,8 @@
 
 use anyhow::Result;
 use foxhunt::fingerprint::tracker::Config;
-use foxhunt_host::{simulate::generator, tunnel::Packet, walks::Office};
+use foxhunt_host::walks::Office;
+use foxhunt_simulation::{random::generator, tunnel::Packet};
 use indicatif::ParallelProgressIterator;
 use rand::RngExt;
 use rayon::prelude::*;

@@ -1,0 +1,114 @@
+//! `foxhunt live`: a search as it happens.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use serde_json::json;
+
+use super::summary;
+use crate::{
+    input::Demo,
+    live::{self, Extra},
+    screen,
+    settings::{Input, Settings},
+};
+
+/// Locate live: read receivers and direction finders, show a page, and tell other programs
+///
+/// What comes in and where results go is told by a settings file, which `foxhunt init` writes. Without one, lines are read from
+/// the standard input. It runs until Ctrl-C.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  foxhunt live --demo\n  foxhunt live foxhunt.toml\n  cat drive.nmea | foxhunt live --until-end"
+)]
+pub struct Options {
+    /// The settings.
+    file: Option<PathBuf>,
+    /// Simulate a drive past two transmitters, and people in a tunnel, in place of the inputs.
+    #[arg(long)]
+    demo: bool,
+    /// How many times as fast as it was the demo runs.
+    #[arg(long, requires = "demo", default_value_t = 1.0, value_parser = speed)]
+    speed: f64,
+    /// Seeds the errors of the demo.
+    #[arg(long, requires = "demo", default_value_t = 1)]
+    seed: u64,
+    /// Where the page is served, in place of what the settings say: an address and a port.
+    #[arg(long, value_name = "ADDRESS")]
+    listen: Option<String>,
+    /// Serve no page.
+    #[arg(long, conflicts_with = "listen")]
+    no_page: bool,
+    /// Write the raw log to this file, in place of what the settings say.
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
+    /// End when all inputs have ended, as of a file on the standard input.
+    #[arg(long)]
+    until_end: bool,
+    /// Only say whether the settings are right.
+    #[arg(long)]
+    check: bool,
+    /// Print JSON at the end.
+    #[arg(long)]
+    json: bool,
+}
+
+fn speed(text: &str) -> Result<f64> {
+    let speed: f64 = text.parse().context("a number")?;
+    anyhow::ensure!(speed > 0.0 && speed <= 1_000.0, "from above 0 to 1000");
+    Ok(speed)
+}
+
+/// Runs the command.
+pub fn run(options: &Options) -> Result<()> {
+    let mut settings = match &options.file {
+        Some(file) => Settings::read(file)?,
+        None => Settings::default(),
+    };
+    let mut extra = Extra {
+        demo: None,
+        until_end: options.until_end,
+    };
+    if options.demo {
+        settings = Demo::settings(settings);
+        extra.demo = Some(Demo {
+            speed: options.speed,
+            seed: options.seed,
+        });
+    } else if options.file.is_none() {
+        settings.input.push(Input {
+            stdin: Some(true),
+            ..Input::default()
+        });
+    }
+    if let Some(listen) = &options.listen {
+        settings.web.listen.clone_from(listen);
+        settings.web.enabled = true;
+    }
+    settings.web.enabled &= !options.no_page;
+    if let Some(file) = &options.log {
+        settings.set_log(file);
+    }
+    if options.check {
+        live::check(&settings)?;
+        let file = options.file.as_deref().unwrap_or(Path::new("-"));
+        return screen::line(format_args!("{}: all right", file.display()));
+    }
+    let engine = live::run(&settings, extra)?;
+    let archive = engine.archive().ok();
+    if options.json {
+        let fixes = archive.as_ref().map(|archive| archive.fix_rows());
+        let last = archive
+            .as_ref()
+            .map_or(0, |archive| archive.last().sources.len().max(1));
+        let fixes = fixes.map(|rows| rows.into_iter().rev().take(last).rev().collect::<Vec<_>>());
+        return screen::json(&json!({
+            "lines": summary::object(engine.counters()), "fixes": fixes.unwrap_or_default(),
+        }));
+    }
+    eprintln!("{}", summary::table(engine.counters()));
+    if let Some(archive) = archive {
+        eprint!("{}", summary::answer(&archive));
+    }
+    Ok(())
+}

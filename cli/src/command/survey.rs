@@ -1,0 +1,444 @@
+//! `foxhunt survey`: from a survey to a radio map, for the flash of a gateway.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context, Result, bail};
+use foxhunt::fingerprint::{self, Lattice, RadioMap};
+use foxhunt_host::{
+    picture::{self, Heat},
+    radio_map::{Expected, Made, Recipe, Shape, SiteSurvey, rust_constant},
+};
+use serde_json::{Value, json};
+
+use crate::screen;
+
+/// Check a survey, make a radio map of it, or predict how well it will find tags
+#[derive(clap::Subcommand)]
+pub enum Command {
+    /// Say what a survey holds, and what it lacks
+    #[command(after_help = "Example:\n  foxhunt survey check survey.csv")]
+    Check(Check),
+    /// Make a radio map of a survey
+    #[command(
+        after_help = "Example:\n  foxhunt survey build survey.csv --output tunnel.map --date 2026-11-27"
+    )]
+    Build(Build),
+    /// Predict how well tags will be found by a map of the survey, and draw it
+    #[command(after_help = "Example:\n  foxhunt survey predict survey.csv --picture expected.svg")]
+    Predict(Predict),
+}
+
+/// The survey.
+#[derive(clap::Args)]
+pub struct Check {
+    /// CSV with the columns x, y (metres), beacon (a number) and rssi (dBm), a reading in each row; or x, y
+    /// and rssi_1, rssi_2 and so on, a place in each row. A column floor makes a map of each floor.
+    survey: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is predicted.
+#[derive(clap::Args)]
+pub struct Predict {
+    #[command(flatten)]
+    survey: Check,
+    #[command(flatten)]
+    recipe: Options,
+    /// Where the picture is written, as SVG and PNG.
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+}
+
+/// What is made.
+#[derive(clap::Args)]
+pub struct Build {
+    #[command(flatten)]
+    survey: Check,
+    /// Where the map is written: as Rust if it ends in .rs, otherwise as the bytes themselves. Beside it a picture of what
+    /// the map promises.
+    #[arg(long, short, value_name = "FILE")]
+    output: PathBuf,
+    /// Name of the Rust constant.
+    #[arg(long, value_name = "NAME", default_value = "MAP")]
+    name: String,
+    #[command(flatten)]
+    recipe: Options,
+}
+
+/// How a map is made.
+#[derive(clap::Args)]
+pub struct Options {
+    /// Metres from one point of the map to the next [default: by the survey].
+    #[arg(long, value_name = "METRES")]
+    spacing: Option<f64>,
+    /// Side of the cells in which places are put together, 0 for none [default: by the survey].
+    #[arg(long, value_name = "METRES")]
+    cell: Option<f64>,
+    /// Distance over which the strengths of the beacons are alike; with --field-noise [default: by the survey].
+    #[arg(long, value_name = "METRES", requires = "field_noise")]
+    field_length: Option<f64>,
+    /// Fraction of the variance of the strengths that is noise of single places [default: by the survey].
+    #[arg(long, value_name = "FRACTION", requires = "field_length")]
+    field_noise: Option<f64>,
+    /// Standard deviation of the map's error where the survey has been [default: by the survey].
+    #[arg(long, value_name = "DB")]
+    sigma: Option<f64>,
+    /// Distance over which the map's error is alike [default: by the survey].
+    #[arg(long, value_name = "METRES")]
+    length: Option<f64>,
+    /// Standard deviation of a packet at one place [default: by the survey].
+    #[arg(long, value_name = "DB")]
+    packet_sigma: Option<f64>,
+    /// Points further than this from the survey are impossible [default: none is].
+    #[arg(long, value_name = "METRES")]
+    reach: Option<f64>,
+    /// Where beacons are: CSV with the columns id, x and y.
+    #[arg(long, value_name = "FILE")]
+    beacons: Option<PathBuf>,
+    /// The day of the survey.
+    #[arg(long, value_name = "YYYY-MM-DD", value_parser = days)]
+    date: Option<u32>,
+    /// What the map holds of each beacon at each point.
+    #[arg(long, value_enum, default_value_t = Encoding::Moments)]
+    encoding: Encoding,
+    /// Width of the kernel of levels, in dB: how much a scan differs from a survey.
+    #[arg(long, value_name = "DB", default_value_t = Recipe::default().bandwidth_db)]
+    bandwidth: f64,
+    /// How many levels there are.
+    #[arg(long, value_name = "NUMBER", default_value_t = Recipe::default().levels)]
+    levels: u8,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Encoding {
+    /// Mean and sigma, in two bytes: what the tracker needs.
+    Moments,
+    /// The logarithm of a kernel density by level: what the table matcher needs.
+    Levels,
+}
+
+/// Runs the command.
+pub fn run(command: &Command) -> Result<()> {
+    match command {
+        Command::Check(options) => check(options),
+        Command::Build(options) => build(options),
+        Command::Predict(options) => predict(options),
+    }
+}
+
+impl Check {
+    /// The surveys of the floors.
+    fn floors(&self) -> Result<BTreeMap<i32, SiteSurvey>> {
+        let survey = self.survey.display();
+        let file = fs::File::open(&self.survey).with_context(|| format!("cannot read {survey}"))?;
+        SiteSurvey::floors(file).with_context(|| format!("{survey}"))
+    }
+
+    /// Prints the lines, or the JSON.
+    fn say(&self, lines: &[String], value: &Value) -> Result<()> {
+        if self.json {
+            return screen::json(value);
+        }
+        lines.iter().try_for_each(screen::line)
+    }
+}
+
+fn check(options: &Check) -> Result<()> {
+    /// A beacon that fewer places have heard tells of too little.
+    const FEW: usize = 3;
+    for (floor, survey) in options.floors()? {
+        let readings = survey.survey();
+        let heard = |beacon: usize| {
+            let places = 0..readings.places.len();
+            places
+                .filter(|place| readings.level(*place, beacon).is_some())
+                .count()
+        };
+        let rarely: Vec<u32> = (survey.beacons().iter().enumerate())
+            .filter(|(index, _)| heard(*index) < FEW)
+            .map(|(_, beacon)| *beacon)
+            .collect();
+        let unheard = (0..readings.places.len())
+            .filter(|place| {
+                let mut beacons = 0..readings.beacons();
+                !beacons.any(|beacon| readings.level(*place, beacon).is_some())
+            })
+            .count();
+        let samples: usize = readings.samples.iter().flatten().map(Vec::len).sum();
+        let mut lines = vec![format!(
+            "floor {floor}: {} places, {} beacons, {samples} readings",
+            readings.places.len(),
+            survey.beacons().len(),
+        )];
+        if survey.gated() > 0 {
+            lines.push(format!(
+                "  {} readings are left out: no radio measures such strengths",
+                survey.gated()
+            ));
+        }
+        if !rarely.is_empty() {
+            lines.push(format!(
+                "  heard at fewer than {FEW} places: beacons {rarely:?}"
+            ));
+        }
+        if unheard > 0 {
+            lines.push(format!("  at {unheard} places nothing was heard"));
+        }
+        let value = json!({
+            "floor": floor, "places": readings.places.len(), "beacons": survey.beacons(), "readings": samples,
+            "left_out": survey.gated(), "rarely_heard": rarely, "places_without_readings": unheard,
+        });
+        options.say(&lines, &value)?;
+    }
+    Ok(())
+}
+
+fn build(options: &Build) -> Result<()> {
+    let floors = options.survey.floors()?;
+    let recipe = options.recipe.of(&floors)?;
+    let several = floors.len() > 1;
+    for (floor, survey) in floors {
+        let file = if several {
+            with_floor(&options.output, floor)
+        } else {
+            options.output.clone()
+        };
+        let made = made(&survey, &recipe)?;
+        write(options, floor, &survey, &made, &file)?;
+    }
+    Ok(())
+}
+
+fn predict(options: &Predict) -> Result<()> {
+    let floors = options.survey.floors()?;
+    let recipe = options.recipe.of(&floors)?;
+    let several = floors.len() > 1;
+    for (floor, survey) in floors {
+        let made = made(&survey, &recipe)?;
+        let (mut lines, mut value) = promise(&made);
+        lines.insert(0, format!("floor {floor}: {}", made.choices));
+        value["floor"] = floor.into();
+        if let Some(picture) = &options.picture {
+            let file = if several {
+                with_floor(picture, floor)
+            } else {
+                picture.clone()
+            };
+            let picture = draw(&survey, &made, &file)?;
+            lines.push(format!("picture: {}", picture.display()));
+            value["picture"] = json!(picture);
+        }
+        options.survey.say(&lines, &value)?;
+    }
+    Ok(())
+}
+
+impl Options {
+    /// How the maps of some floors are made, all on one lattice.
+    fn of(&self, floors: &BTreeMap<i32, SiteSurvey>) -> Result<Recipe> {
+        let mut recipe = self.recipe()?;
+        if floors.len() > 1 {
+            recipe.lattice = Some(common_lattice(&recipe, floors)?);
+        }
+        Ok(recipe)
+    }
+
+    fn recipe(&self) -> Result<Recipe> {
+        let sources = match &self.beacons {
+            Some(file) => foxhunt_host::radio_map::sources(file)?,
+            None => Default::default(),
+        };
+        let shape = self.field_length.zip(self.field_noise);
+        Ok(Recipe {
+            spacing_m: self.spacing,
+            cell_m: self.cell,
+            shape: shape.map(|(length_m, noise)| Shape { length_m, noise }),
+            sigma_db: self.sigma,
+            length_m: self.length,
+            packet_sigma_db: self.packet_sigma,
+            reach_m: self.reach,
+            sources,
+            days: self.date,
+            encoding: match self.encoding {
+                Encoding::Moments => fingerprint::Encoding::Moments,
+                Encoding::Levels => fingerprint::Encoding::Levels,
+            },
+            bandwidth_db: self.bandwidth,
+            levels: self.levels,
+            ..Recipe::default()
+        })
+    }
+}
+
+/// The lattice of all floors, with the spacing of the floor that needs the least.
+fn common_lattice(recipe: &Recipe, floors: &BTreeMap<i32, SiteSurvey>) -> Result<Lattice> {
+    let spacing = match recipe.spacing_m {
+        Some(spacing) => spacing,
+        None => {
+            let mut least = f64::INFINITY;
+            for survey in floors.values() {
+                let made = survey.map(recipe, &mut |_| ())?;
+                least = least.min(made.lattice.spacing().into());
+            }
+            least
+        }
+    };
+    SiteSurvey::lattice_of(floors.values(), spacing)
+}
+
+/// The file of a floor: its number comes before the ending.
+fn with_floor(output: &Path, floor: i32) -> PathBuf {
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    match output.extension() {
+        Some(ending) => {
+            output.with_file_name(format!("{stem}-{floor}.{}", ending.to_string_lossy()))
+        }
+        None => output.with_file_name(format!("{stem}-{floor}")),
+    }
+}
+
+fn made(survey: &SiteSurvey, recipe: &Recipe) -> Result<Made> {
+    let bar = screen::percent("leaving places out");
+    let made = survey.map(recipe, &mut |fraction| {
+        bar.set_position((100.0 * fraction) as u64)
+    })?;
+    bar.finish_and_clear();
+    Ok(made)
+}
+
+fn write(options: &Build, floor: i32, survey: &SiteSurvey, made: &Made, file: &Path) -> Result<()> {
+    let map = match RadioMap::new(&made.bytes) {
+        Ok(map) => map,
+        Err(error) => bail!("the map that was made is not one: {error}"),
+    };
+    let is_rust = file.extension().is_some_and(|extension| extension == "rs");
+    let written = if is_rust {
+        fs::write(file, rust_constant(&options.name, &made.bytes))
+    } else {
+        fs::write(file, &made.bytes)
+    };
+    written.with_context(|| format!("cannot write {}", file.display()))?;
+    let lattice = map.lattice();
+    let mut lines = vec![
+        format!(
+            "floor {floor}: {}: {} bytes, {} beacons at {} x {} points, {} m apart",
+            file.display(),
+            made.bytes.len(),
+            survey.beacons().len(),
+            lattice.columns(),
+            lattice.rows(),
+            lattice.spacing(),
+        ),
+        made.choices.to_string(),
+    ];
+    let (promised, mut value) = promise(made);
+    lines.extend(promised);
+    let picture = draw(survey, made, &file.with_extension("expected"))?;
+    lines.push(format!("picture: {}", picture.display()));
+    if survey.gated() > 0 {
+        lines.push(format!(
+            "{} readings left out: no radio measures such strengths",
+            survey.gated()
+        ));
+    }
+    for (name, more) in [
+        ("floor", json!(floor)),
+        ("file", json!(file)),
+        ("bytes", json!(made.bytes.len())),
+        ("beacons", json!(survey.beacons())),
+        ("columns", json!(lattice.columns())),
+        ("rows", json!(lattice.rows())),
+        ("spacing_m", json!(lattice.spacing())),
+        ("picture", json!(picture)),
+    ] {
+        value[name] = more;
+    }
+    options.survey.say(&lines, &value)
+}
+
+/// How well places will be found.
+fn promise(made: &Made) -> (Vec<String>, Value) {
+    let expected = &made.expected;
+    let (Some(median), Some(most)) = (expected.quantile_m(0.5), expected.quantile_m(0.9)) else {
+        return (Vec::new(), json!({}));
+    };
+    let line = format!(
+        "expected of {} packets of each beacon without memory, at {} places that were left out with their neighbours: \
+         median {median:.2} m, 90 % within {most:.2} m, {:.0} % within 2 m",
+        Expected::PACKETS,
+        expected.left_out_m.len(),
+        100.0 * expected.within(2.0),
+    );
+    let value = json!({
+        "median_error_m": median, "error_m_90_percent": most, "fraction_within_2_m": expected.within(2.0),
+    });
+    (vec![line], value)
+}
+
+/// Draws it, as SVG and PNG.
+fn draw(survey: &SiteSurvey, made: &Made, file: &Path) -> Result<PathBuf> {
+    let heat = Heat {
+        title: "What the map promises: expected error of a look without memory, in metres".into(),
+        panels: vec![picture::Field::of_points(
+            "by the survey",
+            &made.lattice,
+            &made.expected.by_point_m,
+        )],
+        places: survey.survey().places.clone(),
+    };
+    picture::save(&heat.svg()?, file)?;
+    Ok(file.with_extension("svg"))
+}
+
+/// Days since 1970-01-01 of a date of the Gregorian calendar.
+fn days(date: &str) -> Result<u32> {
+    let parts: Vec<i64> = date
+        .split('-')
+        .map(|part| part.parse().with_context(|| format!("{date} is no date")))
+        .collect::<Result<_>>()?;
+    let [year, month, day] = parts[..] else {
+        bail!("{date} is not of the form YYYY-MM-DD");
+    };
+    if !(1970..=9999).contains(&year) || !(1..=12).contains(&month) || !(1..=31).contains(&day) {
+        bail!("{date} is no date since 1970");
+    }
+    // Years begin in March, so that the leap day is the last.
+    let shifted = year - i64::from(month <= 2);
+    let of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
+    let days = 365 * shifted + shifted / 4 - shifted / 100 + shifted / 400 + of_year - 719_468;
+    u32::try_from(days).with_context(|| format!("{date} is no date since 1970"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_are_those_of_the_calendar() {
+        for (date, expected) in [
+            ("1970-01-01", 0),
+            ("2000-02-29", 11_016),
+            ("2026-11-27", 20_784),
+        ] {
+            assert_eq!(days(date).unwrap(), expected, "{date}");
+        }
+        for wrong in ["2026-13-01", "2026-11", "yesterday", "1969-12-31"] {
+            assert!(days(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn floors_have_files_of_their_own() {
+        assert_eq!(
+            with_floor(Path::new("a/site.map"), -1),
+            Path::new("a/site--1.map")
+        );
+        assert_eq!(with_floor(Path::new("site"), 2), Path::new("site-2"));
+    }
+}

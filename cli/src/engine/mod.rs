@@ -1,0 +1,19 @@
+//! The search: pieces of what comes in, and what follows from them. Live and in a replay it is the same, to the last bit.
+
+mod commands;
+mod dates;
+mod health;
+mod hunt;
+mod kept;
+pub mod message;
+mod piece;
+mod search;
+mod setup;
+mod site;
+mod words;
+
+pub use piece::{Command, Piece, What};
+pub use search::{Engine, Happened};
+pub use setup::Setup;
+pub use site::DEMO_MAP;
+pub use words::why;

@@ -1,0 +1,156 @@
+//! What is known, as messages.
+
+use foxhunt::aoa::{self, NotObservable, geodesy::LocalPlane};
+use foxhunt::estimate;
+use foxhunt_host::archive::coordinates;
+
+use super::hunt::Hunt;
+use super::message::{Advice, Answer, Ellipse, Hypothesis, Reason, Source};
+use super::site::rounded;
+
+/// The most particles that are told.
+const PARTICLES: usize = 300;
+
+/// What a search knows at a time.
+pub fn answer(hunt: &dyn Hunt, time_ms: i64) -> Answer {
+    let Some(plane) = hunt.plane() else {
+        let (code, text) = why(NotObservable::TooFewBearings { have: 0 });
+        return Answer {
+            time_ms,
+            sources: Vec::new(),
+            hypotheses: Vec::new(),
+            reason: Some(Reason {
+                code: code.into(),
+                text,
+            }),
+            advice: None,
+            particles: Vec::new(),
+        };
+    };
+    let reason = match hunt.answer() {
+        aoa::Answer::Fix(_) => None,
+        aoa::Answer::NotObservable(reason) => {
+            let (code, text) = why(reason);
+            Some(Reason {
+                code: code.into(),
+                text,
+            })
+        }
+    };
+    let sources = hunt.sources();
+    Answer {
+        time_ms,
+        sources: (sources.iter())
+            .filter_map(|one| source(&plane, one))
+            .collect(),
+        hypotheses: (hunt.hypotheses().iter())
+            .filter(|hypothesis| hypothesis.probability >= 0.01)
+            .filter_map(|one| hypothesis(&plane, one))
+            .collect(),
+        reason,
+        advice: hunt.advice().and_then(|told| advice(hunt, &plane, &told)),
+        particles: (hunt.particles(PARTICLES).iter())
+            .filter_map(|place| coordinates(&plane, *place))
+            .map(|[longitude, latitude]| [latitude, longitude])
+            .collect(),
+    }
+}
+
+fn source(plane: &LocalPlane, source: &aoa::Source) -> Option<Source> {
+    let [lon, lat] = coordinates(plane, source.fix.position)?;
+    let covariance = source.fix.covariance;
+    let covariance = [covariance.xx, covariance.xy, covariance.yy];
+    Some(Source {
+        number: source.identity,
+        lat,
+        lon,
+        covariance: covariance.map(|v| rounded(v.into(), 3)),
+        ellipse: ellipse(&source.fix.ellipse(0.95)),
+        probability: Some(rounded(source.probability.into(), 4)),
+        fix: true,
+        bearings: source.fix.bearings,
+    })
+}
+
+fn hypothesis(plane: &LocalPlane, hypothesis: &aoa::Hypothesis) -> Option<Hypothesis> {
+    let [lon, lat] = coordinates(plane, hypothesis.position)?;
+    Some(Hypothesis {
+        lat,
+        lon,
+        mass: rounded(hypothesis.probability.into(), 4),
+        ellipse: ellipse(&hypothesis.ellipse(0.95)),
+    })
+}
+
+fn ellipse(ellipse: &estimate::Ellipse) -> Ellipse {
+    let angle = 90.0 - f64::from(ellipse.orientation).to_degrees();
+    Ellipse {
+        semi_major_m: rounded(ellipse.semi_major.into(), 2),
+        semi_minor_m: rounded(ellipse.semi_minor.into(), 2),
+        angle_deg: rounded(angle.rem_euclid(180.0), 2),
+    }
+}
+
+fn advice(hunt: &dyn Hunt, plane: &LocalPlane, advice: &aoa::Advice) -> Option<Advice> {
+    /// Metres to the place that is pointed at, where no distance is needed or it is too far.
+    const AHEAD: f32 = 300.0;
+    /// Nats below which a bearing tells nothing new.
+    const LITTLE: f32 = 0.1;
+    if advice.information < LITTLE {
+        return None;
+    }
+    let [x, y] = hunt.observation()?.position();
+    let is_way = advice.distance_m > 0.0 && advice.distance_m.is_finite();
+    let way = if is_way { advice.distance_m } else { AHEAD };
+    let (sin, cos) = advice.direction.radians().sin_cos();
+    let [lon, lat] = coordinates(plane, [x + way * cos, y + way * sin])?;
+    let course = advice.direction.compass_degrees();
+    let text = if is_way {
+        format!("drive {way:.0} m towards {course:.0} degrees: then there can be a fix")
+    } else {
+        format!("drive towards {course:.0} degrees: bearings tell most there")
+    };
+    Some(Advice { lat, lon, text })
+}
+
+/// Why there is no fix: the word of `$PFOXN`, and in words.
+pub fn why(reason: NotObservable) -> (&'static str, String) {
+    match reason {
+        NotObservable::TooFewBearings { have } => ("FEW", format!("{have} bearings are too few")),
+        NotObservable::CrossingAngle {
+            have_rad,
+            needed_rad,
+        } => (
+            "ANGLE",
+            format!(
+                "the bearings cross at {:.1} degrees, {:.1} are needed",
+                have_rad.to_degrees(),
+                needed_rad.to_degrees(),
+            ),
+        ),
+        NotObservable::NoIntersection => (
+            "APART",
+            "the bearings do not meet in front of their receivers".into(),
+        ),
+        NotObservable::SeveralPlaces { have } => ("PLACES", format!("{have} places fit")),
+        NotObservable::WideRange { have, needed } => (
+            "WIDE",
+            format!(
+                "the range is known to {:.0} %, {:.0} % are needed",
+                100.0 * have,
+                100.0 * needed,
+            ),
+        ),
+        NotObservable::Contradiction { outliers } => (
+            "CONTRARY",
+            format!(
+                "{:.0} % of the bearings do not agree with the best place",
+                100.0 * outliers,
+            ),
+        ),
+        _ => (
+            "OTHER",
+            "the bearings do not say where the source is".into(),
+        ),
+    }
+}

@@ -1,0 +1,7 @@
+//! The program `foxhunt`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    foxhunt_cli::main()
+}

@@ -1,0 +1,150 @@
+//! Where results go.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, ensure};
+use serde::{Deserialize, Serialize};
+
+use super::Name;
+
+/// What is sent.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Form {
+    /// `$PFOX` sentences, and a waypoint `$GPWPL` for each source.
+    #[default]
+    Nmea,
+    /// GeoJSON, a feature in each line.
+    Geojson,
+    /// Bearings as chasemapper reads them.
+    Chasemapper,
+    /// Cursor on Target, an event for each source.
+    Cot,
+}
+
+/// An output: exactly one of `stdout`, `udp`, `tcp`, `tcp-listen`, `file` and `mqtt` says where it is.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Output {
+    /// What it is called.
+    pub name: Name,
+    /// What is sent; a broker gets GeoJSON.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub form: Option<Form>,
+    /// The standard output.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stdout: Option<bool>,
+    /// Where datagrams go to: host and port; also the address of a broadcast or a group.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub udp: Option<String>,
+    /// A server to connect to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tcp: Option<String>,
+    /// Where others connect to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tcp_listen: Option<String>,
+    /// A file that lines are added to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+    /// A broker.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mqtt: Option<Mqtt>,
+}
+
+/// A broker of MQTT 5.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Mqtt {
+    /// Host and port.
+    pub broker: String,
+    /// Before all topics; `foxhunt` if nothing is said.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prefix: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub user: Option<String>,
+    /// A file with nothing but the password.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub password_file: Option<PathBuf>,
+    /// Whether TLS is used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tls: Option<bool>,
+    /// A file with the certificates that are trusted, in place of the system's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub certificates: Option<PathBuf>,
+    /// The folder in which messages wait while the broker is away; only in memory if nothing is said.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub queue: Option<PathBuf>,
+    /// The most messages that wait; 100,000 if nothing is said. The oldest are lost first, and counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub queue_limit: Option<usize>,
+}
+
+/// Where an output is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Sink {
+    Stdout(Form),
+    Udp(Form, String),
+    Tcp(Form, String),
+    TcpListen(Form, String),
+    File(Form, PathBuf),
+    Mqtt(Mqtt),
+}
+
+impl Output {
+    /// Where it is.
+    ///
+    /// # Errors
+    /// Unless it is at exactly one place.
+    pub fn sink(&self) -> Result<Sink> {
+        let form = self.form.unwrap_or_default();
+        let text = |text: &Option<String>, sink: fn(Form, String) -> Sink| {
+            text.clone().map(|text| sink(form, text))
+        };
+        let all = [
+            self.stdout.filter(|is| *is).map(|_| Sink::Stdout(form)),
+            text(&self.udp, Sink::Udp),
+            text(&self.tcp, Sink::Tcp),
+            text(&self.tcp_listen, Sink::TcpListen),
+            self.file.clone().map(|file| Sink::File(form, file)),
+            self.mqtt.clone().map(Sink::Mqtt),
+        ];
+        let mut given = all.into_iter().flatten();
+        let first = given
+            .next()
+            .context("one of stdout, udp, tcp, tcp-listen, file or mqtt is needed")?;
+        ensure!(given.next().is_none(), "it can only be at one place");
+        if let Sink::Mqtt(mqtt) = &first {
+            ensure!(
+                self.form.is_none_or(|form| form == Form::Geojson),
+                "a broker gets GeoJSON"
+            );
+            mqtt.address()?;
+        }
+        Ok(first)
+    }
+}
+
+impl Mqtt {
+    /// Host and port; 1883 unless one is given, 8883 with TLS.
+    ///
+    /// # Errors
+    /// If there is no host, or the port is no number.
+    pub fn address(&self) -> Result<(String, u16)> {
+        let tls = self.tls.unwrap_or(false);
+        ensure!(!self.broker.is_empty(), "broker is needed");
+        match self.broker.rsplit_once(':') {
+            Some((host, port)) if !host.is_empty() => {
+                let port = port
+                    .parse()
+                    .with_context(|| format!("broker {}: the port is no number", self.broker))?;
+                Ok((host.to_owned(), port))
+            }
+            _ => Ok((self.broker.clone(), if tls { 8883 } else { 1883 })),
+        }
+    }
+
+    /// Before all topics.
+    pub fn prefix(&self) -> &str {
+        self.prefix.as_deref().unwrap_or("foxhunt")
+    }
+}

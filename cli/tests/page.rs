@@ -1,0 +1,197 @@
+//! The page that `foxhunt live` serves, in Chromium: what comes in by UDP is seen, a click takes it back, a reload loses
+//! nothing. Without Chromium nothing is tested, which is said.
+
+use std::{
+    fs,
+    io::{BufRead, BufReader},
+    net::UdpSocket,
+    path::Path,
+    process::{Child, Command, Stdio},
+    sync::mpsc::{self, Receiver},
+    thread,
+    time::{Duration, Instant},
+};
+
+use foxhunt_browser::{Browser, program};
+
+/// From a bearing on the line to a fix on the page, at most.
+const SOON: Duration = Duration::from_millis(200);
+/// The state of the page in a few words: how many bearings there are, how many count, and when the answer is of.
+const STATE: &str = "(() => { const s = foxhunt.live.store; const all = [...s.bearings.values()];
+    return [all.length, all.filter((b) => !b.retracted).length, s.answer?.time_ms ?? 0]; })()";
+
+#[test]
+fn what_comes_in_is_seen_on_the_page() {
+    let Some(program) = program() else {
+        eprintln!("Chromium was not found, so the page was not tested: cargo xtask setup");
+        return;
+    };
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page");
+    let mut browser = Browser::start(&program, &directory.join("profile"));
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let port = free_port();
+    let live = Live::start(&directory, &port);
+    socket.connect(&port).unwrap();
+    let send = |line: &str| socket.send(format!("{line}\r\n").as_bytes()).unwrap();
+
+    let drive = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/data/drive.nmea");
+    let drive = fs::read_to_string(drive).unwrap();
+    let last = drive.lines().rfind(|line| !line.starts_with('$')).unwrap();
+    for line in drive.lines().take_while(|line| *line != last) {
+        send(line);
+        // A receiver takes much longer, and no line is to be lost.
+        thread::sleep(Duration::from_millis(1));
+    }
+    browser.size(1280, 800, false);
+    browser.theme("light");
+    browser.open(&live.address);
+    browser.wait("foxhunt.live?.store.answer?.sources.length > 0");
+    thread::sleep(Duration::from_millis(1_500));
+
+    let before = state(&mut browser);
+    let start = Instant::now();
+    send(last);
+    browser.wait(&format!(
+        "{STATE}[0] > {} && {STATE}[2] > {}",
+        before[0], before[2]
+    ));
+    let taken = start.elapsed();
+    println!("from a datagram to the page: {} ms", taken.as_millis());
+    assert!(taken < SOON, "{taken:?}");
+    browser.picture(&directory.join("desk.png"));
+
+    retract(&mut browser);
+    let after = state(&mut browser);
+    browser.picture(&directory.join("retracted.png"));
+    browser.open(&live.address);
+    browser.wait("foxhunt.live?.store.answer");
+    assert_eq!(
+        state(&mut browser)[..2],
+        after[..2],
+        "a reload loses something"
+    );
+    browser.size(390, 844, true);
+    browser.picture(&directory.join("phone.png"));
+    browser.click("#undo");
+    browser.wait(&format!("{STATE}[1] === {}", after[1] + 1.0));
+
+    let own =
+        |address: &&String| address.starts_with(&live.address) || address.starts_with("about:");
+    let outside: Vec<&String> = browser.requests.iter().filter(|a| !own(a)).collect();
+    assert!(outside.is_empty(), "requests left the machine: {outside:?}");
+}
+
+#[test]
+fn the_demo_shows_a_drive_and_a_tunnel() {
+    let Some(program) = program() else {
+        return;
+    };
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("demo");
+    let mut browser = Browser::start(&program, &directory.join("profile"));
+    let live = Live::run(
+        &directory,
+        &["live", "--demo", "--speed", "30", "--listen", "127.0.0.1:0"],
+    );
+    browser.size(1280, 800, false);
+    browser.open(&live.address);
+    browser.wait("foxhunt.live?.store.answer?.sources.length === 2");
+    browser.picture(&directory.join("drive.png"));
+    browser.click("#tabs button:nth-child(2)");
+    browser.wait("foxhunt.stage.mode.title === 'Site' && foxhunt.live.store.tags.size === 8");
+    browser.picture(&directory.join("tunnel.png"));
+    // That there is no background is found by asking for it.
+    browser.complaints.retain(|text| !text.contains("404"));
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}
+
+/// Takes the last bearing back by a click on its line, and sees that the fix changes.
+fn retract(browser: &mut Browser) {
+    let fix = "foxhunt.live.store.answer.sources.map((s) => [s.lat, s.lon]).join()";
+    let before = browser.value(fix);
+    let at = browser.value(
+        "import('./draw.js').then((m) => { const l = foxhunt.live, v = l.stage.view;
+         const b = [...l.store.bearings.values()].at(-1);
+         const [[a, c], [d, e]] = m.ray(v, l.scene(), b);
+         const r = document.querySelector('#canvas').getBoundingClientRect();
+         return [r.x + a + 0.2 * (d - a), r.y + c + 0.2 * (e - c)]; })",
+    );
+    let count = state(browser)[1];
+    browser.click_at(at[0].as_f64().unwrap(), at[1].as_f64().unwrap());
+    browser.wait("document.querySelector('#retract')");
+    browser.click("#retract");
+    let text = before.as_str().unwrap();
+    browser.wait(&format!(
+        "{STATE}[1] === {} && {fix} !== '{text}'",
+        count - 1.0
+    ));
+}
+
+fn state(browser: &mut Browser) -> [f64; 3] {
+    let state = browser.value(STATE);
+    [0, 1, 2].map(|index| state[index].as_f64().unwrap())
+}
+
+fn free_port() -> String {
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    socket.local_addr().unwrap().to_string()
+}
+
+/// The program, for as long as the test runs.
+struct Live {
+    process: Child,
+    said: Receiver<String>,
+    address: String,
+}
+
+impl Live {
+    /// With lines that come by UDP.
+    fn start(directory: &Path, input: &str) -> Self {
+        let settings = directory.join("foxhunt.toml");
+        let text = format!("[[input]]\nname = \"lines\"\nudp = \"{input}\"\n");
+        fs::write(&settings, text).unwrap();
+        let settings = settings.to_str().unwrap();
+        let mut live = Self::run(directory, &["live", "--listen", "127.0.0.1:0", settings]);
+        live.after("lines: open");
+        live
+    }
+
+    fn run(directory: &Path, arguments: &[&str]) -> Self {
+        let mut process = Command::new(env!("CARGO_BIN_EXE_foxhunt"))
+            .args(arguments)
+            .current_dir(directory)
+            .stdin(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let (sender, said) = mpsc::channel();
+        let lines = BufReader::new(process.stderr.take().unwrap()).lines();
+        thread::spawn(move || {
+            lines
+                .map_while(Result::ok)
+                .all(|line| sender.send(line).is_ok())
+        });
+        let mut live = Self {
+            process,
+            said,
+            address: String::new(),
+        };
+        live.address = live.after("page: ");
+        live
+    }
+
+    /// The rest of the first line that it says and that starts so.
+    fn after(&mut self, start: &str) -> String {
+        let said = || self.said.recv_timeout(Duration::from_secs(20)).ok();
+        let mut rest =
+            std::iter::from_fn(said).filter_map(|line| Some(line.strip_prefix(start)?.to_owned()));
+        rest.next()
+            .unwrap_or_else(|| panic!("it does not say `{start}`"))
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
