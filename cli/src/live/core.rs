@@ -3,6 +3,7 @@
 use std::sync::{Arc, atomic::Ordering::Relaxed};
 
 use anyhow::Result;
+use foxhunt::gateway::Event;
 use tokio::sync::{mpsc, oneshot};
 
 use super::{
@@ -138,11 +139,10 @@ impl Core {
         let done = self.engine.take(piece, &mut |happened| {
             match &happened {
                 Happened::Refused { reason, .. } => refused = Some(reason.to_string()),
-                Happened::Line { event, .. } => {
-                    if let foxhunt::gateway::Event::Rejected(reason) = event {
-                        refused = Some(reason.to_string());
-                    }
-                }
+                Happened::Line {
+                    event: Event::Rejected(reason),
+                    ..
+                } => refused = Some(reason.to_string()),
                 _ => {}
             }
             add(&hub, happened);

@@ -115,9 +115,6 @@ pub struct Web {
     /// A GeoJSON file that is drawn below everything.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub background: Option<PathBuf>,
-    /// An MBTiles file with a map.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tiles: Option<PathBuf>,
 }
 
 impl Default for Web {
@@ -127,7 +124,6 @@ impl Default for Web {
             listen: "127.0.0.1:8073".into(),
             token: None,
             background: None,
-            tiles: None,
         }
     }
 }
@@ -230,7 +226,7 @@ mod tests {
             .collect();
         let settings = Settings::of_text(&all).unwrap();
         assert!(settings.input.len() >= 10 && settings.output.len() >= 5);
-        assert!(settings.log.is_some() && settings.web.tiles.is_some());
+        assert!(settings.log.is_some() && settings.web.background.is_some());
         assert_eq!(
             Settings::of_text(&settings.text().unwrap()).unwrap(),
             settings
