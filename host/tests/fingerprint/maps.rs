@@ -183,8 +183,9 @@ fn the_constant_is_the_map() {
 }
 
 /// The compiler can check a map.
-const _: RadioMap<'static> =
-    match RadioMap::new(include_bytes!("../../../tests/portable/data/tunnel.moments")) {
-        Ok(map) => map,
-        Err(_) => panic!("damaged"),
-    };
+const _: RadioMap<'static> = match RadioMap::new(include_bytes!(
+    "../../../tests/portable/data/tunnel.moments"
+)) {
+    Ok(map) => map,
+    Err(_) => panic!("damaged"),
+};

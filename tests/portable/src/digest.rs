@@ -5,7 +5,10 @@ pub struct Digest(pub u64);
 
 impl Digest {
     /// Of nothing.
-    #[allow(clippy::new_without_default, reason = "it is no value that one would leave out")]
+    #[allow(
+        clippy::new_without_default,
+        reason = "it is no value that one would leave out"
+    )]
     pub fn new() -> Self {
         Self(0xcbf2_9ce4_8422_2325)
     }
