@@ -48,10 +48,7 @@ impl BearingRecord {
             return Err(Rejected::OutOfRange);
         }
         let mut reading = Reading::new(self.degrees, self.quality, None)?;
-        reading.time = match self.time_ms {
-            Some(time) => Some(TimeOfDay::from_epoch(time.into())),
-            None => None,
-        };
+        reading.time = self.time_ms.map(|time| TimeOfDay::from_epoch(time.into()));
         reading.place = self.place;
         reading.best.sigma_rad = self.sigma_rad;
         reading.reference = match self.reference {

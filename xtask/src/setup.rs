@@ -26,6 +26,10 @@ pub enum Need {
     Cxx,
     /// `cargo fuzz`.
     CargoFuzz,
+    /// A broker of MQTT, and its clients.
+    Mosquitto,
+    /// gpsd.
+    Gpsd,
     /// A browser, for the page.
     Chromium,
 }
@@ -53,6 +57,8 @@ pub const TEST: &[Need] = &[
     Need::Qemu,
     Need::Cxx,
     Need::CargoFuzz,
+    Need::Mosquitto,
+    Need::Gpsd,
     Need::Target(BROWSER),
     Need::Chromium,
 ];
@@ -92,6 +98,8 @@ impl Need {
             Self::Qemu => works(Command::new("qemu-system-arm").arg("--version")),
             Self::Cxx => works(Command::new("c++").arg("--version")),
             Self::CargoFuzz => works(project::cargo().args(["fuzz", "--version"])),
+            Self::Mosquitto => runs("mosquitto", "-h") && runs("mosquitto_sub", "--version"),
+            Self::Gpsd => runs("gpsd", "-V"),
             Self::Chromium => ["chromium", "chromium-browser", "google-chrome"]
                 .iter()
                 .any(|program| works(Command::new(program).arg("--version"))),
@@ -104,9 +112,11 @@ impl Need {
             Self::Rustfmt => rustup(&["component", "add", "rustfmt"]),
             Self::Clippy => rustup(&["component", "add", "clippy"]),
             Self::LlvmTools => rustup(&["component", "add", "llvm-tools"]),
-            Self::Qemu => install_package(|manager| manager.qemu),
-            Self::Cxx => install_package(|manager| manager.cxx),
-            Self::Chromium => install_package(|_| "chromium"),
+            Self::Qemu => install_packages(|manager| &manager.qemu),
+            Self::Cxx => install_packages(|manager| &manager.cxx),
+            Self::Mosquitto => install_packages(|manager| manager.mosquitto),
+            Self::Gpsd => install_packages(|manager| &manager.gpsd),
+            Self::Chromium => install_packages(|_| &["chromium"]),
             Self::CargoFuzz => {
                 announce(project::cargo().args(["install", "--locked", "cargo-fuzz"]))
             }
@@ -132,8 +142,10 @@ struct PackageManager {
     prepare: Option<&'static str>,
     /// What installs the package whose name follows.
     install: &'static [&'static str],
-    qemu: &'static str,
-    cxx: &'static str,
+    qemu: [&'static str; 1],
+    cxx: [&'static str; 1],
+    mosquitto: &'static [&'static str],
+    gpsd: [&'static str; 1],
 }
 
 const PACKAGE_MANAGERS: [PackageManager; 5] = [
@@ -142,55 +154,65 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         needs_root: true,
         prepare: Some("update"),
         install: &["install", "--yes", "--no-install-recommends"],
-        qemu: "qemu-system-arm",
-        cxx: "g++",
+        qemu: ["qemu-system-arm"],
+        cxx: ["g++"],
+        mosquitto: &["mosquitto", "mosquitto-clients"],
+        gpsd: ["gpsd"],
     },
     PackageManager {
         program: "dnf",
         needs_root: true,
         prepare: None,
         install: &["install", "--assumeyes"],
-        qemu: "qemu-system-arm",
-        cxx: "gcc-c++",
+        qemu: ["qemu-system-arm"],
+        cxx: ["gcc-c++"],
+        mosquitto: &["mosquitto"],
+        gpsd: ["gpsd"],
     },
     PackageManager {
         program: "pacman",
         needs_root: true,
         prepare: None,
         install: &["--sync", "--refresh", "--noconfirm"],
-        qemu: "qemu-system-arm",
-        cxx: "gcc",
+        qemu: ["qemu-system-arm"],
+        cxx: ["gcc"],
+        mosquitto: &["mosquitto"],
+        gpsd: ["gpsd"],
     },
     PackageManager {
         program: "zypper",
         needs_root: true,
         prepare: None,
         install: &["--non-interactive", "install"],
-        qemu: "qemu-arm",
-        cxx: "gcc-c++",
+        qemu: ["qemu-arm"],
+        cxx: ["gcc-c++"],
+        mosquitto: &["mosquitto"],
+        gpsd: ["gpsd"],
     },
     PackageManager {
         program: "brew",
         needs_root: false,
         prepare: None,
         install: &["install"],
-        qemu: "qemu",
-        cxx: "gcc",
+        qemu: ["qemu"],
+        cxx: ["gcc"],
+        mosquitto: &["mosquitto"],
+        gpsd: ["gpsd"],
     },
 ];
 
-fn install_package(name: fn(&PackageManager) -> &'static str) -> Result<()> {
+fn install_packages(names: fn(&PackageManager) -> &[&'static str]) -> Result<()> {
     let Some(manager) = PACKAGE_MANAGERS
         .iter()
         .find(|manager| works(Command::new(manager.program).arg("--version")))
     else {
         bail!(
-            "no known package manager was found: install QEMU for Arm, a C++ compiler and Chromium by hand"
+            "no known package manager was found: install QEMU for Arm, a C++ compiler, Chromium, mosquitto and gpsd by hand"
         );
     };
     let sudo = manager.needs_root && !is_root();
-    let package = name(manager);
-    let install = manager.install.iter().copied().chain([package]);
+    let packages = names(manager).iter().copied();
+    let install = manager.install.iter().copied().chain(packages);
     for arguments in manager
         .prepare
         .map(|prepare| vec![prepare])
@@ -215,6 +237,13 @@ fn is_root() -> bool {
 fn works(command: &mut Command) -> bool {
     let status = command.stdout(Stdio::null()).stderr(Stdio::null()).status();
     status.is_ok_and(|status| status.success())
+}
+
+/// Whether the program is there, whatever it says.
+fn runs(program: &str, argument: &str) -> bool {
+    let mut command = Command::new(program);
+    let silent = command.arg(argument).stdout(Stdio::null());
+    silent.stderr(Stdio::null()).status().is_ok()
 }
 
 /// Says what is run, and runs it.

@@ -103,7 +103,7 @@ pub fn run(options: &Options) -> Result<()> {
             .map_or(0, |archive| archive.last().sources.len().max(1));
         let fixes = fixes.map(|rows| rows.into_iter().rev().take(last).rev().collect::<Vec<_>>());
         return screen::json(&json!({
-            "lines": summary::counts(engine.counters()), "fixes": fixes.unwrap_or_default(),
+            "lines": summary::object(engine.counters()), "fixes": fixes.unwrap_or_default(),
         }));
     }
     eprintln!("{}", summary::table(engine.counters()));

@@ -1,5 +1,8 @@
 //! The commands.
 
+mod compare;
+mod explain;
+mod failure;
 mod init;
 mod live;
 mod replay;
@@ -12,6 +15,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use crate::screen;
+use failure::NothingUsed;
 
 /// Finds radio transmitters by bearings, and tags by how strongly radios hear them: from logs, and live.
 #[derive(Parser)]
@@ -19,28 +23,20 @@ use crate::screen;
 enum Command {
     Replay(replay::Options),
     Live(live::Options),
+    Explain(explain::Options),
+    Compare(compare::Options),
     Simulate(simulate::Options),
     Init(init::Options),
     #[command(subcommand)]
     Survey(survey::Command),
 }
 
-/// A log has no bearing that was used.
-#[derive(Debug)]
-struct NothingUsed(String);
-
-impl std::fmt::Display for NothingUsed {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for NothingUsed {}
-
 /// Runs the command that the arguments name.
 pub fn run() -> ExitCode {
     let done = match Command::parse() {
         Command::Replay(options) => replay::run(&options),
+        Command::Explain(options) => explain::run(&options),
+        Command::Compare(options) => compare::run(&options),
         Command::Live(options) => live::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Init(options) => init::run(&options),

@@ -6,7 +6,7 @@ use anyhow::{Result, bail, ensure};
 use indicatif::ProgressBar;
 use serde_json::json;
 
-use super::{NothingUsed, summary};
+use super::{failure::NothingUsed, summary};
 use crate::{
     engine::{Engine, Happened, Piece, Setup, What},
     log::{self, Log},
@@ -104,7 +104,7 @@ pub fn run(options: &Options) -> Result<()> {
     let files = archive.write(&directory, &title(&options.files))?;
     if options.json {
         return screen::json(&json!({
-            "bytes": bytes, "lines": summary::counts(engine.counters()), "bearings": archive.bearings.len(),
+            "bytes": bytes, "lines": summary::object(engine.counters()), "bearings": archive.bearings.len(),
             "fixes": archive.fix_rows().iter().rev().take(archive.last().sources.len().max(1)).rev().collect::<Vec<_>>(),
             "files": files,
         }));
@@ -144,66 +144,73 @@ pub fn read_with(
     };
     let mut total = 0;
     // What is told is checked before a log is opened.
-    let mut engine = Engine::new(&setup(if one_line { &files[..1] } else { files }))?;
-    if let [file] = files {
-        let (engine, pieces, bar) = match log::open(file)? {
-            (Log::Raw { settings, pieces }, size) => {
-                let mut own = settings.setup();
-                if !told.is_default() {
-                    (own.locator, own.reading, own.belief) =
-                        (told.locator, told.reading.clone(), told.belief.clone());
-                }
-                let pieces: Pieces = Box::new(pieces);
-                (Engine::new(&own)?, pieces, screen::bytes(size))
+    let engine = Engine::new(&setup(if one_line { &files[..1] } else { files }))?;
+    let (engine, pieces, bar) = match files {
+        [file] => single(file, told, engine)?,
+        files => several(files, one_line, engine)?,
+    };
+    let engine = run_pieces(engine, pieces, &bar, watch, say, &mut total)?;
+    Ok((engine, total))
+}
+
+/// One log: a raw one has settings of its own.
+fn single(file: &Path, told: &Told, engine: Engine) -> Result<(Engine, Pieces, ProgressBar)> {
+    Ok(match log::open(file)? {
+        (Log::Raw { settings, pieces }, size) => {
+            let mut own = Setup::from(&*settings);
+            if !told.is_default() {
+                (own.locator, own.reading, own.belief) =
+                    (told.locator, told.reading.clone(), told.belief.clone());
             }
-            (Log::Bytes(input), size) => {
-                let pieces: Pieces = Box::new(Chunks {
-                    input,
-                    name: log::name(file),
-                    is_over: false,
-                });
-                (engine, pieces, screen::bytes(size))
-            }
-        };
-        let engine = run_pieces(engine, pieces, &bar, watch, say, &mut total)?;
-        return Ok((engine, total));
-    }
-    let mut logs = Vec::new();
-    let mut raw = Vec::new();
+            (Engine::new(&own)?, Box::new(pieces), screen::bytes(size))
+        }
+        (Log::Bytes(input), size) => {
+            let pieces = Chunks {
+                input,
+                name: log::name(file),
+                is_over: false,
+            };
+            (engine, Box::new(pieces), screen::bytes(size))
+        }
+    })
+}
+
+/// Several logs, merged by time; or the parts of a raw one.
+fn several(
+    files: &[PathBuf],
+    one_line: bool,
+    engine: Engine,
+) -> Result<(Engine, Pieces, ProgressBar)> {
+    let (mut logs, mut raw) = (Vec::new(), Vec::new());
     for file in files {
         match log::open(file)?.0 {
             Log::Raw { settings, pieces } => raw.push((settings, pieces)),
             bytes => logs.push(log::bytes_of(bytes, &log::name(file))?),
         }
     }
-    let pieces: Pieces = match (raw.is_empty(), logs.is_empty()) {
-        (true, _) => {
-            let merged = log::merged(&logs, one_line).into_iter();
-            Box::new(merged.map(|piece| {
-                let size = match &piece.what {
-                    What::Bytes { bytes, .. } => bytes.len(),
-                    _ => 0,
-                };
-                Ok((piece, size as u64))
-            }))
-        }
-        (false, true) => {
-            // The parts of a log that was rotated.
-            let (first, _) = &raw[0];
-            ensure!(
-                raw.iter().all(|(settings, _)| settings == first),
-                "these raw logs are not parts of one"
-            );
-            engine = Engine::new(&first.setup())?;
-            Box::new(raw.into_iter().flat_map(|(_, pieces)| pieces))
-        }
-        (false, false) => {
-            bail!("a raw log has all inputs in it: it is replayed without other logs")
-        }
-    };
     let bar = screen::bytes(None);
-    let engine = run_pieces(engine, pieces, &bar, watch, say, &mut total)?;
-    Ok((engine, total))
+    let Some((first, _)) = raw.first() else {
+        let sized = |piece: Piece| {
+            let size = match &piece.what {
+                What::Bytes { bytes, .. } => bytes.len(),
+                _ => 0,
+            };
+            Ok((piece, size as u64))
+        };
+        let merged = log::merged(&logs, one_line).into_iter().map(sized);
+        return Ok((engine, Box::new(merged), bar));
+    };
+    ensure!(
+        logs.is_empty(),
+        "a raw log has all inputs in it: it is replayed without other logs"
+    );
+    ensure!(
+        raw.iter().all(|(settings, _)| settings == first),
+        "these raw logs are not parts of one"
+    );
+    let engine = Engine::new(&Setup::from(&**first))?;
+    let pieces = raw.into_iter().flat_map(|(_, pieces)| pieces);
+    Ok((engine, Box::new(pieces), bar))
 }
 
 type Pieces = Box<dyn Iterator<Item = Result<(Piece, u64)>>>;
@@ -294,5 +301,4 @@ impl Options {
 }
 
 #[cfg(test)]
-#[path = "replay_tests.rs"]
 mod tests;

@@ -29,6 +29,14 @@ pub fn counts(counters: &Counters) -> Vec<(String, u32)> {
     counts
 }
 
+/// The same as a JSON object.
+pub fn object(counters: &Counters) -> serde_json::Value {
+    let counts = counts(counters).into_iter();
+    counts
+        .map(|(name, count)| (name, serde_json::Value::from(count)))
+        .collect()
+}
+
 /// The same as a table, below the number of bytes.
 pub fn lines(bytes: u64, counters: &Counters) -> String {
     format!("{bytes} bytes\n{}", table(counters))

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use foxhunt::gateway::Rejected;
 
-use super::Engine;
+use super::search::Engine;
 
 /// What an input has said.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -6,9 +6,7 @@ use anyhow::Result;
 use foxhunt::{
     aoa::{
         Advice, Answer, Hypothesis, Locate, Manoeuvring, Mixture, Observation, Robust, Source,
-        clean,
-        geodesy::{Geodetic, LocalPlane},
-        manoeuvring, multi,
+        clean, geodesy::LocalPlane, manoeuvring, multi,
     },
     gateway::{BearingRecord, Counters, Event, FullReport, Gateway, Receiver, formats::All},
 };
@@ -41,7 +39,6 @@ pub trait Hunt: Send {
     fn counters(&self) -> &Counters;
     fn port_counters(&self, port: usize) -> Option<&Counters>;
     fn receiver(&self) -> Receiver;
-    fn place(&self) -> Option<Geodetic>;
     fn plane(&self) -> Option<LocalPlane>;
     fn observation(&self) -> Option<Observation>;
     /// The time of the newest bearing, in milliseconds after midnight.
@@ -159,6 +156,7 @@ where
         let locator = self.gateway.vehicle_mut().locator_mut();
         let has_changed = locator.retract(index, is_retracted, &config);
         if has_changed {
+            self.notes.renew(self.gateway.vehicle(), &config);
             let index = self.before + index;
             if is_retracted {
                 self.retracted.insert(index);
@@ -191,10 +189,6 @@ where
 
     fn receiver(&self) -> Receiver {
         self.gateway.vehicle().receiver()
-    }
-
-    fn place(&self) -> Option<Geodetic> {
-        self.gateway.vehicle().place()
     }
 
     fn plane(&self) -> Option<LocalPlane> {

@@ -6,7 +6,7 @@ use foxhunt_host::{packets, scripts::Script};
 use foxhunt_simulation::people;
 use tokio::time::{Instant, sleep_until};
 
-use super::Feed;
+use super::feed::Feed;
 use crate::engine;
 use crate::settings::{Input, Settings, Site, Walks};
 
@@ -89,4 +89,5 @@ async fn play(feed: Feed, lines: Vec<(f64, Vec<u8>)>, begin: Instant, speed: f64
         }
     }
     feed.end().await;
+    feed.status.lost("the demo is over");
 }

@@ -8,7 +8,10 @@ use tokio::{
     time::sleep,
 };
 
-use super::{Failure, Feed, Never, again};
+use super::{
+    again::{Failure, Never, again},
+    feed::Feed,
+};
 
 /// From one look to the next.
 const PAUSE: Duration = Duration::from_millis(100);

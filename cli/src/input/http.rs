@@ -10,7 +10,10 @@ use hyper_util::{
 };
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
-use super::{Failure, Feed, Never, again};
+use super::{
+    again::{Failure, Never, again},
+    feed::Feed,
+};
 
 /// The most bytes of a page.
 const LARGEST: usize = 1 << 20;

@@ -5,7 +5,10 @@ use std::time::Duration;
 use rumqttc::v5::{AsyncClient, Event, Incoming, mqttbytes::QoS};
 use tokio::sync::mpsc;
 
-use super::{Failure, Feed, Never, again};
+use super::{
+    again::{Failure, Never, again},
+    feed::Feed,
+};
 use crate::{output, settings::Mqtt};
 
 /// Takes what others publish under the prefix; not what this vehicle, of the name `own`, does.

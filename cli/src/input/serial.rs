@@ -2,7 +2,10 @@
 
 use std::{io::ErrorKind, path::PathBuf, time::Duration};
 
-use super::{Failure, Feed, Never, again};
+use super::{
+    again::{Failure, Never, again},
+    feed::Feed,
+};
 
 /// Reads a port; opens it again when the device was unplugged.
 pub async fn run(path: PathBuf, baud: u32, feed: Feed) {

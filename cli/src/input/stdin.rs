@@ -2,7 +2,7 @@
 
 use std::io::{ErrorKind, Read};
 
-use super::Feed;
+use super::feed::Feed;
 
 /// Reads it to its end.
 pub async fn run(feed: Feed) {

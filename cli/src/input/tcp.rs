@@ -8,7 +8,10 @@ use tokio::{
     sync::Semaphore,
 };
 
-use super::{Failure, Feed, Never, again};
+use super::{
+    again::{Failure, Never, again},
+    feed::Feed,
+};
 
 /// Bytes that are read at a time.
 const PIECE: usize = 1 << 14;

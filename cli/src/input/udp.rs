@@ -4,7 +4,10 @@ use std::net::Ipv4Addr;
 
 use tokio::net::UdpSocket;
 
-use super::{Failure, Feed, Never, again};
+use super::{
+    again::{Failure, Never, again},
+    feed::Feed,
+};
 
 /// Takes datagrams; at the address of a group, it joins the group.
 pub async fn run(address: String, feed: Feed) {

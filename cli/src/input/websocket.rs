@@ -3,7 +3,10 @@
 use futures_util::StreamExt;
 use tokio_tungstenite::{connect_async, tungstenite::Message};
 
-use super::{Failure, Feed, Never, again};
+use super::{
+    again::{Failure, Never, again},
+    feed::Feed,
+};
 
 /// Reads what a server sends.
 pub async fn run(url: String, feed: Feed) {

@@ -6,6 +6,7 @@ use anyhow::Result;
 use tokio::sync::{mpsc, oneshot};
 
 use super::{
+    clock::now_ms,
     hub::{Hub, Out},
     status::Status,
 };
@@ -70,7 +71,7 @@ impl Search {
     /// Why it cannot be done.
     pub async fn command(&self, command: Command) -> Result<u64, String> {
         let what = What::Command(command);
-        let time_ms = super::now_ms();
+        let time_ms = now_ms();
         self.taken(Piece { time_ms, what }).await
     }
 }

@@ -149,16 +149,6 @@ impl Reader {
     pub fn after(&self) -> u64 {
         self.after
     }
-
-    /// Whether everything was read.
-    pub fn is_done(&self) -> bool {
-        self.hub.seq() <= self.after
-    }
-
-    /// How many results are still to be read.
-    pub fn waiting(&self) -> u64 {
-        self.hub.seq().saturating_sub(self.after)
-    }
 }
 
 #[cfg(test)]
@@ -179,7 +169,7 @@ mod tests {
         let (items, lost) = slow.next().await.unwrap();
         assert_eq!((items[0].seq, lost), (16, 10));
         let mut read = items.len();
-        while !slow.is_done() {
+        while slow.after() < hub.seq() {
             read += slow.next().await.unwrap().0.len();
         }
         assert_eq!(read, KEPT);

@@ -5,7 +5,7 @@ use std::sync::{
     atomic::{AtomicU64, Ordering::Relaxed},
 };
 
-use super::now_ms;
+use super::clock::now_ms;
 use crate::engine::message::State;
 
 /// How an input or output does.
@@ -15,7 +15,7 @@ pub struct Status {
     pub name: String,
     /// Milliseconds after which it is called silent; 0 for never.
     silent_ms: i64,
-    state: Mutex<(State, i64)>,
+    state: Mutex<(Option<State>, i64)>,
     /// When something came last, in milliseconds after 1970.
     heard_ms: AtomicU64,
     /// The last result that was read, for an output.
@@ -34,7 +34,7 @@ impl Status {
         Self {
             name: name.to_owned(),
             silent_ms: 1_000 * silent_s as i64,
-            state: Mutex::new((State::Lost, now_ms())),
+            state: Mutex::new((None, now_ms())),
             heard_ms: AtomicU64::new(0),
             read: AtomicU64::new(0),
             queued: AtomicU64::new(0),
@@ -45,13 +45,14 @@ impl Status {
 
     /// What it is, and since when.
     pub fn state(&self) -> (State, i64) {
-        *self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        let (state, since) = *self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        (state.unwrap_or(State::Lost), since)
     }
 
     fn set(&self, new: State, why: &str) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        if state.0 != new {
-            *state = (new, now_ms());
+        if state.0 != Some(new) {
+            *state = (Some(new), now_ms());
             let word = match new {
                 State::Open => "open",
                 State::Silent => "silent",

@@ -3,11 +3,12 @@
 use std::{
     fs::{self, File, OpenOptions},
     io::{BufWriter, Write},
+    path::{Path, PathBuf},
 };
 
 use anyhow::{Context, Result};
 
-use super::{Entry, Head, VERSION, rotated};
+use super::entry::{Entry, Head, VERSION};
 use crate::{
     engine::Piece,
     settings::{self, Settings},
@@ -93,4 +94,33 @@ fn begin(told: &settings::Log, head: &[u8]) -> Result<BufWriter<File>> {
     file.write_all(head)
         .with_context(|| format!("cannot write the log {name}"))?;
     Ok(file)
+}
+
+/// The files of a log that was rotated, the oldest first: `log.2.jsonl`, `log.1.jsonl`, `log.jsonl`.
+fn rotated(file: &Path, number: u32) -> PathBuf {
+    if number == 0 {
+        return file.to_owned();
+    }
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    match file.extension() {
+        Some(ending) => {
+            file.with_file_name(format!("{stem}.{number}.{}", ending.to_string_lossy()))
+        }
+        None => file.with_file_name(format!("{stem}.{number}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rotated_files_keep_their_ending() {
+        assert_eq!(
+            rotated(Path::new("a/log.jsonl"), 2),
+            Path::new("a/log.2.jsonl")
+        );
+        assert_eq!(rotated(Path::new("log"), 1), Path::new("log.1"));
+        assert_eq!(rotated(Path::new("log.x"), 0), Path::new("log.x"));
+    }
 }

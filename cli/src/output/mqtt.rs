@@ -11,13 +11,14 @@ use anyhow::{Context, Result};
 use rumqttc::{
     Outgoing, Transport,
     v5::{
-        AsyncClient, Event, Incoming, MqttOptions,
+        AsyncClient, Event, EventLoop, Incoming, MqttOptions,
         mqttbytes::{QoS, v5::LastWill},
     },
 };
 use serde_json::json;
 use tokio::{
     sync::mpsc,
+    task::JoinHandle,
     time::{MissedTickBehavior, interval, sleep},
 };
 
@@ -100,6 +101,27 @@ enum Told {
     Closed(String),
 }
 
+/// Runs a connection in a task of its own: nothing else may interrupt it.
+fn watched(mut events: EventLoop) -> (JoinHandle<()>, mpsc::UnboundedReceiver<Told>) {
+    let (teller, told) = mpsc::unbounded_channel();
+    let task = tokio::spawn(async move {
+        loop {
+            let tell = match events.poll().await {
+                Ok(Event::Incoming(Incoming::ConnAck(_))) => Told::Connected,
+                Ok(Event::Incoming(Incoming::PubAck(ack))) => Told::Acknowledged(ack.pkid),
+                Ok(Event::Outgoing(Outgoing::Publish(id))) => Told::Sent(id),
+                Ok(_) => continue,
+                Err(error) => Told::Closed(error.to_string()),
+            };
+            let is_closed = matches!(tell, Told::Closed(_));
+            if teller.send(tell).is_err() || is_closed {
+                return;
+            }
+        }
+    });
+    (task, told)
+}
+
 impl Publisher {
     async fn run(mut self, mut reader: Reader) {
         loop {
@@ -127,24 +149,8 @@ impl Publisher {
         let will = json!({"station": self.name, "state": "lost"}).to_string();
         let will = LastWill::new(health.clone(), will, QoS::AtLeastOnce, true, None);
         options.set_last_will(will);
-        let (client, mut events) = AsyncClient::new(options, UNDER_WAY + 16);
-        let (teller, mut told) = mpsc::unbounded_channel();
-        // A task of its own: nothing else may interrupt it.
-        let task = tokio::spawn(async move {
-            loop {
-                let tell = match events.poll().await {
-                    Ok(Event::Incoming(Incoming::ConnAck(_))) => Told::Connected,
-                    Ok(Event::Incoming(Incoming::PubAck(ack))) => Told::Acknowledged(ack.pkid),
-                    Ok(Event::Outgoing(Outgoing::Publish(id))) => Told::Sent(id),
-                    Ok(_) => continue,
-                    Err(error) => Told::Closed(error.to_string()),
-                };
-                let is_closed = matches!(tell, Told::Closed(_));
-                if teller.send(tell).is_err() || is_closed {
-                    return;
-                }
-            }
-        });
+        let (client, events) = AsyncClient::new(options, UNDER_WAY + 16);
+        let (task, mut told) = watched(events);
         let mut is_open = false;
         let (mut last, mut handed) = (0, VecDeque::new());
         let mut under_way: Vec<(u16, u64)> = Vec::new();

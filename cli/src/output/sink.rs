@@ -16,7 +16,7 @@ use tokio::{
     time::timeout,
 };
 
-use super::Formatter;
+use super::form::Formatter;
 use crate::live::{Status, hub::Reader};
 
 /// How long somebody may take to read a line.

@@ -1,6 +1,7 @@
 //! The settings file: what comes in, how it is read, and where it goes.
 
 mod inputs;
+mod name;
 mod outputs;
 
 use std::{fs, path::Path, path::PathBuf};
@@ -8,11 +9,9 @@ use std::{fs, path::Path, path::PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    engine::Setup,
-    reading::{Belief, Kind, Reading},
-};
+use crate::reading::{Belief, Kind, Reading};
 pub use inputs::{Input, Source};
+pub use name::Name;
 pub use outputs::{Form, Mqtt, Output, Sink};
 
 /// The commented file that `foxhunt init` writes.
@@ -40,44 +39,6 @@ pub struct Settings {
     pub log: Option<Log>,
     /// The page.
     pub web: Web,
-}
-
-/// A name of 1 to 32 letters, digits and `-_.`, as topics and tables can hold it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
-pub struct Name(String);
-
-impl Default for Name {
-    fn default() -> Self {
-        Self("vehicle".into())
-    }
-}
-
-impl TryFrom<String> for Name {
-    type Error = String;
-
-    fn try_from(name: String) -> Result<Self, String> {
-        let is_plain = |c: char| c.is_alphanumeric() || "-_.".contains(c);
-        if (1..=32).contains(&name.chars().count()) && name.chars().all(is_plain) {
-            Ok(Self(name))
-        } else {
-            Err("a name has 1 to 32 letters, digits, hyphens, underscores or points".into())
-        }
-    }
-}
-
-impl From<Name> for String {
-    fn from(name: Name) -> Self {
-        name.0
-    }
-}
-
-impl std::ops::Deref for Name {
-    type Target = str;
-
-    fn deref(&self) -> &str {
-        &self.0
-    }
 }
 
 /// A place with a radio map, where radios hear tags.
@@ -249,22 +210,6 @@ impl Settings {
             files: Log::files(),
         });
         log.file = file.to_owned();
-    }
-
-    /// What the search is told.
-    pub fn setup(&self) -> Setup {
-        let input = |input: &Input| {
-            let site = input.site.as_ref().map(|site| site.to_string());
-            (input.name.to_string(), site)
-        };
-        Setup {
-            name: self.name.to_string(),
-            locator: self.locator,
-            reading: self.reading.clone(),
-            belief: self.errors.clone(),
-            inputs: self.input.iter().map(input).collect(),
-            sites: self.site.clone(),
-        }
     }
 }
 

@@ -19,7 +19,7 @@ use futures_util::{
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::Shared;
+use super::shared::Shared;
 use crate::{engine::Command, live::hub::Reader};
 
 /// The most bytes of a request.

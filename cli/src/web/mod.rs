@@ -4,53 +4,7 @@ mod api;
 pub mod connections;
 mod files;
 mod guard;
+mod shared;
+mod start;
 
-use std::{net::SocketAddr, path::PathBuf, sync::Arc};
-
-use anyhow::{Context, Result};
-use axum::{Router, middleware};
-use tokio::net::TcpListener;
-
-use crate::{
-    live::{Search, hub::Hub},
-    settings,
-};
-use guard::Guard;
-
-/// What handlers share.
-pub struct Shared {
-    hub: Arc<Hub>,
-    search: Search,
-    background: Option<PathBuf>,
-}
-
-/// Begins to serve the page; says where.
-///
-/// # Errors
-/// If the address cannot be listened at.
-pub async fn start(told: &settings::Web, hub: Arc<Hub>, search: Search) -> Result<SocketAddr> {
-    let listener = TcpListener::bind(&told.listen)
-        .await
-        .with_context(|| format!("cannot serve the page at {}", told.listen))?;
-    let address = listener.local_addr()?;
-    let guard = Guard::new(address, told.token.clone())?;
-    match guard.token() {
-        Some(token) => eprintln!("page: http://{address}/?token={token}"),
-        None => eprintln!("page: http://{address}/"),
-    }
-    let shared = Shared {
-        hub,
-        search,
-        background: told.background.clone(),
-    };
-    let app = Router::new()
-        .nest("/api", api::routes())
-        .fallback(files::file)
-        .with_state(Arc::new(shared))
-        .layer(middleware::from_fn_with_state(
-            Arc::new(guard),
-            guard::check,
-        ));
-    tokio::spawn(connections::serve(listener, app));
-    Ok(address)
-}
+pub use start::start;

@@ -105,6 +105,23 @@ impl Notes {
         self.answers.push(known);
     }
 
+    /// After bearings were taken back: what is known with the last one is other now.
+    pub fn renew<L: Locate, F: Formats, R: ReportForm, const P: usize>(
+        &mut self,
+        gateway: &Vehicle<L, F, R, P>,
+        config: &L::Config,
+    ) {
+        let locator = gateway.locator();
+        if let Some(last) = self.answers.last_mut() {
+            last.answer = locator.answer();
+            last.sources = (0..SOURCES)
+                .map_while(|index| locator.source(index))
+                .collect();
+            last.bias = locator.bias(config);
+            last.rates = locator.rates(config);
+        }
+    }
+
     /// What is known now, without the bearings that were taken back, by their place among all.
     ///
     /// # Errors

@@ -32,6 +32,11 @@ impl Days {
     }
 }
 
+/// `09:30:04.005`, of milliseconds after midnight.
+pub fn time(time_ms: u32) -> String {
+    super::coordinates::clock(time_ms)
+}
+
 /// `2026-11-28T09:30:04.005Z`, of milliseconds after 1970.
 pub fn date(time_ms: i64) -> String {
     let (days, time) = (time_ms.div_euclid(DAY), time_ms.rem_euclid(DAY));

@@ -4,14 +4,8 @@ use anyhow::{Context, Result, bail, ensure};
 
 use super::message::{By, Mark, Message};
 use super::piece::Command;
-use super::{Engine, Happened, Say};
+use super::search::{Engine, Happened, Say, Taken};
 use crate::decode::{Key, Refusal};
-
-/// Retracts by people, which they can undo.
-#[derive(Debug, Default)]
-pub(super) struct Retracts {
-    done: Vec<(i64, u64)>,
-}
 
 /// For so many milliseconds, a retract is what people mean by the last thing, even if bearings have come in since.
 const FRESH_MS: i64 = 30_000;
@@ -98,7 +92,7 @@ impl Engine {
             self.answer(say);
             return Ok(());
         }
-        let of_search = |taken: &super::Taken| taken.search == self.search && !taken.is_retracted;
+        let of_search = |taken: &Taken| taken.search == self.search && !taken.is_retracted;
         let last = self.bearings.iter().rposition(of_search);
         let last = last.context("there is no bearing to take back")?;
         self.retract(last as u64 + 1, By::Undo, say)

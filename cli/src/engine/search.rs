@@ -1,0 +1,428 @@
+//! Pieces in, results out.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Result, ensure};
+use foxhunt::{
+    aoa::geodesy::Geodetic,
+    gateway::{Counters, Event},
+};
+use foxhunt_host::archive::{Answered, Archive};
+
+use super::{
+    dates::{DAY, Dates},
+    hunt::{self, Hunt, PORTS},
+    message::{self, Mark, Message},
+    piece::{Piece, What},
+    setup::Setup,
+    site::{Site, rounded},
+    words,
+};
+use crate::decode::{self, Decoded, Key, Part, Refusal, Stream};
+
+/// What follows from a piece.
+pub enum Happened<'a> {
+    /// For pages and other programs.
+    Message(Message),
+    /// Sentences, as the firmware sends them.
+    Report(&'a str),
+    /// What a line of an input led to.
+    Line {
+        input: usize,
+        /// Its number among the lines of the input, from 1 on.
+        number: u64,
+        line: &'a [u8],
+        event: &'a Event,
+    },
+    /// A message of an input was of no use.
+    Refused {
+        input: usize,
+        number: u64,
+        reason: Refusal,
+    },
+}
+
+pub(super) type Say<'a> = &'a mut dyn FnMut(Happened<'_>);
+
+/// A search.
+pub struct Engine {
+    pub(super) hunt: Box<dyn Hunt>,
+    name: String,
+    pub(super) inputs: Vec<Input>,
+    pub(super) ports: Vec<Port>,
+    pub(super) sites: Vec<Site>,
+    dates: Dates,
+    pub(super) bearings: Vec<Taken>,
+    pub(super) keys: BTreeMap<Key, u64>,
+    pub(super) search: u32,
+    pub(super) retracts: Retracts,
+    pub(super) marks: BTreeMap<u64, Mark>,
+    pub(super) next_mark: u64,
+    place: Option<Geodetic>,
+}
+
+pub(super) struct Input {
+    stream: Stream,
+    pub site: Option<usize>,
+    /// Line ends that have come.
+    lines: u64,
+    pub refused: BTreeMap<Refusal, u64>,
+}
+
+/// Where bearings come from: an input, or one of the stations whose messages come by it.
+pub(super) struct Port {
+    name: String,
+    pub input: usize,
+}
+
+/// A bearing that was used.
+pub(super) struct Taken {
+    pub search: u32,
+    pub index: usize,
+    pub is_retracted: bool,
+}
+
+/// Retracts by people, which they can undo: when, and of which bearing.
+#[derive(Debug, Default)]
+pub(super) struct Retracts {
+    pub done: Vec<(i64, u64)>,
+}
+
+impl Engine {
+    /// A search that has heard nothing yet.
+    ///
+    /// # Errors
+    /// Names what is out of range, or of no use.
+    pub fn new(setup: &Setup) -> Result<Self> {
+        ensure!(
+            setup.inputs.len() <= PORTS,
+            "there can be {PORTS} inputs at most"
+        );
+        let sites: Vec<Site> = (setup.sites.iter()).map(Site::new).collect::<Result<_>>()?;
+        let input = |(name, of): &(String, Option<String>)| {
+            let site = match of {
+                None => None,
+                Some(of) => {
+                    let place = sites.iter().position(|site| site.name() == of);
+                    ensure!(place.is_some(), "input {name}: there is no site {of}");
+                    place
+                }
+            };
+            Ok(Input {
+                stream: Stream::default(),
+                site,
+                lines: 0,
+                refused: BTreeMap::new(),
+            })
+        };
+        let inputs: Vec<Input> = setup.inputs.iter().map(input).collect::<Result<_>>()?;
+        let names = setup.inputs.iter().map(|(name, _)| name.clone());
+        let port = |(input, name)| Port { name, input };
+        let ports = names.enumerate().map(port).collect();
+        Ok(Self {
+            hunt: hunt::hunt(setup.locator, &setup.reading, &setup.belief)?,
+            name: setup.name.clone(),
+            ports,
+            inputs,
+            sites,
+            dates: Dates::default(),
+            bearings: Vec::new(),
+            keys: BTreeMap::new(),
+            search: 0,
+            retracts: Retracts::default(),
+            marks: BTreeMap::new(),
+            next_mark: 1,
+            place: None,
+        })
+    }
+
+    /// What is there before anything has come in.
+    pub fn begin(&self, say: Say) {
+        for site in &self.sites {
+            say(Happened::Message(Message::Site(site.message())));
+        }
+        let answer = words::answer(&*self.hunt, 0);
+        say(Happened::Message(Message::Answer(answer)));
+    }
+
+    /// Takes a piece.
+    ///
+    /// # Errors
+    /// Why a command cannot be done.
+    pub fn take(&mut self, piece: &Piece, say: Say) -> Result<()> {
+        self.dates.arrived(piece.time_ms);
+        match &piece.what {
+            What::Bytes {
+                input,
+                bytes,
+                is_message,
+            } => {
+                ensure!(*input < self.inputs.len(), "there is no input {input}");
+                self.bytes(*input, bytes, *is_message, piece.time_ms, say);
+            }
+            What::End { input } => {
+                if *input < self.inputs.len() {
+                    self.stream(*input, piece.time_ms, say, |stream, take| stream.end(take));
+                    self.push(*input, b"\n", say);
+                }
+            }
+            What::Command(command) => self.command(command, piece.time_ms, say)?,
+        }
+        Ok(())
+    }
+
+    fn bytes(&mut self, input: usize, bytes: &[u8], is_message: bool, time_ms: i64, say: Say) {
+        if let Some(site) = self.inputs[input].site.and_then(|k| self.sites.get_mut(k)) {
+            // The last byte of a datagram may be its line's last.
+            let end: &[u8] = if is_message { b"\n" } else { b"" };
+            for byte in bytes.iter().chain(end) {
+                if let Some((tag, report)) = site.push(*byte, time_ms) {
+                    if !report.is_empty() {
+                        say(Happened::Report(report));
+                    }
+                    if let Some(tag) = tag {
+                        say(Happened::Message(Message::Tag(tag)));
+                    }
+                }
+            }
+        } else if is_message {
+            self.decoded(input, decode::message(bytes), time_ms, say);
+        } else {
+            self.hunt.announce(bytes);
+            self.stream(input, time_ms, say, |stream, take| stream.push(bytes, take));
+        }
+    }
+
+    /// Parts a stream, and takes what comes of it.
+    fn stream(
+        &mut self,
+        input: usize,
+        time_ms: i64,
+        say: Say,
+        part: impl FnOnce(&mut Stream, &mut dyn FnMut(Part<'_>)),
+    ) {
+        let mut stream = std::mem::take(&mut self.inputs[input].stream);
+        part(&mut stream, &mut |part| match part {
+            Part::Bytes(bytes) => self.push(input, bytes, say),
+            Part::Object(object) => {
+                self.decoded(input, decode::json(object), time_ms, say);
+                self.inputs[input].lines += 1;
+            }
+        });
+        self.inputs[input].stream = stream;
+    }
+
+    fn decoded(&mut self, input: usize, decoded: Result<Decoded, Refusal>, time_ms: i64, say: Say) {
+        let done = match decoded {
+            Ok(Decoded::Lines(lines)) => {
+                self.hunt.announce(&lines);
+                self.push(input, &lines, say);
+                Ok(())
+            }
+            Ok(Decoded::Bearing(bearing)) => self.bearing(input, bearing, time_ms, say),
+            Ok(Decoded::Delete(key)) => self.delete(&key, say),
+            Ok(Decoded::Nothing) => Ok(()),
+            Err(reason) => Err(reason),
+        };
+        if let Err(reason) = done {
+            *self.inputs[input].refused.entry(reason).or_default() += 1;
+            let number = self.inputs[input].lines + 1;
+            say(Happened::Refused {
+                input,
+                number,
+                reason,
+            });
+        }
+    }
+
+    /// Lets the gateway read.
+    fn push(&mut self, port: usize, bytes: &[u8], say: Say) {
+        for byte in bytes {
+            if let Some(event) = self.hunt.push(port, *byte) {
+                self.happened(port, &event, None, say);
+            }
+            if *byte == b'\n' {
+                self.inputs[port].lines += 1;
+            }
+        }
+    }
+
+    /// A bearing that did not come as a line.
+    fn bearing(
+        &mut self,
+        input: usize,
+        bearing: decode::Bearing,
+        arrived_ms: i64,
+        say: Say,
+    ) -> Result<(), Refusal> {
+        let decode::Bearing {
+            key,
+            time_ms,
+            is_of_others,
+            mut record,
+        } = bearing;
+        let is_known = key.id.is_some() && self.keys.contains_key(&key);
+        if is_known {
+            return Err(Refusal::Field("id"));
+        }
+        let port = (self.port_of(input, &key.station)).ok_or(Refusal::Field("station"))?;
+        if let Some(time) = time_ms {
+            self.dates.stated(time);
+        }
+        // What states a place but no time was taken now.
+        let now = Some(arrived_ms).filter(|time| record.place.is_some() && *time > 0);
+        record.time_ms = (time_ms.or(now)).map(|time| time.rem_euclid(DAY) as u32);
+        let event = self.hunt.record(port, &record);
+        self.happened(port, &event, Some((key, is_of_others)), say);
+        Ok(())
+    }
+
+    /// The port of a station whose messages come by an input.
+    fn port_of(&mut self, input: usize, station: &str) -> Option<usize> {
+        if station.is_empty() {
+            return Some(input);
+        }
+        let known = |port: &Port| port.input == input && port.name == station;
+        let found = self.ports.iter().position(known);
+        found
+            .or_else(|| {
+                self.ports.push(Port {
+                    name: station.to_owned(),
+                    input,
+                });
+                Some(self.ports.len() - 1)
+            })
+            .filter(|port| *port < PORTS)
+    }
+
+    /// What an event of a port means to others.
+    fn happened(&mut self, port: usize, event: &Event, key: Option<(Key, bool)>, say: Say) {
+        let line = self.hunt.line(port);
+        let input = self.ports.get(port).map_or(port, |port| port.input);
+        let number = self.inputs.get(input).map_or(0, |input| input.lines + 1);
+        say(Happened::Line {
+            input,
+            number,
+            line,
+            event,
+        });
+        let is_bearing = matches!(event, Event::Fix(_) | Event::NotObservable(_));
+        if key.is_none() && (is_bearing || *event == Event::Used) {
+            self.dates.line(line);
+        }
+        if !self.hunt.report().is_empty() {
+            say(Happened::Report(self.hunt.report()));
+        }
+        self.moved(say);
+        if is_bearing {
+            self.taken(port, key, say);
+        }
+    }
+
+    /// Tells where the vehicle is, if that is news.
+    fn moved(&mut self, say: Say) {
+        let receiver = self.hunt.receiver();
+        let place = receiver.place.map(|place| place.value);
+        if place.is_none() || place == self.place {
+            return;
+        }
+        self.place = place;
+        let course = receiver.heading_deg.or(receiver.course_deg);
+        say(Happened::Message(Message::Receiver(message::Receiver {
+            name: self.name.clone(),
+            kind: message::Kind::Vehicle,
+            lat: place.map(|place| f64::from(place.latitude_e7()) / 1e7),
+            lon: place.map(|place| f64::from(place.longitude_e7()) / 1e7),
+            heading_deg: course.map(|course| rounded(course.value.into(), 1)),
+            time_ms: receiver.time_ms.map_or(0, |time| self.dates.at(time)),
+        })));
+    }
+
+    /// A bearing was used.
+    fn taken(&mut self, port: usize, key: Option<(Key, bool)>, say: Say) {
+        let is_of_others = key.as_ref().is_some_and(|(_, is)| *is);
+        let key = key.map(|(key, _)| key);
+        let count = self.hunt.bearings();
+        if count == 1 {
+            self.search += 1;
+        }
+        self.bearings.push(Taken {
+            search: self.search,
+            index: count.saturating_sub(1),
+            is_retracted: false,
+        });
+        let id = self.bearings.len() as u64;
+        let station = key.as_ref().filter(|key| !key.station.is_empty()).cloned();
+        if let Some(key) = key.filter(|key| key.id.is_some()) {
+            self.keys.insert(key, id);
+        }
+        let (Some(plane), Some(observation)) = (self.hunt.plane(), self.hunt.observation()) else {
+            return;
+        };
+        let time_ms = self.now_ms();
+        let place = foxhunt_host::archive::coordinates(&plane, observation.position());
+        if let Some([lon, lat]) = place {
+            if let Some(Key { station: name, .. }) = station {
+                say(Happened::Message(Message::Receiver(message::Receiver {
+                    name,
+                    kind: message::Kind::Station,
+                    lat: Some(lat),
+                    lon: Some(lon),
+                    heading_deg: None,
+                    time_ms,
+                })));
+            }
+            let chances = self.hunt.classify(&observation);
+            say(Happened::Message(Message::Bearing(message::Bearing {
+                id,
+                receiver: (self.ports.get(port)).map_or(String::new(), |port| port.name.clone()),
+                time_ms,
+                lat,
+                lon,
+                bearing_deg: rounded(observation.bearing().compass_degrees().into(), 2),
+                sigma_deg: rounded(observation.sigma_rad().to_degrees().into(), 2),
+                used: true,
+                reason: None,
+                outlier: chances.map(|chances| rounded(chances.outlier.into(), 3)),
+                is_of_others,
+            })));
+        }
+        self.answer(say);
+    }
+
+    pub(super) fn answer(&self, say: Say) {
+        let answer = words::answer(&*self.hunt, self.now_ms());
+        say(Happened::Message(Message::Answer(answer)));
+    }
+
+    fn now_ms(&self) -> i64 {
+        self.hunt.time_ms().map_or(0, |time| self.dates.at(time))
+    }
+
+    /// What became of all lines.
+    pub fn counters(&self) -> &Counters {
+        self.hunt.counters()
+    }
+
+    /// What each bearing led to so far.
+    pub fn answers(&self) -> &[Answered] {
+        self.hunt.answers()
+    }
+
+    /// All that is known.
+    ///
+    /// # Errors
+    /// If no bearing was used.
+    pub fn archive(&self) -> Result<Archive> {
+        let mut archive = self.hunt.archive()?;
+        if let Some(first) = archive.answers.first() {
+            let last = archive.last();
+            let ends = (first.time_ms, last.time_ms);
+            // The date is that of the last bearing.
+            let days = i64::from(ends.1 < ends.0);
+            let end = self.dates.at(ends.1);
+            archive.midnight_ms = end - end.rem_euclid(DAY) - days * DAY;
+        }
+        Ok(archive)
+    }
+}

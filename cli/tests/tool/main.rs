@@ -1,0 +1,7 @@
+//! The program as its users run it.
+
+mod broker;
+mod live;
+mod program;
+mod replay;
+mod web;
