@@ -236,6 +236,27 @@ impl Browser {
         }
     }
 
+    /// Puts fingers down, moves them along lines, and lifts them: each finger from its first place to its last.
+    pub fn fingers(&mut self, from: &[[f64; 2]], to: &[[f64; 2]]) {
+        for (kind, part) in [("touchStart", 0.0), ("touchMove", 0.5), ("touchMove", 1.0)] {
+            let along = |(from, to): (&[f64; 2], &[f64; 2])| {
+                [0, 1].map(|d| from[d] + part * (to[d] - from[d]))
+            };
+            let places = from.iter().zip(to).map(along).enumerate();
+            let points: Vec<Value> = places
+                .map(|(id, [x, y])| json!({ "id": id, "x": x, "y": y }))
+                .collect();
+            self.call(
+                "Input.dispatchTouchEvent",
+                json!({ "type": kind, "touchPoints": points }),
+            );
+        }
+        self.call(
+            "Input.dispatchTouchEvent",
+            json!({ "type": "touchEnd", "touchPoints": [] }),
+        );
+    }
+
     /// Writes what is to be seen into a file, once it has been drawn.
     pub fn picture(&mut self, file: &Path) {
         self.value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))");
