@@ -14,6 +14,7 @@ use crate::random::{Rng, uniform, uniform_open};
 /// How copies are allotted. In order of variance, smallest first, as a rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Scheme {
     /// One random number; points 1/N apart. The usual choice.
     #[default]

@@ -38,6 +38,7 @@ fn main() -> ! {
     track(&mut rng);
     gateway();
     beacons();
+    buildings(&mut rng);
     loop {
         cortex_m::asm::wfi();
     }

@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use foxhunt::{
-    fingerprint::{Config, Lattice, Matcher, Posterior, RadioMap, Reading, tracker},
+    fingerprint::{Config, Lattice, Matcher, Posterior, RadioMap, Reading, Zone, tracker},
     gateway,
     random::Xoshiro128PlusPlus,
 };
@@ -65,7 +65,7 @@ pub fn track(rng: &mut Xoshiro128PlusPlus) {
 }
 
 pub fn beacons() {
-    use gateway::beacon::{BeaconGateway, Config, Framing};
+    use gateway::beacon::{BeaconGateway, Config, Event, Framing};
     let bytes = any([0; 200]);
     let Some(site) = site(some(&bytes)) else {
         return;
@@ -83,6 +83,59 @@ pub fn beacons() {
         black_box((gateway.report(), gateway.counters(), gateway.tags().count()));
     }
     gateway.restart();
+    let mut buffer = any([0; 200]);
+    if let Some(Event::MapPiece(piece)) = gateway.push(any(0), &config) {
+        _ = black_box(gateway.take_map(&piece, &mut buffer));
+    }
+}
+
+pub fn buildings(rng: &mut Xoshiro128PlusPlus) {
+    use tracker::{Building, BuildingTracker, Occupancy, Passage, Rooms, Storey, Walls, Workspace};
+    let (below, above) = (any([0; 200]), any([0; 200]));
+    let (Some(lowest), Ok(map)) = (site(some(&below)), RadioMap::new(some(&above))) else {
+        return;
+    };
+    let corners = any([[0.0f32; 2]; 5]);
+    let place = Zone {
+        id: any(0),
+        floor: any(0),
+        corners: some(&corners),
+    };
+    let floors = any([0; 3]);
+    let building = Building {
+        lowest,
+        above: &[Storey {
+            map,
+            walls: Walls::None,
+        }],
+        passages: &[Passage {
+            place,
+            floors: some(&floors),
+            seconds: any(1.0),
+        }],
+    };
+    let rooms = Rooms {
+        zones: &[place],
+        probability: any(0.9),
+    };
+    _ = black_box((building.check(), rooms.check()));
+    let mut workspace = any(Workspace::<50, 64, u8>::EMPTY);
+    let mut tracker = any(BuildingTracker::<50, 8>::EMPTY);
+    let mut occupancy = any(Occupancy::<3>::EMPTY);
+    for _ in 0..any(100) {
+        let packet = Reading {
+            beacon: any(0),
+            rssi_dbm: any(-60.0),
+        };
+        _ = black_box(tracker.push(any(0), packet, &building, &mut workspace, rng));
+        let said = any(0.0);
+        let door = |[x, _]: [f32; 2], _| x * said;
+        _ = black_box(tracker.weigh(any(0), door, &building, &mut workspace, rng));
+        occupancy.update(&tracker, &building, &rooms, |passing| {
+            black_box(passing);
+        });
+    }
+    black_box((tracker.floor(), tracker.floor_probability(any(0))));
 }
 
 pub fn fingerprints() {

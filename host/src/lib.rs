@@ -7,6 +7,7 @@
 //! - [`experiment`]: the walk of the published experiment through a tunnel;
 //! - [`radio_map`]: from the readings of a survey to a radio map in flash;
 //! - [`tetam`]: a survey and walks measured in an office floor; [`walks`]: those, and simulated ones, tracked;
+//! - [`building`]: a building of several floors, its survey and walks through it;
 //! - [`robot`]: a survey and a drive of a robot in a flat;
 //! - [`simulate`]: noisy bearings along a track; [`stationary`]: those of a vehicle at rest; [`drive`]: a whole drive
 //!   of a vehicle, as the bytes that its receiver and its direction finder put on the line;
@@ -28,6 +29,7 @@
 pub mod accuracy;
 pub mod archive;
 pub mod array;
+pub mod building;
 pub mod channel;
 pub mod curve;
 pub mod damage;

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use foxhunt::fingerprint::tracker::{Config, Exact, Packed, Site, Stored};
+use foxhunt::fingerprint::tracker::{Config, Exact, OneFloor, Packed, Site, Stored};
 use foxhunt_host::experiment::Run;
 use foxhunt_host::walks::{Office, fixes_as, follow_scans_as, of_simulated_scans, tunnel_map};
 use foxhunt_simulation::random::generator;
@@ -25,7 +25,7 @@ fn rms(runs: u64, walk: impl Fn(u64) -> Vec<f64> + Sync) -> f64 {
     (squares.iter().sum::<f64>() / runs as f64).sqrt()
 }
 
-fn in_the_tunnel<S: Stored>(noise: f64, packets: usize) -> f64 {
+fn in_the_tunnel<S: Stored<Floor = OneFloor>>(noise: f64, packets: usize) -> f64 {
     rms(RUNS, |number| {
         let run = Run::draw(noise, packets, &mut generator(71, number));
         let map = tunnel_map(&run.survey).unwrap();
@@ -52,7 +52,7 @@ fn rounding_costs_less_than_a_hundredth_in_the_tunnel() {
     }
 }
 
-fn in_the_office<S: Stored>(office: &Office, is_straight: bool) -> f64 {
+fn in_the_office<S: Stored<Floor = OneFloor>>(office: &Office, is_straight: bool) -> f64 {
     rms(SEEDS, |seed| {
         let walks = office
             .walks

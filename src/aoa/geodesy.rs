@@ -20,6 +20,7 @@ const ECCENTRICITY_2: f32 = 6.694_38e-3;
 /// A place on the WGS84 ellipsoid, in integers of 1e-7 degree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Geodetic {
     latitude_e7: i32,
     longitude_e7: i32,

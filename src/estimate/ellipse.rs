@@ -8,6 +8,7 @@ use crate::random::two_sided_quantile;
 /// where the distribution is one-dimensional.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ellipse {
     /// Its centre.
     pub centre: [f32; 2],

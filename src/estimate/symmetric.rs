@@ -15,6 +15,7 @@ use crate::snapshot::value;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Symmetric2 {
     /// The entry of the first row and column.
     pub xx: f32,

@@ -18,6 +18,7 @@ use crate::math::ln;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Config {
     /// Standard deviation in dB, 1.5 to 20, that is added to that of the map as independent errors add up: how a person
     /// who walks differs from a survey. A map of [`super::Encoding::Levels`] has its own and ignores this one.

@@ -145,6 +145,23 @@ impl Lattice {
         }
     }
 
+    /// Metres from steps along the axes that have several points.
+    #[inline(always)]
+    pub(super) fn place_of(&self, [first, second]: [f32; 2]) -> [f32; 2] {
+        // Along a line there is no second axis.
+        let second = if self.is_plane() { second } else { 0.0 };
+        self.place(self.along_axes([first, second]))
+    }
+
+    /// Whether it has the points of another one.
+    pub(super) const fn is_same(&self, other: &Self) -> bool {
+        self.origin[0] == other.origin[0]
+            && self.origin[1] == other.origin[1]
+            && self.spacing == other.spacing
+            && self.columns == other.columns
+            && self.rows == other.rows
+    }
+
     /// A place in the cell of a point, in steps, by fractions from 0 to 1 of its sides; a cell at the edge is cut off there.
     pub(super) fn in_cell(&self, point: usize, fractions: [f32; 2]) -> [f32; 2] {
         let along = |number: usize, fraction: f32, points: usize| {

@@ -366,6 +366,22 @@ impl<'a> RadioMap<'a> {
         })
     }
 
+    /// Whether it has the beacons of another map, in the same order.
+    pub(super) const fn has_beacons_of(&self, other: &RadioMap<'_>) -> bool {
+        if self.beacons.len() != other.beacons.len() {
+            return false;
+        }
+        let mut at = 0;
+        while at < self.beacons.len() {
+            // Of the six bytes of a beacon, the identifier is the first four.
+            if at % BEACON < 4 && self.beacons[at] != other.beacons[at] {
+                return false;
+            }
+            at += 1;
+        }
+        true
+    }
+
     /// The number of a beacon.
     pub fn beacon_index(&self, identifier: u32) -> Option<usize> {
         (0..self.beacons()).find(|index| {

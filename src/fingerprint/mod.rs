@@ -40,6 +40,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 pub mod tracker;
+mod zone;
 
 pub use config::Config;
 pub use error::{MapError, ReadingError};
@@ -48,3 +49,4 @@ pub use map::{Beacon, Encoding, Moments, RadioMap};
 pub use matcher::Matcher;
 pub use posterior::{Match, Posterior};
 pub use scan::{MAX_READINGS, Reading};
+pub use zone::Zone;

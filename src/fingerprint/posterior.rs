@@ -17,6 +17,7 @@ pub struct Posterior<const P: usize> {
 /// Where a scan was taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Match {
     /// Number of the most probable point.
     pub point: usize,

@@ -9,6 +9,7 @@ use crate::config::{require, require_all, require_within};
 /// Direction from which the angles of bearing lines count that leave it open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum BearingReference {
     /// The bow: the heading of the vehicle is added.
     Relative,
@@ -32,6 +33,7 @@ pub enum BearingReference {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Config<C> {
     /// What the locator is told.
     pub locator: C,

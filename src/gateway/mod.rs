@@ -106,6 +106,8 @@ mod clock;
 mod config;
 pub mod formats;
 mod history;
+#[cfg(feature = "embedded-io")]
+pub mod io;
 mod line;
 mod navigation;
 mod outcome;

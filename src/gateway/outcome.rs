@@ -132,6 +132,7 @@ reasons!(Rejected {
 /// they reach it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Counters {
     /// All lines that were not empty.
     pub lines: u32,

@@ -22,6 +22,7 @@ use crate::config::require;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SigmaTable {
     /// Quality, and standard deviation in radians. Those after the last are the last.
     knots: [(f32, f32); Self::KNOTS],

@@ -55,6 +55,7 @@ use crate::random::{Rng, uniform};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DifferentialEvolution {
     /// F1: the weight of the particle that a mutant is made of.
     pub base_weight: f32,

@@ -57,6 +57,7 @@ const NEGLIGIBLE: f32 = 1e-3;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Firefly {
     /// Whether the brightest alone draws a firefly: Du et al. If not, all that are brighter do: Yang.
     pub brightest: bool,

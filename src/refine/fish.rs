@@ -52,6 +52,7 @@ use crate::config::{require, require_positive};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FishSchool {
     /// The unit of `perception` and `step`.
     pub lengths: Lengths,

@@ -9,6 +9,7 @@ use crate::random::{Rng, normal, uniform};
 /// The unit of the distances in the configuration of a refinement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Lengths {
     /// That of the state, for every dimension: metres, as a rule. A step in metres that suits the first cloud does
     /// nothing for the last, or ruins it.

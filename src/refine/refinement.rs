@@ -9,6 +9,7 @@ use crate::random::Rng;
 /// Whether particles gather at the modes of the target or stay a sample of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Acceptance {
     /// As published: fish and fireflies go where their rules send them, evolution keeps the better of two. The
     /// cloud shrinks towards the modes; means profit from it at times, credible regions never.

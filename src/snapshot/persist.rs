@@ -260,8 +260,19 @@ macro_rules! numbers {
     )+};
 }
 
-numbers!(u8, u16, u32, u64, i8, i32, i64, f32);
-by_value!(u8, u16, u32, u64, i8, i32, i64, bool, Xoshiro128PlusPlus);
+numbers!(u8, u16, u32, u64, i8, i16, i32, i64, f32);
+by_value!(
+    u8,
+    u16,
+    u32,
+    u64,
+    i8,
+    i16,
+    i32,
+    i64,
+    bool,
+    Xoshiro128PlusPlus
+);
 by_value!(impl[T: Value] Option<T>, "Option");
 
 /// Any bits are a number: columns are copied and skipped whole.

@@ -2,7 +2,8 @@ use core::fmt::Debug;
 
 use foxhunt::{
     aoa::{
-        Alternative, Bearing, Clean, Locator, Manoeuvring, MultiTarget, Observation, Robust, clean,
+        Alternative, Bearing, Clean, Locate, Locator, Manoeuvring, MultiTarget, Observation,
+        Robust, clean,
         geodesy::{Geodetic, LocalPlane},
         manoeuvring, multi,
         robust::{self, Errors as Faulty},
@@ -14,7 +15,7 @@ use foxhunt::{
     refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths, Refinement},
 };
 
-use crate::{Case, digest::Digest};
+use super::{Case, Digest, assert_normal};
 
 pub const CASES: &[Case] = &[
     ("aoa::locator_finds_the_source", locator_finds_the_source),
@@ -68,6 +69,13 @@ fn is_near([x, y]: [f32; 2], metres: f32) -> bool {
     (x - SOURCE[0]).abs() < metres && (y - SOURCE[1]).abs() < metres
 }
 
+/// The particles of a source are numbers that every core has.
+fn assert_cloud<L: Locate>(locator: &Locator<L>, index: usize) {
+    if let Some(cloud) = locator.cloud(index) {
+        assert_normal(&[cloud.east, cloud.north, cloud.weights]);
+    }
+}
+
 fn locator_finds_the_source() -> Digest {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(2);
     let mut locator = Locator::<Clean<100, 64>>::new(clean::Config::DEFAULT).expect("in range");
@@ -80,6 +88,7 @@ fn locator_finds_the_source() -> Digest {
         {
             digest.add(&fix.position);
             digest.add(fix.covariance.rows().as_flattened());
+            assert_cloud(&locator, 0);
             digest.add(&[fix.effective_sample_size]);
         }
     }
@@ -115,6 +124,7 @@ fn robust_locator_finds_the_source() -> Digest {
         if let Some(fix) = locator.push(&spoilt, &mut rng).expect("in order").fix() {
             digest.add(&fix.position);
             digest.add(fix.covariance.rows().as_flattened());
+            assert_cloud(&locator, 0);
         }
     }
     let fix = locator.fix().expect("a fix");
@@ -187,6 +197,7 @@ fn robust_locator_of_inexact_places() -> Digest {
         if let Some(fix) = locator.push(&moved, &mut rng).expect("in order").fix() {
             digest.add(&fix.position);
             digest.add(fix.covariance.rows().as_flattened());
+            assert_cloud(&locator, 0);
         }
     }
     let fix = locator.fix().expect("a fix");
@@ -212,7 +223,8 @@ fn two_sources_are_found() -> Digest {
         let observation = Observation::new(2000 * i as u32, [x, y], bearing, 0.035);
         let answer = locator.push(&observation.expect("in range"), &mut rng);
         answer.expect("in order");
-        for source in (0..).map_while(|index| locator.source(index)) {
+        for (index, source) in (0..).map_while(|index| Some((index, locator.source(index)?))) {
+            assert_cloud(&locator, index);
             digest.add(&source.fix.position);
             digest.add(source.fix.covariance.rows().as_flattened());
             digest.add(&[f32::from(source.identity)]);
@@ -249,6 +261,7 @@ fn a_manoeuvring_source_is_followed() -> Digest {
         {
             digest.add(&fix.position);
             digest.add(fix.covariance.rows().as_flattened());
+            assert_cloud(&locator, 0);
         }
         if let Some(motion) = locator.state().motion() {
             digest.add(&[motion.moving, motion.sigma_m_s]);
@@ -280,6 +293,8 @@ fn refined<F: Refinement<2> + Copy + PartialEq + Debug>(metropolis: F, greedy: F
             {
                 digest.add(&fix.position);
                 digest.add(fix.covariance.rows().as_flattened());
+                assert_cloud(&locator, 0);
+                assert_cloud(&locator, 0);
             }
         }
         let fix = locator.fix().expect("a fix");

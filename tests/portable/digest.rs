@@ -25,3 +25,18 @@ impl Digest {
         }
     }
 }
+
+/// Columns of numbers hold none that some core takes for zero, and no NaN: a core that flushes subnormal numbers computes
+/// what the others do.
+///
+/// # Panics
+/// When one does.
+pub fn assert_normal(columns: &[&[f32]]) {
+    let numbers = columns.iter().copied().flatten();
+    for number in numbers {
+        assert!(
+            !number.is_subnormal() && !number.is_nan(),
+            "a column holds {number:e}"
+        );
+    }
+}

@@ -4,7 +4,7 @@ use foxhunt::{
     random::{SeedableRng, Xoshiro128PlusPlus, normal},
 };
 
-use crate::{Case, digest::Digest};
+use super::{Case, Digest, assert_normal};
 
 pub const CASES: &[Case] = &[
     ("filter::tracks_a_walk", tracks_a_walk),
@@ -31,6 +31,8 @@ fn tracks_a_walk() -> Digest {
         let evidence = filter.update(&fit).expect("some particle is near");
         digest.add(&[evidence, filter.mean()[0], filter.covariance()[0][0]]);
         digest.add(&[filter.effective_sample_size()]);
+        assert_normal(&filter.particles().columns());
+        assert_normal(&[filter.weights()]);
     }
     assert!((filter.mean()[0] - truth).abs() < 1.0);
     digest
@@ -58,6 +60,8 @@ fn tracks_a_velocity() -> Digest {
         let fit = |[x, y, ..]: &[f32; 4]| -0.5 * ((x - east) * (x - east) + y * y);
         filter.update(&fit).expect("some particle is near");
         digest.add(&filter.mean());
+        assert_normal(&filter.particles().columns());
+        assert_normal(&[filter.weights()]);
     }
     let [x, y, vx, _] = filter.mean();
     assert!((x - 20.0).abs() < 1.0 && y.abs() < 1.0 && (vx - 1.0).abs() < 0.3);

@@ -6,7 +6,7 @@ use foxhunt::{
     random::{SeedableRng, Xoshiro128PlusPlus, uniform},
 };
 
-use crate::{Case, digest::Digest};
+use super::{Case, Digest, assert_normal};
 
 pub const CASES: &[Case] = &[
     ("fingerprint::scans", scans),
@@ -110,6 +110,7 @@ fn a_walk_is_tracked() -> Digest {
             }
         }
         for particle in tracker.particles(&site) {
+            assert_normal(&[&particle]);
             digest.add(&particle);
         }
         // In the hall it is carried no further than it is uncertain.

@@ -1,7 +1,7 @@
 use foxhunt::aoa::{Clean, clean};
 use foxhunt::gateway::{BearingReference, Config, Gateway};
 
-use crate::{Case, digest::Digest};
+use super::{Case, Digest};
 
 pub const CASES: &[Case] = &[("gateway::a_drive_leads_to_a_fix", a_drive_leads_to_a_fix)];
 

@@ -1,6 +1,6 @@
 use foxhunt::math;
 
-use crate::{Case, digest::Digest};
+use super::{Case, Digest};
 
 pub const CASES: &[Case] = &[
     ("math::exp", exp),

@@ -6,7 +6,7 @@ use foxhunt::{
 };
 use foxhunt_problems::gamma;
 
-use crate::{Case, digest::Digest};
+use super::{Case, Digest};
 
 pub const CASES: &[Case] = &[("proposal::gamma_noise", gamma_noise)];
 

@@ -3,7 +3,7 @@ use foxhunt::{
     resample::{Scheme, resample},
 };
 
-use crate::{Case, digest::Digest};
+use super::{Case, Digest};
 
 pub const CASES: &[Case] = &[
     ("random::uniform", || {

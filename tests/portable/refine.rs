@@ -4,7 +4,7 @@ use foxhunt::{
     refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Memory, Refinement},
 };
 
-use crate::{Case, digest::Digest};
+use super::{Case, Digest, assert_normal};
 
 pub const CASES: &[Case] = &[
     ("refine::schools", schools),
@@ -28,6 +28,7 @@ fn refined(refinements: [impl Refinement<2>; 2]) -> Digest {
         filter.initialise(&mut rng, |rng| [normal(rng), normal(rng)]);
         let report = filter.refine(&refinement, &crescent, &mut memory, &mut rng);
         assert!(report.moves > 0 && report.evaluations <= refinement.evaluations(120));
+        assert_normal(&filter.particles().columns());
         for column in filter.particles().columns() {
             digest.add(column);
         }

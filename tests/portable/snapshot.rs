@@ -7,7 +7,7 @@ use foxhunt::{
     snapshot::{Persist, restore, save},
 };
 
-use crate::{Case, aoa::drive, digest::Digest};
+use super::{Case, Digest, aoa::drive};
 
 pub const CASES: &[Case] = &[
     ("snapshot::locator", locator),

@@ -18,6 +18,7 @@ mod fuzz;
 mod house;
 mod kernels;
 mod llvm;
+mod machines;
 mod measure;
 mod monitor;
 mod page;
@@ -47,6 +48,8 @@ enum Task {
     Cost(cost::Options),
     /// Locate a transmitter with the vehicle firmware in the emulator, and draw it.
     Demo(demo::Options),
+    /// Run the portable tests, a whole drive and a whole walk on emulated machines of other cores.
+    Machines(machines::Options),
     /// Damage sentences of real receivers, and count the wrong positions that a vehicle's gateway believes.
     Damage(damage::Options),
     /// Look for faults of the gateways and the map reader with random input.
@@ -81,6 +84,7 @@ fn run(task: Task) -> Result<()> {
         Task::Demo(options) => demo::run(&options),
         Task::Drive => drive::run(),
         Task::Tunnel => tunnel::run(),
+        Task::Machines(options) => machines::run(&options),
         Task::Damage(options) => damage::run(&options),
         Task::Fuzz(options) => fuzz::run(&options),
         Task::Page(options) => page::run_task(&options),

@@ -42,6 +42,8 @@ enum Paper {
     Sources(Sources),
     /// Somebody who walks among fixed arrays: simulated and measured.
     Walkers(Run),
+    /// Follow tags through a building of three floors: on which, and in which room.
+    Floors(Run),
     /// The exact posterior of bearings, which others of these compare with, beside uniform grids.
     Reference(Run),
     /// What each method of these is worth beside the bootstrap filter that costs as much.
@@ -132,6 +134,7 @@ pub fn run(options: &Options) -> Result<()> {
         Paper::Bearings(run) => (run, papers::outliers::run),
         Paper::Finders(run) => (run, papers::finders::run),
         Paper::Reference(run) => (run, papers::reference::run),
+        Paper::Floors(run) => (run, papers::floors::run),
         Paper::Walkers(run) => (run, papers::walkers::run),
         Paper::Cost(run) => (run, papers::cost::run),
         Paper::Sources(sources) => {

@@ -101,6 +101,11 @@ pub fn executable_in(directory: &Path, arguments: &[&str]) -> Result<PathBuf> {
     built(cargo, "build", arguments)
 }
 
+/// The same with a cargo that was prepared.
+pub fn executable_by(cargo: Command, arguments: &[&str]) -> Result<PathBuf> {
+    built(cargo, "build", arguments)
+}
+
 fn built(mut cargo: Command, command: &str, arguments: &[&str]) -> Result<PathBuf> {
     let mut child = cargo
         .args([

@@ -22,6 +22,10 @@ pub enum Need {
     LlvmTools,
     /// The emulator of the board.
     Qemu,
+    /// That of RISC-V machines.
+    QemuRiscV,
+    /// Node.js, which runs WebAssembly.
+    Node,
     /// A compiler of C++, for the fuzzer's engine.
     Cxx,
     /// `cargo fuzz`.
@@ -96,6 +100,8 @@ impl Need {
             Self::Clippy => works(project::cargo().args(["clippy", "--version"])),
             Self::LlvmTools => llvm::tool("llvm-objdump")?.exists(),
             Self::Qemu => works(Command::new("qemu-system-arm").arg("--version")),
+            Self::QemuRiscV => works(Command::new("qemu-system-riscv32").arg("--version")),
+            Self::Node => works(Command::new("node").arg("--version")),
             Self::Cxx => works(Command::new("c++").arg("--version")),
             Self::CargoFuzz => works(project::cargo().args(["fuzz", "--version"])),
             Self::Mosquitto => runs("mosquitto", "-h") && runs("mosquitto_sub", "--version"),
@@ -117,6 +123,8 @@ impl Need {
             Self::Mosquitto => install_packages(|manager| manager.mosquitto),
             Self::Gpsd => install_packages(|manager| &manager.gpsd),
             Self::Chromium => install_packages(|_| &["chromium"]),
+            Self::QemuRiscV => install_packages(|manager| &manager.qemu_riscv),
+            Self::Node => install_packages(|manager| &manager.node),
             Self::CargoFuzz => {
                 announce(project::cargo().args(["install", "--locked", "cargo-fuzz"]))
             }
@@ -146,6 +154,8 @@ struct PackageManager {
     cxx: [&'static str; 1],
     mosquitto: &'static [&'static str],
     gpsd: [&'static str; 1],
+    qemu_riscv: [&'static str; 1],
+    node: [&'static str; 1],
 }
 
 const PACKAGE_MANAGERS: [PackageManager; 5] = [
@@ -158,6 +168,8 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         cxx: ["g++"],
         mosquitto: &["mosquitto", "mosquitto-clients"],
         gpsd: ["gpsd"],
+        qemu_riscv: ["qemu-system-misc"],
+        node: ["nodejs"],
     },
     PackageManager {
         program: "dnf",
@@ -168,6 +180,8 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         cxx: ["gcc-c++"],
         mosquitto: &["mosquitto"],
         gpsd: ["gpsd"],
+        qemu_riscv: ["qemu-system-riscv"],
+        node: ["nodejs"],
     },
     PackageManager {
         program: "pacman",
@@ -178,6 +192,8 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         cxx: ["gcc"],
         mosquitto: &["mosquitto"],
         gpsd: ["gpsd"],
+        qemu_riscv: ["qemu-system-riscv"],
+        node: ["nodejs"],
     },
     PackageManager {
         program: "zypper",
@@ -188,6 +204,8 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         cxx: ["gcc-c++"],
         mosquitto: &["mosquitto"],
         gpsd: ["gpsd"],
+        qemu_riscv: ["qemu-extra"],
+        node: ["nodejs"],
     },
     PackageManager {
         program: "brew",
@@ -198,6 +216,8 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         cxx: ["gcc"],
         mosquitto: &["mosquitto"],
         gpsd: ["gpsd"],
+        qemu_riscv: ["qemu"],
+        node: ["node"],
     },
 ];
 
@@ -207,7 +227,7 @@ fn install_packages(names: fn(&PackageManager) -> &[&'static str]) -> Result<()>
         .find(|manager| works(Command::new(manager.program).arg("--version")))
     else {
         bail!(
-            "no known package manager was found: install QEMU for Arm, a C++ compiler, Chromium, mosquitto and gpsd by hand"
+            "no known package manager was found: install QEMU, Node.js, a C++ compiler, Chromium, mosquitto and gpsd by hand"
         );
     };
     let sudo = manager.needs_root && !is_root();

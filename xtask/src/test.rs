@@ -9,7 +9,7 @@ use indicatif::ProgressBar;
 use crate::{
     book, constants, cost,
     expected::Expected,
-    figures, fuzz, house, page,
+    figures, fuzz, house, machines, page,
     project::{self, BARE_METAL, BOARD, cargo, run},
     qemu::Machine,
     reset, setup, trace,
@@ -55,6 +55,7 @@ const STEPS: &[Step] = &[
         run(cargo().args(["test", "--workspace", "--doc"]))
     }),
     ("portable tests, emulated board", portable_on_board),
+    ("portable tests, Cortex-M33", machines::check_m33),
     ("whole drives, board against host", trace::compare),
     ("a reset in the middle of a drive", reset::compare),
     (
@@ -155,7 +156,8 @@ fn portable_on_board() -> Result<()> {
         .map(drop)
 }
 
-/// Compiles the library alone with every subset of its features, for every target.
+/// Compiles the library alone for every target: with every subset of its features for the board, with none, one and all of
+/// them for the others.
 fn features() -> Result<()> {
     let metadata = project::metadata()?;
     let package = metadata
@@ -168,7 +170,11 @@ fn features() -> Result<()> {
         .filter(|name| *name != "default")
         .collect();
     for target in BARE_METAL.map(Some).into_iter().chain([None]) {
-        for subset in 0..1_u32 << features.len() {
+        let all = (1_u32 << features.len()) - 1;
+        for subset in 0..=all {
+            if target != Some(BOARD) && subset.count_ones() > 1 && subset != all {
+                continue;
+            }
             let chosen = features
                 .iter()
                 .enumerate()

@@ -1,12 +1,13 @@
 //! `foxhunt survey`: from a survey to a radio map, for the flash of a gateway.
 
 use std::{
+    collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
 };
 
 use anyhow::{Context, Result, bail};
-use foxhunt::fingerprint::{self, RadioMap};
+use foxhunt::fingerprint::{self, Lattice, RadioMap};
 use foxhunt_host::{
     picture::{self, Heat},
     radio_map::{Expected, Made, Recipe, Shape, SiteSurvey, rust_constant},
@@ -133,11 +134,10 @@ pub fn run(command: &Command) -> Result<()> {
 
 impl Check {
     /// The surveys of the floors.
-    fn floors(&self) -> Result<Vec<(i32, SiteSurvey)>> {
+    fn floors(&self) -> Result<BTreeMap<i32, SiteSurvey>> {
         let survey = self.survey.display();
         let file = fs::File::open(&self.survey).with_context(|| format!("cannot read {survey}"))?;
-        let floors = SiteSurvey::floors(file).with_context(|| format!("{survey}"))?;
-        Ok(floors.into_iter().collect())
+        SiteSurvey::floors(file).with_context(|| format!("{survey}"))
     }
 
     /// Prints the lines, or the JSON.
@@ -200,8 +200,8 @@ fn check(options: &Check) -> Result<()> {
 }
 
 fn build(options: &Build) -> Result<()> {
-    let recipe = options.recipe.recipe()?;
     let floors = options.survey.floors()?;
+    let recipe = options.recipe.of(&floors)?;
     let several = floors.len() > 1;
     for (floor, survey) in floors {
         let file = if several {
@@ -216,8 +216,8 @@ fn build(options: &Build) -> Result<()> {
 }
 
 fn predict(options: &Predict) -> Result<()> {
-    let recipe = options.recipe.recipe()?;
     let floors = options.survey.floors()?;
+    let recipe = options.recipe.of(&floors)?;
     let several = floors.len() > 1;
     for (floor, survey) in floors {
         let made = made(&survey, &recipe)?;
@@ -240,6 +240,15 @@ fn predict(options: &Predict) -> Result<()> {
 }
 
 impl Options {
+    /// How the maps of some floors are made, all on one lattice.
+    fn of(&self, floors: &BTreeMap<i32, SiteSurvey>) -> Result<Recipe> {
+        let mut recipe = self.recipe()?;
+        if floors.len() > 1 {
+            recipe.lattice = Some(common_lattice(&recipe, floors)?);
+        }
+        Ok(recipe)
+    }
+
     fn recipe(&self) -> Result<Recipe> {
         let sources = match &self.beacons {
             Some(file) => foxhunt_host::radio_map::sources(file)?,
@@ -265,6 +274,22 @@ impl Options {
             ..Recipe::default()
         })
     }
+}
+
+/// The lattice of all floors, with the spacing of the floor that needs the least.
+fn common_lattice(recipe: &Recipe, floors: &BTreeMap<i32, SiteSurvey>) -> Result<Lattice> {
+    let spacing = match recipe.spacing_m {
+        Some(spacing) => spacing,
+        None => {
+            let mut least = f64::INFINITY;
+            for survey in floors.values() {
+                let made = survey.map(recipe, &mut |_| ())?;
+                least = least.min(made.lattice.spacing().into());
+            }
+            least
+        }
+    };
+    SiteSurvey::lattice_of(floors.values(), spacing)
 }
 
 /// The file of a floor: its number comes before the ending.

@@ -104,7 +104,17 @@ impl Cells {
 fn levels(survey: &Survey, members: &[Vec<usize>], beacon: usize) -> Vec<f64> {
     let of_place = |place: &usize| survey.samples[*place][beacon].iter().copied();
     let all = survey.samples.iter().flat_map(|beacons| &beacons[beacon]);
-    let weakest = all.fold(f64::INFINITY, |a, b| a.min(*b));
+    let least = |a: f64, b: &f64| a.min(*b);
+    let mut weakest = all.fold(f64::INFINITY, least);
+    if weakest.is_infinite() {
+        // Heard nowhere: nothing is known but what receivers do hear.
+        weakest = survey
+            .samples
+            .iter()
+            .flatten()
+            .flatten()
+            .fold(f64::INFINITY, least);
+    }
     let level = |members: &Vec<usize>| {
         let readings: Vec<f64> = members.iter().flat_map(of_place).collect();
         match readings.len() {

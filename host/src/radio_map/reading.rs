@@ -36,7 +36,11 @@ struct Place {
 }
 
 /// The readings of a file by floor, in its order.
-pub(super) fn read(csv: impl Read) -> Result<BTreeMap<i32, Vec<Reading>>> {
+pub(super) fn read(mut file: impl Read) -> Result<BTreeMap<i32, Vec<Reading>>> {
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)?;
+    let rows = rows_of_log(&String::from_utf8_lossy(&bytes));
+    let csv = rows.as_ref().map_or(&bytes[..], String::as_bytes);
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .from_reader(csv);
@@ -69,6 +73,21 @@ pub(super) fn read(csv: impl Read) -> Result<BTreeMap<i32, Vec<Reading>>> {
         "there is no reading within -120 and 0 dBm"
     );
     Ok(floors)
+}
+
+/// The readings of a survey in the log of a gateway, as CSV; none if it is no log. Sentences that are damaged, and others, are
+/// left out.
+fn rows_of_log(log: &str) -> Option<String> {
+    let reading = |line: &str| {
+        let (payload, stated) = line.trim().strip_prefix('$')?.split_once('*')?;
+        let sum = payload.bytes().fold(0, |sum, byte| sum ^ byte);
+        let fields = payload.strip_prefix("PFOXV,")?;
+        let is_right = u8::from_str_radix(stated, 16) == Ok(sum);
+        (is_right && fields.split(',').count() == 5).then(|| fields.to_owned())
+    };
+    let readings: Vec<String> = log.lines().filter_map(reading).collect();
+    let header = "x,y,floor,beacon,rssi";
+    (!readings.is_empty()).then(|| format!("{header}\n{}\n", readings.join("\n")))
 }
 
 /// The columns of a file of poses that hold the strength of a beacon, and its identifier.

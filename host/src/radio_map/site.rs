@@ -65,12 +65,28 @@ impl SiteSurvey {
         Self::new(readings)
     }
 
+    /// The same survey, with these beacons beside its own, which were heard at none of its places: the maps of all floors of
+    /// a building have the beacons of all.
+    pub fn among(mut self, beacons: &[u32]) -> Self {
+        for beacon in beacons {
+            if let Err(number) = self.beacons.binary_search(beacon) {
+                self.beacons.insert(number, *beacon);
+                for samples in &mut self.survey.samples {
+                    samples.insert(number, Vec::new());
+                }
+            }
+        }
+        self
+    }
+
     /// Reads CSV, of points or of poses.
     ///
     /// A row of points is one reading, with the columns `x`, `y` (metres), `beacon` (a number) and `rssi` (dBm). A row of poses
     /// is a place and the strength of every beacon there, in columns `rssi_1`, `rssi_2` and so on by identifier; a field is
     /// empty where the beacon was not heard. The columns may be in any order, others are left out; `x_m`, `y_m`, `sensor`,
     /// `rssi_dbm` and `rssi_1_dbm` are understood, too. Where there is a column `floor`, all must be of one.
+    ///
+    /// Or reads the log of a tunnel's gateway by which a survey was recorded: its sentences `$PFOXV,x,y,floor,radio,rssi*hh`.
     ///
     /// # Errors
     /// When a column is missing, a value is no number, or there are several floors; the error names the line.
@@ -87,7 +103,7 @@ impl SiteSurvey {
             .unwrap_or_default())
     }
 
-    /// The same, by floor; 0 where there is no such column.
+    /// The same, by floor, each among the beacons of all; 0 where there is no such column.
     ///
     /// # Errors
     /// As [`SiteSurvey::read`].
@@ -103,7 +119,14 @@ impl SiteSurvey {
             );
             floors.insert(floor, site);
         }
-        Ok(floors)
+        let beacons: Vec<u32> = floors
+            .values()
+            .flat_map(|site| site.beacons.clone())
+            .collect();
+        let among = floors
+            .into_iter()
+            .map(|(floor, site)| (floor, site.among(&beacons)));
+        Ok(among.collect())
     }
 
     /// Reads a CSV file, see [`SiteSurvey::read`].
@@ -138,10 +161,25 @@ impl SiteSurvey {
     /// # Errors
     /// When that is no lattice, or there is no place.
     pub fn lattice(&self, spacing: f64) -> Result<Lattice> {
-        ensure!(!self.survey.places.is_empty(), "the survey is empty");
+        Self::lattice_of([self], spacing)
+    }
+
+    /// The lattice over the places of several surveys: the maps of the floors of a building have one in common.
+    ///
+    /// # Errors
+    /// When that is no lattice, or there is no place.
+    pub fn lattice_of<'a>(
+        surveys: impl IntoIterator<Item = &'a Self>,
+        spacing: f64,
+    ) -> Result<Lattice> {
+        let places: Vec<[f64; 2]> = surveys
+            .into_iter()
+            .flat_map(|site| site.survey.places.iter().copied())
+            .collect();
+        ensure!(!places.is_empty(), "the survey is empty");
         ensure!(spacing > 0.0, "spacing is not positive");
         let along = |axis: usize| {
-            let coordinates = self.survey.places.iter().map(|place| place[axis]);
+            let coordinates = places.iter().map(|place| place[axis]);
             let lowest = coordinates.clone().fold(f64::INFINITY, f64::min);
             let highest = coordinates.fold(f64::NEG_INFINITY, f64::max);
             // Where rounding has made the last step a little longer, there is no point beyond it.
@@ -167,6 +205,31 @@ mod tests {
 
     fn refusal(csv: &str) -> String {
         format!("{:#}", SiteSurvey::read(csv.as_bytes()).unwrap_err())
+    }
+
+    #[test]
+    fn the_log_of_a_gateway_is_a_survey() {
+        let mut log = String::from("gateway 1.0\r\n");
+        for payload in [
+            "PFOXV,1.000,2.500,0,7,-60",
+            "PFOXT,1,2,3",
+            "PFOXV,1.000,2.500,0,9,-71",
+            "PFOXV,4.000,2.500,1,7,-80",
+        ] {
+            let sum = payload.bytes().fold(0, |sum, byte| sum ^ byte);
+            log += &format!("${payload}*{sum:02X}\r\n");
+        }
+        log += "$PFOXV,4.000,2.500,1,7,-20*00\r\n";
+        let floors = SiteSurvey::floors(log.as_bytes()).unwrap();
+        assert_eq!(floors.keys().collect::<Vec<_>>(), [&0, &1]);
+        for floor in floors.values() {
+            // What one floor has not heard is among its beacons, too.
+            assert_eq!(floor.beacons(), [7, 9]);
+        }
+        assert_eq!(floors[&0].survey().places, [[1.0, 2.5]]);
+        assert_eq!(floors[&0].survey().samples, [[[-60.0], [-71.0]]]);
+        assert_eq!(floors[&1].survey().samples, [[vec![-80.0], vec![]]]);
+        assert!(SiteSurvey::read(log.as_bytes()).is_err());
     }
 
     #[test]

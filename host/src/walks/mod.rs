@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use foxhunt::{
     fingerprint::{
         Lattice, RadioMap, Reading, ReadingError,
-        tracker::{Config, Fix, Packed, Site, Stored, Tracker, Workspace},
+        tracker::{Config, Fix, OneFloor, Packed, Site, Stored, Tracker, Workspace},
     },
     random::{SeedableRng, Xoshiro128PlusPlus},
 };
@@ -31,7 +31,7 @@ type Fresh<S> = (
     Box<Workspace<PARTICLES, POINTS>>,
 );
 
-fn fresh<S: Stored>() -> Fresh<S> {
+fn fresh<S: Stored<Floor = OneFloor>>() -> Fresh<S> {
     (Tracker::EMPTY, Box::new(Workspace::EMPTY))
 }
 
@@ -81,7 +81,7 @@ pub fn follow_scans(run: &Run, map: &[u8], config: Config, seed: u64) -> Result<
 ///
 /// # Errors
 /// As [`follow_scans`].
-pub fn follow_scans_as<S: Stored>(
+pub fn follow_scans_as<S: Stored<Floor = OneFloor>>(
     run: &Run,
     map: &[u8],
     config: Config,
@@ -142,7 +142,7 @@ pub fn fixes(site: &Site<'_>, packets: &[Packet], times: &[f64], seed: u64) -> R
 ///
 /// # Errors
 /// As [`fixes`].
-pub fn fixes_as<S: Stored>(
+pub fn fixes_as<S: Stored<Floor = OneFloor>>(
     site: &Site<'_>,
     packets: &[Packet],
     times: &[f64],

@@ -36,6 +36,7 @@ use posterior::{ModeProposal, Posterior, misfit, misfit_at_infinity, mode};
 /// What a [`Clean`] locator can be told.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Config<M = ()> {
     /// Largest standard deviation of the range to the source that makes a fix, as a fraction of the range, 0.01 to 1.
     pub relative_range_sigma: f32,

@@ -22,6 +22,7 @@ use crate::config::{require, require_within};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Config<C = robust::Config> {
     /// Configuration of the stationary locator.
     pub stationary: C,

@@ -15,6 +15,7 @@ use crate::config::require_within;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Config<C = robust::Config> {
     /// Configuration of the tracks.
     pub track: C,

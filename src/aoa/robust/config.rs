@@ -8,6 +8,7 @@ use crate::config::{require, require_all, require_within};
 /// What a [`Robust`](super::Robust) locator can be told.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Config {
     /// What is believed of the errors before any bearing.
     pub errors: Errors,

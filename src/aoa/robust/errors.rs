@@ -29,6 +29,7 @@ const CERTAIN: f32 = 1e6;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Errors {
     /// The rates of direct, mirrored (0 to 0.9) and outlier bearings (0.001 to 0.9); at least 0.05 are direct. Where they
     /// are learned, the mean of what is expected.
@@ -87,6 +88,7 @@ impl Learned {
 /// Readings from within a quarter of the distance over which that falls become one, if they say the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Correlation {
     /// Correlation of two bearings that are taken one after the other at one place, 0 to 0.999. Zero is none.
     pub at_rest: f32,

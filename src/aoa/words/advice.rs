@@ -10,6 +10,7 @@ use crate::math::{ln, sin_cos, sqrt};
 /// Advice to the driver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Advice {
     /// The direction of travel from which bearings are expected to tell most; one of [`DIRECTIONS`].
     pub direction: Bearing,

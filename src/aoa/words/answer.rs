@@ -6,6 +6,7 @@ use crate::snapshot::{Error, Reader, Value, Writer, by_value, value};
 /// What a locator knows of the source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Answer {
     /// The bearings do not say where it is.
     NotObservable(NotObservable),
@@ -58,6 +59,7 @@ impl From<Result<Fix, NotObservable>> for Answer {
 /// Why there is no fix yet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum NotObservable {
     /// There are fewer than two bearings.
@@ -97,6 +99,7 @@ pub enum NotObservable {
 /// A located source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Fix {
     /// Posterior mean, in metres east and north.
     pub position: [f32; 2],
@@ -140,6 +143,7 @@ impl Fix {
 /// A place where the source may be: a mode of the posterior, as it was when particles last moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Hypothesis {
     /// The mode, in metres east and north.
     pub position: [f32; 2],
@@ -159,6 +163,7 @@ impl Hypothesis {
 /// The common error of all bearings of an antenna array.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bias {
     /// Posterior mean, in radians: to be subtracted from a bearing.
     pub mean_rad: f32,
@@ -169,6 +174,7 @@ pub struct Bias {
 /// How many times as large as stated the standard deviations of bearings are, by the scatter of those that are not outliers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SigmaScale {
     /// Root of the posterior mean of its square: the factor that the stated ones are multiplied by.
     pub mean: f32,
@@ -179,6 +185,7 @@ pub struct SigmaScale {
 /// The kinds of bearings, each with its rate among many or its probability for one. They sum to one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mixture {
     /// Bearings that point at the source, but for their errors.
     pub direct: f32,
@@ -214,6 +221,7 @@ impl Mixture {
 /// One of the sources on a channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Source {
     /// A number that the source keeps for as long as it is tracked. It is used again after 65,536 others.
     pub identity: u16,
@@ -229,6 +237,7 @@ pub struct Source {
 /// How a source moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Motion {
     /// Probability that it moves now, rather than being stationary.
     pub moving: f32,

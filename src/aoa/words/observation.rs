@@ -24,6 +24,7 @@ use crate::snapshot::{by_value, value_as};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Bearing(f32);
 
 impl Bearing {

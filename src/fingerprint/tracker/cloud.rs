@@ -2,6 +2,7 @@
 
 use super::comparison::Comparison;
 use super::field::Field;
+use super::floor::Floor;
 use super::motion::{Noise, Step};
 use super::stored::{Grain, Stored};
 use crate::estimate::Symmetric2;
@@ -12,10 +13,12 @@ use crate::random::{Rng, uniform};
 /// Places in steps from the first point of the lattice, velocities in steps a second, and weights up to a common factor.
 /// On a map of one row or one column only the first of two columns is in use, for places along it.
 #[derive(Debug, Clone)]
-pub(super) struct Cloud<const N: usize> {
+pub(super) struct Cloud<const N: usize, F> {
     pub places: [[f32; N]; 2],
     pub velocities: [[f32; N]; 2],
-    /// The first points of the cells of the lattice that the places are in; more than any point beyond the map.
+    pub floors: [F; N],
+    /// The first points of the cells of the lattice that the places are in, counted through all floors; more than any point
+    /// beyond the map.
     pub cells: [u16; N],
     /// Log-likelihoods at first.
     pub weights: [f32; N],
@@ -34,6 +37,34 @@ pub(super) struct Moments {
     pub place: [f32; 2],
     pub velocity: [f32; 2],
     pub covariance: Symmetric2,
+}
+
+/// Particles of which the evidence is taken: fewer are work saved, and noise.
+const SAMPLE: usize = 10;
+
+/// Log-likelihoods of some of the particles.
+#[derive(Debug, Clone)]
+pub(super) struct Sample {
+    /// Of those that are on the map.
+    log_likelihoods: heapless::Vec<f32, SAMPLE>,
+    count: u8,
+}
+
+impl Sample {
+    pub const EMPTY: Self = Self {
+        log_likelihoods: heapless::Vec::new(),
+        count: 0,
+    };
+
+    /// The mean likelihood, relative to `top`.
+    #[inline(never)]
+    pub fn mean(&self, top: f32) -> f32 {
+        let mut sum = 0.0;
+        for log_likelihood in &self.log_likelihoods {
+            sum += exp_of_weight(log_likelihood - top);
+        }
+        sum / f32::from(self.count.max(1))
+    }
 }
 
 /// The cell of a place beyond the map: no point has this number, except the last of the largest map, where no cell begins.
@@ -64,18 +95,19 @@ fn is_on([x, y]: [f32; 2], lattice: &Lattice) -> bool {
     }
 }
 
-impl<const N: usize> Cloud<N> {
+impl<const N: usize, F: Floor> Cloud<N, F> {
     /// Zero in all bits.
     pub const EMPTY: Self = Self {
         places: [[0.0; N]; 2],
         velocities: [[0.0; N]; 2],
+        floors: [F::LOWEST; N],
         cells: [0; N],
         weights: [0.0; N],
     };
 
     /// Unpacks particles, moved along an axis, and returns the mean of the squares of their moves.
     #[inline(always)]
-    pub fn advance<const AXIS: usize, S: Stored>(
+    pub fn advance<const AXIS: usize, S: Stored<Floor = F>>(
         &mut self,
         particles: &[S; N],
         grain: &Grain,
@@ -95,8 +127,17 @@ impl<const N: usize> Cloud<N> {
         squares * (1.0 / N as f32)
     }
 
+    /// Unpacks the floors of particles.
+    #[inline(always)]
+    pub fn take_floors<S: Stored<Floor = F>>(&mut self, particles: &[S; N]) {
+        for (floor, particle) in self.floors.iter_mut().zip(particles) {
+            *floor = particle.floor();
+        }
+    }
+
     /// Unpacks particles as they are, with equal weights.
-    pub fn unpack<S: Stored>(&mut self, particles: &[S; N], grain: &Grain) {
+    pub fn unpack<S: Stored<Floor = F>>(&mut self, particles: &[S; N], grain: &Grain) {
+        self.take_floors(particles);
         let [x, y] = self.places.each_mut();
         let [vx, vy] = self.velocities.each_mut();
         let columns = x.iter_mut().zip(y).zip(vx.iter_mut().zip(vy));
@@ -111,23 +152,23 @@ impl<const N: usize> Cloud<N> {
     #[inline(never)]
     pub fn find_cells(&mut self, lattice: &Lattice) {
         let [x, y] = &self.places;
+        let points = lattice.points() as u32;
         if lattice.is_plane() {
             let [most_x, most_y] = [lattice.columns(), lattice.rows()].map(last_of);
             let columns = lattice.columns() as u32;
-            for (cell, (x, y)) in self.cells.iter_mut().zip(x.iter().zip(y)) {
+            let cells = self.cells.iter_mut().zip(&self.floors);
+            for ((cell, floor), (x, y)) in cells.zip(x.iter().zip(y)) {
                 let is_within = *x >= 0.0 && *x <= most_x && *y >= 0.0 && *y <= most_y;
                 let first = floor_below(*y, most_y) * columns + floor_below(*x, most_x);
+                let first = first + u32::from(floor.number()) * points;
                 *cell = if is_within { first as u16 } else { BEYOND };
             }
         } else {
             let most = last_of(lattice.points());
-            for (cell, x) in self.cells.iter_mut().zip(x) {
+            for ((cell, floor), x) in self.cells.iter_mut().zip(&self.floors).zip(x) {
                 let is_within = *x >= 0.0 && *x <= most;
-                *cell = if is_within {
-                    floor_below(*x, most) as u16
-                } else {
-                    BEYOND
-                };
+                let first = floor_below(*x, most) + u32::from(floor.number()) * points;
+                *cell = if is_within { first as u16 } else { BEYOND };
             }
         }
     }
@@ -164,38 +205,49 @@ impl<const N: usize> Cloud<N> {
         }
     }
 
-    /// Particles of which the evidence is taken: fewer are work saved, and noise.
-    const SAMPLE: usize = 10;
-
-    /// The mean likelihood of a scan by which nothing is remembered, relative to `top`, over some of the particles, others at
-    /// every time: each as the point that is nearest to it.
+    /// Compares some of the particles of a floor, others at every time, with a scan by which nothing is remembered: each as the
+    /// point that is nearest to it.
     #[inline(never)]
-    pub fn evidence<const B: usize>(
+    pub fn sample<const B: usize>(
         &self,
+        floor: F,
         scan: &Comparison<'_, B>,
         lattice: &Lattice,
-        top: f32,
         time: u32,
-    ) -> f32 {
-        let stride = N / Self::SAMPLE + 1;
+        sample: &mut Sample,
+    ) {
+        let stride = N / SAMPLE + 1;
         let first = (time as usize).checked_rem(stride).unwrap_or(0);
         let [x, y] = &self.places;
-        let (mut sum, mut count) = (0.0, 0u32);
-        for (x, y) in x.iter().zip(y).skip(first).step_by(stride) {
-            if is_on([*x, *y], lattice) {
+        let places = x.iter().zip(y).zip(&self.floors);
+        let places = places.skip(first).step_by(stride);
+        sample.count = 0;
+        for ((x, y), of) in places {
+            sample.count += 1;
+            if *of == floor && is_on([*x, *y], lattice) {
                 let point = lattice.nearest_to_steps([*x, *y]);
-                sum += exp_of_weight(scan.anew_at(point).log_likelihood - top);
+                // There is room for all.
+                let _ = (sample.log_likelihoods).push(scan.anew_at(point).log_likelihood);
             }
-            count += 1;
         }
-        sum / count.max(1) as f32
     }
 
-    /// Makes places impossible, by the points nearest to them.
-    pub fn exclude(&mut self, lattice: &Lattice, is_possible: impl Fn(usize) -> bool) {
+    /// Makes places beyond the map impossible.
+    pub fn exclude_beyond(&mut self, lattice: &Lattice) {
         let [x, y] = &self.places;
         for (weight, (x, y)) in self.weights.iter_mut().zip(x.iter().zip(y)) {
-            if !is_possible(lattice.nearest_to_steps([*x, *y])) {
+            if !is_on([*x, *y], lattice) {
+                *weight = f32::NEG_INFINITY;
+            }
+        }
+    }
+
+    /// Makes places impossible, by their floors and the points nearest to them.
+    pub fn exclude(&mut self, lattice: &Lattice, is_possible: impl Fn(F, usize) -> bool) {
+        let [x, y] = &self.places;
+        let places = x.iter().zip(y).zip(&self.floors);
+        for (weight, ((x, y), floor)) in self.weights.iter_mut().zip(places) {
+            if !is_possible(*floor, lattice.nearest_to_steps([*x, *y])) {
                 *weight = f32::NEG_INFINITY;
             }
         }
@@ -234,23 +286,45 @@ impl<const N: usize> Cloud<N> {
         })
     }
 
-    /// Moments by weights of this sum.
+    /// The likeliest of so many floors, and the sum of the weights on it; of the only one, the sum of all weights.
+    pub fn likeliest(&self, floors: u8, weights: f32) -> (F, f32) {
+        if floors <= 1 {
+            return (F::LOWEST, weights);
+        }
+        let mut likeliest = (F::LOWEST, 0.0);
+        for floor in (0..floors).map(F::of) {
+            let sum = self.weights_on(floor).sum();
+            if sum > likeliest.1 {
+                likeliest = (floor, sum);
+            }
+        }
+        likeliest
+    }
+
+    /// The weights, of particles on other floors zero.
+    #[inline(always)]
+    fn weights_on(&self, floor: F) -> impl Iterator<Item = f32> {
+        let weights = self.weights.iter().zip(&self.floors);
+        weights.map(move |(weight, of)| if *of == floor { *weight } else { 0.0 })
+    }
+
+    /// Moments of the particles on a floor by weights, which have this sum there.
     #[inline(never)]
-    pub fn moments(&self, is_plane: bool, weights: f32) -> Moments {
+    pub fn moments(&self, is_plane: bool, floor: F, weights: f32) -> Moments {
         let scale = 1.0 / weights;
         let ([x, y], [vx, vy]) = (&self.places, &self.velocities);
         let (mut mean, mut velocity) = ([0.0f32; 2], [0.0f32; 2]);
         let mut covariance = Symmetric2::ZERO;
         if is_plane {
             let columns = x.iter().zip(y).zip(vx.iter().zip(vy));
-            for (weight, ((x, y), (vx, vy))) in self.weights.iter().zip(columns) {
+            for (weight, ((x, y), (vx, vy))) in self.weights_on(floor).zip(columns) {
                 mean[0] += weight * x;
                 mean[1] += weight * y;
                 velocity[0] += weight * vx;
                 velocity[1] += weight * vy;
             }
             mean = mean.map(|sum| sum * scale);
-            for (weight, (x, y)) in self.weights.iter().zip(x.iter().zip(y)) {
+            for (weight, (x, y)) in self.weights_on(floor).zip(x.iter().zip(y)) {
                 let [dx, dy] = [x - mean[0], y - mean[1]];
                 let [of_x, of_y] = [weight * dx, weight * dy];
                 covariance.xx += of_x * dx;
@@ -258,12 +332,12 @@ impl<const N: usize> Cloud<N> {
                 covariance.yy += of_y * dy;
             }
         } else {
-            for (weight, (x, vx)) in self.weights.iter().zip(x.iter().zip(vx)) {
+            for (weight, (x, vx)) in self.weights_on(floor).zip(x.iter().zip(vx)) {
                 mean[0] += weight * x;
                 velocity[0] += weight * vx;
             }
             mean[0] *= scale;
-            for (weight, x) in self.weights.iter().zip(x) {
+            for (weight, x) in self.weights_on(floor).zip(x) {
                 let dx = x - mean[0];
                 covariance.xx += weight * dx * dx;
             }
@@ -278,7 +352,7 @@ impl<const N: usize> Cloud<N> {
     /// Chooses as many particles as there are by their weights, of this sum, and packs them: systematic resampling, in
     /// order.
     #[inline(always)]
-    pub fn resample<S: Stored, R: Rng + ?Sized>(
+    pub fn resample<S: Stored<Floor = F>, R: Rng + ?Sized>(
         &self,
         weights: f32,
         particles: &mut [S; N],
@@ -290,12 +364,12 @@ impl<const N: usize> Cloud<N> {
         let mut last = S::EMPTY;
         let mut slots = particles.iter_mut();
         let ([x, y], [vx, vy]) = (&self.places, &self.velocities);
-        let columns = x.iter().zip(y).zip(vx.iter().zip(vy));
-        for (weight, ((x, y), (vx, vy))) in self.weights.iter().zip(columns) {
+        let columns = x.iter().zip(y).zip(vx.iter().zip(vy)).zip(&self.floors);
+        for (weight, (((x, y), (vx, vy)), floor)) in self.weights.iter().zip(columns) {
             to_next -= weight;
             // False for NaN.
             if to_next < 0.0 {
-                last = S::pack([*x, *y], [*vx, *vy], grain);
+                last = S::pack([*x, *y], [*vx, *vy], *floor, grain);
                 while to_next < 0.0
                     && let Some(slot) = slots.next()
                 {

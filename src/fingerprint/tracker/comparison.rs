@@ -103,7 +103,7 @@ impl<'a, const B: usize> Comparison<'a, B> {
                     level: above(level.mean_dbm) - prior.weight * above(prior.level_dbm),
                     weight: prior.weight,
                     unknown: prior.unknown,
-                    noise: packet / f32::from(level.packets),
+                    noise: packet / f32::from(level.packets) + 4.0 * level.doubt_db2,
                 });
             }
         }

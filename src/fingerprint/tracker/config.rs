@@ -12,6 +12,7 @@ use crate::config::{require, require_within};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Config {
     /// Standard deviation of a tag's velocity along an axis when nothing is known of it, in metres a second: 0.01 to 100.
     pub velocity_sigma_m_s: f32,

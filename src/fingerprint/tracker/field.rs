@@ -1,11 +1,12 @@
 //! The likelihood of a scan at the points of the map, and between them.
 
 use super::comparison::{Comparison, Found, Past, Slope};
+use super::floor::Floor;
 use super::offset::OffsetBelief;
 use crate::fingerprint::{Lattice, RadioMap};
 use crate::math::exp_of_weight;
 
-/// What a scan says of the points about the particles.
+/// What a scan says of the points about the particles, floor by floor.
 ///
 /// It is computed for each point, not for each particle: there are fewer points about a cloud than particles in it, and a
 /// particle then takes only an interpolation. Where a particle was when it heard what is remembered is not the same for
@@ -13,12 +14,12 @@ use crate::math::exp_of_weight;
 #[derive(Debug, Clone)]
 pub(super) struct Field<const P: usize> {
     points: [Point; P],
-    /// How much the scan adds to the precision of the offset, per dB^2: the mean over the points.
+    /// How much the scan adds to the precision of the offset, per dB^2: the sum over the points that were compared, and their
+    /// number.
     precision: f32,
-    /// The log-likelihood of the best point, if nothing is remembered.
-    pub top: f32,
-    /// The mean over the map of the likelihood, relative to that of the best point, if nothing is remembered.
-    pub mean: f32,
+    compared: u16,
+    /// Over the map, if nothing is remembered.
+    mean: Mean,
 }
 
 /// What a scan says of a point.
@@ -52,6 +53,7 @@ impl Point {
 }
 
 /// The mean of likelihoods relative to the largest, as they come.
+#[derive(Debug, Clone, Copy)]
 struct Mean {
     top: f32,
     sum: f32,
@@ -81,20 +83,44 @@ impl<const P: usize> Field<P> {
     pub const EMPTY: Self = Self {
         points: [Point::EMPTY; P],
         precision: 0.0,
-        top: 0.0,
-        mean: 0.0,
+        compared: 0,
+        mean: Mean {
+            top: 0.0,
+            ..Mean::EMPTY
+        },
     };
 
     /// Points of which the mean over a large map is taken at the least: fewer are work saved, and noise in the evidence.
     const SAMPLE: usize = 16;
 
-    /// Compares a scan with every point, by nothing that is remembered.
+    /// Forgets the last scan.
+    pub fn begin(&mut self) {
+        (self.precision, self.compared, self.mean) = (0.0, 0, Mean::EMPTY);
+    }
+
+    /// The log-likelihood of the best point, if nothing is remembered.
+    pub fn top(&self) -> f32 {
+        self.mean.top
+    }
+
+    /// The mean over the map of the likelihood, relative to that of the best point, if nothing is remembered.
+    pub fn mean(&self) -> f32 {
+        self.mean.sum / f32::from(self.mean.count)
+    }
+
+    /// Compares a scan with every point of a floor, by nothing that is remembered.
     #[inline(never)]
-    pub fn look_up_all<const B: usize>(&mut self, map: &RadioMap<'_>, scan: &Comparison<'_, B>) {
-        let mut mean = Mean::EMPTY;
-        let mut precision = 0.0;
+    pub fn look_up_all<const B: usize>(
+        &mut self,
+        floor: u8,
+        map: &RadioMap<'_>,
+        scan: &Comparison<'_, B>,
+    ) {
         let points = map.lattice().points();
-        for (number, point) in self.points.iter_mut().enumerate().take(points) {
+        let mut mean = self.mean;
+        let mut precision = self.precision;
+        let of_floor = self.points.iter_mut().skip(usize::from(floor) * points);
+        for (number, point) in of_floor.enumerate().take(points) {
             let found = if map.is_possible(number) {
                 scan.anew_at(number)
             } else {
@@ -104,11 +130,10 @@ impl<const P: usize> Field<P> {
             precision += found.precision;
             mean.add(found.log_likelihood);
         }
-        self.precision = precision / points as f32;
-        (self.top, self.mean) = (mean.top, mean.sum / f32::from(mean.count));
+        (self.precision, self.mean, self.compared) = (precision, mean, mean.count);
     }
 
-    /// Takes the mean over the map, by points that are spread evenly: others at every time.
+    /// Adds a floor to the mean over the map, by points that are spread evenly: others at every time.
     #[inline(never)]
     pub fn sample<const B: usize>(
         &mut self,
@@ -119,7 +144,7 @@ impl<const P: usize> Field<P> {
         let points = map.lattice().points();
         // Even strides would stay in some columns of a map whose rows have an even number of points.
         let stride = (points / Self::SAMPLE) | 1;
-        let mut mean = Mean::EMPTY;
+        let mut mean = self.mean;
         let mut point = (time as usize).checked_rem(stride).unwrap_or(0);
         while point < points {
             if map.is_complete() || map.is_possible(point) {
@@ -129,19 +154,12 @@ impl<const P: usize> Field<P> {
             }
             point += stride;
         }
-        (self.top, self.mean) = (mean.top, mean.sum / f32::from(mean.count));
+        self.mean = mean;
     }
 
-    /// Compares a scan with the corners of the cells that have particles, which moved by about so many steps since what is
-    /// remembered.
-    #[inline(never)]
-    pub fn look_up_at<const B: usize>(
-        &mut self,
-        cells: &[u16],
-        lattice: &Lattice,
-        scan: &Comparison<'_, B>,
-        moved: [f32; 2],
-    ) {
+    /// Marks the cells that have particles.
+    #[inline(always)]
+    pub fn mark(&mut self, cells: &[u16]) {
         for point in &mut self.points {
             point.weight = 0.0;
         }
@@ -150,19 +168,32 @@ impl<const P: usize> Field<P> {
                 point.weight = 1.0;
             }
         }
+    }
+
+    /// Compares a scan with the corners of the marked cells of a floor, where particles moved by about so many steps since what
+    /// is remembered.
+    #[inline(never)]
+    pub fn look_up_marked<const B: usize>(
+        &mut self,
+        floor: u8,
+        lattice: &Lattice,
+        scan: &Comparison<'_, B>,
+        moved: [f32; 2],
+    ) {
+        let before = usize::from(floor) * lattice.points();
         let is_plane = lattice.is_plane();
         let [columns, rows] = if is_plane {
             [lattice.columns(), lattice.rows()]
         } else {
             [lattice.points(), 1]
         };
-        let (mut precision, mut count) = (0.0, 0u16);
+        let (mut precision, mut count) = (self.precision, self.compared);
         let mut first = 0;
         for row in 0..rows {
             let (below, across) = back(row, rows, moved[1]);
             for column in 0..columns {
                 let number = first + column;
-                if !self.is_corner(number, columns) {
+                if !self.is_corner(before + number, columns) {
                     continue;
                 }
                 let (left, along) = back(column, columns, moved[0]);
@@ -176,14 +207,14 @@ impl<const P: usize> Field<P> {
                     scan.at_point::<false>(number, &past)
                 };
                 precision += found.precision;
-                count += 1;
-                if let Some(point) = self.points.get_mut(number) {
+                count = count.saturating_add(1);
+                if let Some(point) = self.points.get_mut(before + number) {
                     point.set(&found, &slope);
                 }
             }
             first += columns;
         }
-        self.precision = precision / f32::from(count.max(1));
+        (self.precision, self.compared) = (precision, count);
     }
 
     /// Whether one of the cells that a point is a corner of is marked.
@@ -228,37 +259,42 @@ impl<const P: usize> Field<P> {
     }
 
     /// Teaches the belief about the offset what particles at these places think of it, whose weights add up to `total`: each as
-    /// the point that is nearest to it.
+    /// the point that is nearest to it, of `all` on all floors.
     #[inline(never)]
-    pub fn teach<const N: usize>(
+    pub fn teach<const N: usize, F: Floor>(
         &mut self,
         belief: &mut OffsetBelief,
         lattice: &Lattice,
-        ([x, y], weights): (&[[f32; N]; 2], &[f32; N]),
+        ([x, y], floors, weights): (&[[f32; N]; 2], &[F; N], &[f32; N]),
+        all: usize,
         total: f32,
     ) {
         if !belief.is_estimated() {
             return;
         }
-        let points = self.points.get_mut(..lattice.points()).unwrap_or_default();
+        let on_floor = lattice.points();
+        let points = self.points.get_mut(..all).unwrap_or_default();
         for point in points.iter_mut() {
             point.weight = 0.0;
         }
-        for (weight, (x, y)) in weights.iter().zip(x.iter().zip(y)) {
-            if let Some(point) = points.get_mut(lattice.nearest_to_steps([*x, *y])) {
+        let places = x.iter().zip(y).zip(floors);
+        for (weight, ((x, y), floor)) in weights.iter().zip(places) {
+            let before = usize::from(floor.number()) * on_floor;
+            if let Some(point) = points.get_mut(before + lattice.nearest_to_steps([*x, *y])) {
                 point.weight += weight;
             }
         }
         let opinions = points
             .iter()
             .map(|point| (point.weight, [point.probability, point.shift]));
-        belief.learn(self.precision, total, opinions);
+        let precision = self.precision / f32::from(self.compared.max(1));
+        belief.learn(precision, total, opinions);
     }
 
-    /// The likelihood of every point, relative to the best one.
-    pub fn likelihoods(&self, lattice: &Lattice) -> impl Iterator<Item = f32> {
-        let points = self.points.iter().take(lattice.points());
-        points.map(|point| exp_of_weight(point.log_likelihood - self.top))
+    /// The likelihood of each of the first so many points, relative to the best one.
+    pub fn likelihoods(&self, points: usize) -> impl Iterator<Item = f32> {
+        let points = self.points.iter().take(points);
+        points.map(|point| exp_of_weight(point.log_likelihood - self.mean.top))
     }
 }
 

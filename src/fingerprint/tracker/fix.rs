@@ -7,6 +7,7 @@ use crate::snapshot::{value, value_as};
 /// How reliable a place is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum State {
     /// It is where the fix says.
@@ -22,6 +23,7 @@ pub enum State {
 /// Where a tag is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Fix {
     /// When it was there: the mean time of the packets of the last update.
     pub time_ms: u32,

@@ -132,6 +132,7 @@ mod tests {
         [Level {
             mean_dbm,
             packets: 1,
+            doubt_db2: 0.0,
         }]
     }
 

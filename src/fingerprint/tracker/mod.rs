@@ -17,21 +17,26 @@
 //!
 //! One [`Site`] and one [`Workspace`] serve any number of trackers: see [`Trackers`] for many tags.
 
+mod building;
 mod cloud;
 mod comparison;
 mod config;
 mod field;
 mod fix;
+mod floor;
+mod ground;
 mod memory;
 mod motion;
 mod offset;
 mod pending;
 mod present;
+mod rooms;
 mod site;
 mod stored;
 mod tags;
 mod update;
 mod walls;
+mod weigh;
 
 use crate::persist;
 use crate::random::Rng;
@@ -43,22 +48,29 @@ use pending::Pending;
 use stored::Grain;
 
 use super::{Reading, ReadingError};
+pub use building::{Building, BuildingTracker, Passage, Storey};
 pub use config::Config;
 pub use fix::{Fix, State};
+pub use floor::{Floor, OneFloor};
+pub use ground::Ground;
+pub use rooms::{Occupancy, Passing, Rooms};
 pub use site::Site;
-pub use stored::{Exact, Packed, Stored};
+pub use stored::{Exact, OnFloor, Packed, Stored};
 pub use tags::Trackers;
 pub use walls::{Piece, Walls};
+pub use weigh::WeighError;
 
-/// The scratch memory of an update of `N` particles on a map of up to `P` points: 36 P + 22 N + 16 bytes, which hold nothing
+/// The scratch memory of an update of `N` particles on a map of up to `P` points: 36 P + 22 N + 20 bytes, which hold nothing
 /// of use between updates. One serves all trackers.
+///
+/// In a [`Building`], `P` counts the points of all floors, and `F` is `u8`: a byte more for each particle.
 #[derive(Debug, Clone)]
-pub struct Workspace<const N: usize, const P: usize> {
+pub struct Workspace<const N: usize, const P: usize, F = OneFloor> {
     field: Field<P>,
-    cloud: Cloud<N>,
+    cloud: Cloud<N, F>,
 }
 
-impl<const N: usize, const P: usize> Workspace<N, P> {
+impl<const N: usize, const P: usize, F: Floor> Workspace<N, P, F> {
     /// Zero in all bits, for a `static`.
     pub const EMPTY: Self = Self {
         field: Field::EMPTY,
@@ -108,6 +120,8 @@ pub struct Tracker<const N: usize, const B: usize = 16, const D: usize = 2, S: S
     /// The mean place of the last seconds, in metres.
     rest: [f32; 2],
     pending: Pending<B>,
+    /// That of the fix.
+    floor: S::Floor,
     /// Of the last update, if there was one.
     fix: Fix,
     has_fix: bool,
@@ -135,6 +149,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         memory: Memory::EMPTY,
         rest: [0.0; 2],
         pending: Pending::EMPTY,
+        floor: S::Floor::LOWEST,
         fix: Fix::EMPTY,
         has_fix: false,
         evidence: 0.0,
@@ -159,23 +174,22 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
     }
 
     /// Places in metres and velocities in metres a second: x, y, vx, vy; none before the first fix.
-    pub fn particles(&self, site: &Site<'_>) -> impl Iterator<Item = [f32; 4]> {
-        let lattice = *site.map.lattice();
-        let grain = Grain::of(&lattice, &site.config);
+    pub fn particles<G: Ground>(
+        &self,
+        site: &G,
+    ) -> impl Iterator<Item = [f32; 4]> + use<'_, G, N, B, D, S> {
+        let lattice = *site.lattice();
+        let grain = Grain::of(&lattice, site.config());
         let count = if self.has_fix { N } else { 0 };
         self.particles.iter().take(count).map(move |particle| {
-            let along = |first, second| {
-                let second = if lattice.is_plane() { second } else { 0.0 };
-                lattice.along_axes([first, second])
+            let place = [particle.place::<0>(&grain), particle.place::<1>(&grain)];
+            let [x, y] = lattice.place_of(place);
+            let second = if lattice.is_plane() {
+                particle.velocity::<1>(&grain)
+            } else {
+                0.0
             };
-            let [x, y] = lattice.place(along(
-                particle.place::<0>(&grain),
-                particle.place::<1>(&grain),
-            ));
-            let [vx, vy] = along(
-                particle.velocity::<0>(&grain),
-                particle.velocity::<1>(&grain),
-            );
+            let [vx, vy] = lattice.along_axes([particle.velocity::<0>(&grain), second]);
             [x, y, lattice.spacing() * vx, lattice.spacing() * vy]
         })
     }
@@ -188,52 +202,77 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
     /// # Errors
     /// [`ReadingError::Beacon`], [`ReadingError::Strength`], [`ReadingError::Points`], [`ReadingError::Axes`] or
     /// [`ReadingError::TooOld`].
-    pub fn push<const P: usize, R: Rng + ?Sized>(
+    pub fn push<const P: usize, G: Ground<Floor = S::Floor>, R: Rng + ?Sized>(
         &mut self,
         time_ms: u32,
         packet: Reading,
-        site: &Site<'_>,
-        workspace: &mut Workspace<N, P>,
+        site: &G,
+        workspace: &mut Workspace<N, P, S::Floor>,
         rng: &mut R,
     ) -> Result<Option<Fix>, ReadingError> {
-        if usize::from(packet.beacon) >= site.map.beacons().min(B) {
+        self.push_doubting(time_ms, packet, &[], site, workspace, rng)
+    }
+
+    /// The same, of beacons whose readings have these variances in dB^2, by number, beyond what the map says.
+    pub(crate) fn push_doubting<const P: usize, G: Ground<Floor = S::Floor>, R: Rng + ?Sized>(
+        &mut self,
+        time_ms: u32,
+        packet: Reading,
+        doubts_db2: &[f32],
+        site: &G,
+        workspace: &mut Workspace<N, P, S::Floor>,
+        rng: &mut R,
+    ) -> Result<Option<Fix>, ReadingError> {
+        if usize::from(packet.beacon) >= site.map(0).beacons().min(B) {
             return Err(ReadingError::Beacon);
         }
-        if !site.config.accepts(packet.rssi_dbm) {
+        if !site.config().accepts(packet.rssi_dbm) {
             return Err(ReadingError::Strength);
         }
-        if site.map.lattice().points() > P {
+        if site.points() > P {
             return Err(ReadingError::Points);
         }
-        if site.map.lattice().axes() > S::AXES {
+        if site.lattice().axes() > S::AXES {
             return Err(ReadingError::Axes);
         }
         self.check_time(time_ms)?;
-        let window_ms = site.config.window_ms;
+        let window_ms = site.config().window_ms;
         let mut fix = None;
         if window_ms > 0 && self.pending.is_due(time_ms, window_ms) {
-            fix = self.flush(site, workspace, rng);
+            fix = self.flush_doubting(doubts_db2, site, workspace, rng);
         }
         self.pending.add(time_ms, packet);
         if window_ms == 0 {
-            fix = self.flush(site, workspace, rng);
+            fix = self.flush_doubting(doubts_db2, site, workspace, rng);
         }
         Ok(fix)
     }
 
     /// Updates by the packets that wait, if there are any: at the end of a walk or of a whole scan, or for a query.
-    pub fn flush<const P: usize, R: Rng + ?Sized>(
+    pub fn flush<const P: usize, G: Ground<Floor = S::Floor>, R: Rng + ?Sized>(
         &mut self,
-        site: &Site<'_>,
-        workspace: &mut Workspace<N, P>,
+        site: &G,
+        workspace: &mut Workspace<N, P, S::Floor>,
         rng: &mut R,
     ) -> Option<Fix> {
-        let lattice = site.map.lattice();
-        if self.pending.is_empty() || lattice.points() > P || lattice.axes() > S::AXES {
+        self.flush_doubting(&[], site, workspace, rng)
+    }
+
+    /// The same, of beacons that are doubted.
+    pub(crate) fn flush_doubting<const P: usize, G: Ground<Floor = S::Floor>, R: Rng + ?Sized>(
+        &mut self,
+        doubts_db2: &[f32],
+        site: &G,
+        workspace: &mut Workspace<N, P, S::Floor>,
+        rng: &mut R,
+    ) -> Option<Fix> {
+        let room = site.points() <= P && site.lattice().axes() <= S::AXES;
+        if self.pending.is_empty() || !room {
             return None;
         }
         let pending = self.pending.take();
-        self.update(pending.time_ms(), &pending.levels(), site, workspace, rng);
+        let scan = pending.levels(doubts_db2);
+        self.update(pending.time_ms(), &scan, site, workspace, rng);
         self.fix()
     }
 
@@ -259,7 +298,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
 
 persist!(
     impl[const N: usize, const B: usize, const D: usize, S: Stored] Tracker<N, B, D, S> as "Tracker"(N, B)
-    { particles, velocity_variance, offset, memory, rest, pending, fix, has_fix, evidence, redrawn_s, old_packets }
+    { particles, velocity_variance, offset, memory, rest, pending, floor, fix, has_fix, evidence, redrawn_s, old_packets }
 );
 
 #[cfg(test)]

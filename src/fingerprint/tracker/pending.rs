@@ -8,6 +8,8 @@ use crate::persist;
 pub(super) struct Level {
     pub mean_dbm: f32,
     pub packets: u16,
+    /// Variance in dB^2 that its beacon has beyond what the map says.
+    pub doubt_db2: f32,
 }
 
 /// Sums over the packets since the last update, by beacon.
@@ -77,8 +79,12 @@ impl<const B: usize> Pending<B> {
         *mean_dbm += fraction * (packet.rssi_dbm - *mean_dbm);
     }
 
-    pub fn levels(&self) -> [Level; B] {
+    /// The levels, of beacons that are doubted by so much: by number, and not at all beyond the last.
+    pub fn levels(&self, doubts_db2: &[f32]) -> [Level; B] {
         let mut levels = [Level::default(); B];
+        for (level, doubt_db2) in levels.iter_mut().zip(doubts_db2) {
+            level.doubt_db2 = *doubt_db2;
+        }
         let each = self.means_dbm.iter().zip(&self.numbers);
         for (level, (mean_dbm, packets)) in levels.iter_mut().zip(each) {
             (level.mean_dbm, level.packets) = (*mean_dbm, *packets);

@@ -1,11 +1,12 @@
 //! How the particles of a tag lie in memory between two updates.
 
 use super::Config;
+use super::floor::{Floor, OneFloor};
 use crate::fingerprint::Lattice;
 use crate::persist;
 use crate::snapshot::Persist;
 
-/// A particle between two updates: [`Packed`], or [`Exact`] for comparison.
+/// A particle between two updates: [`Packed`], [`OnFloor`] where there are several floors, or [`Exact`] for comparison.
 ///
 /// There are no weights, because every update ends with resampling. Nobody else implements it.
 pub trait Stored: Copy + Persist {
@@ -16,9 +17,17 @@ pub trait Stored: Copy + Persist {
     #[doc(hidden)]
     const EMPTY: Self;
 
-    /// Of a place in steps of the lattice, and a velocity in steps a second.
+    /// What it knows of its floor.
     #[doc(hidden)]
-    fn pack(places: [f32; 2], velocities: [f32; 2], grain: &Grain) -> Self;
+    type Floor: Floor;
+
+    /// Of a place in steps of the lattice, a velocity in steps a second, and a floor.
+    #[doc(hidden)]
+    fn pack(places: [f32; 2], velocities: [f32; 2], floor: Self::Floor, grain: &Grain) -> Self;
+
+    /// The floor.
+    #[doc(hidden)]
+    fn floor(&self) -> Self::Floor;
 
     /// The place along an axis, in steps of the lattice.
     #[doc(hidden)]
@@ -87,6 +96,8 @@ impl<const D: usize> Packed<D> {
 }
 
 impl<const D: usize> Stored for Packed<D> {
+    type Floor = OneFloor;
+
     const AXES: usize = D;
     const EMPTY: Self = {
         assert!(D == 1 || D == 2, "one axis or two");
@@ -97,7 +108,12 @@ impl<const D: usize> Stored for Packed<D> {
     };
 
     #[inline(always)]
-    fn pack(places: [f32; 2], velocities: [f32; 2], grain: &Grain) -> Self {
+    fn floor(&self) -> OneFloor {
+        OneFloor
+    }
+
+    #[inline(always)]
+    fn pack(places: [f32; 2], velocities: [f32; 2], _: OneFloor, grain: &Grain) -> Self {
         let mut packed = Self::EMPTY;
         for (packed, place) in packed.places.iter_mut().zip(places) {
             let units = (place * grain.units[0] + 0.5) as u32;
@@ -139,6 +155,8 @@ pub struct Exact {
 }
 
 impl Stored for Exact {
+    type Floor = OneFloor;
+
     const AXES: usize = 2;
     const EMPTY: Self = Self {
         places: [0.0; 2],
@@ -146,7 +164,12 @@ impl Stored for Exact {
     };
 
     #[inline(always)]
-    fn pack(places: [f32; 2], velocities: [f32; 2], _: &Grain) -> Self {
+    fn floor(&self) -> OneFloor {
+        OneFloor
+    }
+
+    #[inline(always)]
+    fn pack(places: [f32; 2], velocities: [f32; 2], _: OneFloor, _: &Grain) -> Self {
         Self { places, velocities }
     }
 
@@ -162,3 +185,45 @@ impl Stored for Exact {
 }
 
 persist!(Exact { places, velocities });
+
+/// A particle on one of several floors: a byte more, and another that keeps it aligned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct OnFloor<S> {
+    stored: S,
+    floor: u8,
+}
+
+impl<S: Stored<Floor = OneFloor>> Stored for OnFloor<S> {
+    type Floor = u8;
+
+    const AXES: usize = S::AXES;
+    const EMPTY: Self = Self {
+        stored: S::EMPTY,
+        floor: 0,
+    };
+
+    #[inline(always)]
+    fn floor(&self) -> u8 {
+        self.floor
+    }
+
+    #[inline(always)]
+    fn pack(places: [f32; 2], velocities: [f32; 2], floor: u8, grain: &Grain) -> Self {
+        Self {
+            stored: S::pack(places, velocities, OneFloor, grain),
+            floor,
+        }
+    }
+
+    #[inline(always)]
+    fn place<const AXIS: usize>(&self, grain: &Grain) -> f32 {
+        self.stored.place::<AXIS>(grain)
+    }
+
+    #[inline(always)]
+    fn velocity<const AXIS: usize>(&self, grain: &Grain) -> f32 {
+        self.stored.velocity::<AXIS>(grain)
+    }
+}
+
+persist!(impl[S: Persist] OnFloor<S> as "OnFloor"() { stored, floor });

@@ -16,7 +16,7 @@ const N: usize = 200;
 const BEACONS: [f32; 4] = [0.0, 40.0, 13.0, 27.0];
 
 /// Level of a beacon, which falls with the square of the distance.
-fn level(beacon: u8, x: f32) -> f32 {
+pub(crate) fn level(beacon: u8, x: f32) -> f32 {
     -40.0 - 8.686 * ln(1.0 + (x - BEACONS[usize::from(beacon)]).abs())
 }
 
@@ -34,6 +34,11 @@ fn turned(columns: u16) -> Vec<u8> {
 
 /// 41 points in each of so many rows, a sigma of 2 dB everywhere.
 pub(crate) fn map(rows: u16) -> Vec<u8> {
+    map_behind([0.0; 4], rows)
+}
+
+/// The same behind ceilings that take so many dB off the level of each beacon.
+pub(crate) fn map_behind(loss_db: [f32; 4], rows: u16) -> Vec<u8> {
     let points = 41 * usize::from(rows);
     let mut bytes = b"FXRM\x02\x01\x04\x00\x29\x00".to_vec();
     bytes.extend(rows.to_le_bytes());
@@ -49,7 +54,8 @@ pub(crate) fn map(rows: u16) -> Vec<u8> {
     bytes.extend(std::iter::repeat_n(0xff, points.div_ceil(8)));
     for beacon in 0..4 {
         for point in 0..points {
-            let mean = level(beacon, (point % 41) as f32);
+            let loss_db = loss_db[usize::from(beacon)];
+            let mean = level(beacon, (point % 41) as f32) - loss_db;
             bytes.extend([8, (2.0 * (mean + 128.0)) as u8]);
         }
     }

@@ -7,6 +7,7 @@ use crate::fingerprint::tracker::Site;
 /// How messages come over the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Framing {
     /// `$PFOXB` sentences.
     Lines,

@@ -3,7 +3,7 @@
 use cobs::{DecodeResult, DecoderState};
 use heapless::Vec;
 
-use super::{Framing, Rejected};
+use super::{Framing, MapPiece, Rejected, Spot};
 use crate::checksum::crc32;
 use crate::gateway::formats::Nmea;
 use crate::gateway::line::LineReader;
@@ -83,14 +83,59 @@ value!(Packet {
     rssi_dbm
 });
 
+impl Spot {
+    /// Reads the fields `tag,x,y,floor`, in metres.
+    pub(super) fn from_fields(fields: &[u8]) -> Result<Self, Rejected> {
+        let [tag, x, y, floor]: [&[u8]; 4] = columns(fields).ok_or(Rejected::Unparsable)?;
+        let number = |text, places| fixed(text, places).ok_or(Rejected::Unparsable);
+        let place = [number(x, 3)?, number(y, 3)?];
+        // As far as a map may reach, in millimetres.
+        if place.iter().any(|metres| metres.abs() > 1_000_000_000) {
+            return Err(Rejected::OutOfRange);
+        }
+        let out_of_range = |_| Rejected::OutOfRange;
+        Ok(Self {
+            tag: u32::try_from(number(tag, 0)?).map_err(out_of_range)?,
+            place: place.map(|millimetres| millimetres as f32 / 1e3),
+            floor: u8::try_from(number(floor, 0)?).map_err(out_of_range)?,
+        })
+    }
+}
+
+impl MapPiece {
+    /// Reads the fields `offset,total,bytes`, the bytes in hexadecimal.
+    pub(super) fn from_fields(fields: &[u8]) -> Result<Self, Rejected> {
+        let [offset, total, digits]: [&[u8]; 3] = columns(fields).ok_or(Rejected::Unparsable)?;
+        let number = |text| {
+            let number = fixed(text, 0).ok_or(Rejected::Unparsable)?;
+            u32::try_from(number).map_err(|_| Rejected::OutOfRange)
+        };
+        let (pairs, rest) = digits.as_chunks::<2>();
+        if pairs.is_empty() || pairs.len() > Self::BYTES || !rest.is_empty() {
+            return Err(Rejected::Unparsable);
+        }
+        let mut bytes = [0; Self::BYTES];
+        for (byte, pair) in bytes.iter_mut().zip(pairs) {
+            let digit = |digit: u8| char::from(digit).to_digit(16).ok_or(Rejected::Unparsable);
+            *byte = (digit(pair[0])? << 4 | digit(pair[1])?) as u8;
+        }
+        let held = (pairs.len() as u8, bytes);
+        Ok(Self::new(number(offset)?, number(total)?, held))
+    }
+}
+
 /// What a message says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Message {
     Packet(Packet),
     /// The host asks for every tag's position and for the status.
     Query,
     /// The host begins anew.
     Restart,
+    /// A survey is recorded, or no more.
+    Survey(Option<Spot>),
+    /// A piece of another map.
+    MapPiece(MapPiece),
     /// A correct sentence of another kind.
     Other,
 }
@@ -127,6 +172,13 @@ fn from_line(line: &[u8]) -> Result<Message, Rejected> {
         b"PFOXR" => Ok(Message::Restart),
         [b'P', b'F', b'O', b'X', b'B', b',', fields @ ..] => {
             Packet::from_fields(fields).map(Message::Packet)
+        }
+        b"PFOXV" => Ok(Message::Survey(None)),
+        [b'P', b'F', b'O', b'X', b'V', b',', fields @ ..] => {
+            Spot::from_fields(fields).map(|spot| Message::Survey(Some(spot)))
+        }
+        [b'P', b'F', b'O', b'X', b'M', b',', fields @ ..] => {
+            MapPiece::from_fields(fields).map(Message::MapPiece)
         }
         _ => Ok(Message::Other),
     }

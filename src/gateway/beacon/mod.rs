@@ -14,6 +14,10 @@
 //! | `$PFOXQ*50` | `Q` | a query: the fix of every tag, after an update by the packets that wait, and the status |
 //! | `$PFOXR*53` | `R` | a restart: all tags are forgotten |
 //!
+//! | `$PFOXV,tag,x,y,floor*hh` | | a survey: somebody stands with this tag at a place, in metres, on a floor |
+//! | `$PFOXV*57` | | the survey is over |
+//! | `$PFOXM,offset,total,bytes*hh` | | a piece of a new map: where it begins, the length of the map, up to 32 bytes in hexadecimal; see [`BeaconGateway::take_map`] |
+//!
 //! A frame holds, little-endian: the byte 0xB1, the time (4 bytes), the radio (2), the tag (4), the RSSI (1), and the
 //! CRC-32 of these (4); it is stuffed (COBS), so that a zero byte ends it and stands nowhere else.
 //!
@@ -26,32 +30,49 @@
 //! counter-clockwise from x; by how many dB the tag is louder than the one of the survey; the effective sample size.
 //!
 //! **`$PFOXL,time,radio,SILENT*hh`**, a radio of the map has heard no tag for [`Config::silence_ms`] while others have;
-//! **`...,HEARD*hh`** when it hears one again.
+//! **`...,HEARD*hh`** when it hears one again. **`...,MOVED*hh`**: its levels are not those of the map, at several places, by
+//! what it hears of all tags: it was moved, turned or damaged, and counts less until they are again (**`...,FITS*hh`**).
+//! **`...,RARE*hh`**: it hears tags that are next to it far less often than other radios do, until it no longer does
+//! (**`...,USUAL*hh`**).
+//!
+//! **`$PFOXV,x,y,floor,radio,rssi*hh`**, a reading of a survey, for every packet of the tag that is surveyed, whether its
+//! radio is in the map or not: a log of them is a survey that `cargo xtask map` reads.
+//!
+//! **`$PFOXM,received,total,MORE*hh`**, the answer to a piece of a new map: the next one begins at `received`;
+//! **`...,READY*hh`** when the whole map was checked, **`...,REFUSED*hh`** when it cannot be used.
 //!
 //! **`$PFOXS,messages,packets,ignored,queries,restarts,...,tags,silent,evicted*hh`**, the status: all messages, and how
-//! many of them were packets that a tracker took, sentences of other kinds, queries and restarts; in the place of `...`,
-//! in the order of [`Rejected::ALL`], how many were rejected for each reason, so that the second to the twelfth number
+//! many of them were packets that a tracker took, sentences of other kinds, queries with commands of surveys and maps, and
+//! restarts; in the place of `...`, in the order of [`Rejected::ALL`], how many were rejected for each reason, so that the second to the twelfth number
 //! add up to the first; how many tags are tracked, how many radios are silent, and how many tags lost their tracker to
 //! another one.
 
 mod config;
+mod health;
 mod input;
+mod new_map;
 mod outcome;
 mod radios;
 mod report;
+mod survey;
 
 pub use config::{Config, Framing};
 pub use input::Packet;
+pub use new_map::{MapPiece, NewMapError};
 pub use outcome::{Counters, Event, Rejected};
 
 use crate::fingerprint::tracker::{Tracker, Trackers, Workspace};
-use crate::fingerprint::{Reading, ReadingError};
+use crate::fingerprint::{RadioMap, Reading, ReadingError};
 use crate::persist;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+use health::Health;
 use input::{Input, Message};
+use new_map::{Reception, Room};
 use radios::Radios;
 pub use report::MAX_TAGS;
 use report::Report;
+pub use survey::Spot;
+use survey::Survey;
 
 /// The state of a gateway that tracks up to `T` tags, with `N` particles for each, on a map of up to `P` points and `B`
 /// beacons. See the [module](self) for the messages.
@@ -88,6 +109,9 @@ pub struct BeaconGateway<
     trackers: Trackers<T, N, B, D>,
     workspace: Workspace<N, P>,
     radios: Radios<B>,
+    health: Health<B>,
+    survey: Survey,
+    reception: Reception,
     generator: Option<Xoshiro128PlusPlus>,
     report: Report,
 }
@@ -104,6 +128,9 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
             trackers: Trackers::EMPTY,
             workspace: Workspace::EMPTY,
             radios: Radios::EMPTY,
+            health: Health::EMPTY,
+            survey: Survey::EMPTY,
+            reception: Reception::EMPTY,
             generator: None,
             report: Report::new(),
         }
@@ -125,6 +152,11 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
                 self.restart();
                 Event::Restarted
             }
+            Ok(Message::Survey(spot)) => {
+                self.survey.turn_to(spot);
+                Event::Survey(spot)
+            }
+            Ok(Message::MapPiece(piece)) => Event::MapPiece(piece),
             Ok(Message::Other) => Event::Other,
             Err(reason) => Event::Rejected(reason),
         };
@@ -154,13 +186,71 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
     pub fn restart(&mut self) {
         self.trackers.clear();
         self.radios = Radios::EMPTY;
+        self.health = Health::EMPTY;
         self.generator = None;
         self.report.clear();
+    }
+
+    /// Takes a piece of another map into a buffer that holds the map until it is whole, and returns the map then: one that
+    /// this gateway has room for and can track on. [`BeaconGateway::report`] answers to the sender.
+    ///
+    /// The gateway goes on with its present map. To go on with the new one, [`BeaconGateway::restart`] it and lend it a
+    /// configuration with the new map from then on; the buffer has to last as long.
+    ///
+    /// ```
+    /// # use foxhunt::fingerprint::{RadioMap, tracker::{self, Site}};
+    /// use foxhunt::gateway::beacon::{BeaconGateway, Config, Event};
+    ///
+    /// # static TUNNEL: &[u8] =
+    /// #     include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/tunnel.map"));
+    /// # let config = Config::new(Site::new(RadioMap::new(TUNNEL)?, tracker::Config::TUNNEL)?);
+    /// # let line = TUNNEL.chunks(32).enumerate().flat_map(|(number, bytes)| {
+    /// #     let bytes: String = bytes.iter().map(|byte| format!("{byte:02X}")).collect();
+    /// #     let payload = format!("PFOXM,{},{},{bytes}", 32 * number, TUNNEL.len());
+    /// #     let sum = payload.bytes().fold(0, |sum, byte| sum ^ byte);
+    /// #     format!("${payload}*{sum:02X}\r\n").into_bytes()
+    /// # });
+    /// let mut gateway = BeaconGateway::<8, 300, 81, 4, 1>::EMPTY;
+    /// let mut spare = [0; 1024];
+    /// let mut has_come = false;
+    /// for byte in line {
+    ///     if let Some(Event::MapPiece(piece)) = gateway.push(byte, &config) {
+    ///         has_come = gateway.take_map(&piece, &mut spare)?.is_some();
+    ///     }
+    /// }
+    /// assert!(has_come && gateway.report().contains(",READY*"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// See [`NewMapError`].
+    pub fn take_map<'b>(
+        &mut self,
+        piece: &MapPiece,
+        buffer: &'b mut [u8],
+    ) -> Result<Option<RadioMap<'b>>, NewMapError> {
+        let room = Room {
+            points: P,
+            beacons: B,
+            axes: D,
+        };
+        let taken = self.reception.take(piece, buffer, &room);
+        let (received, word) = match &taken {
+            Ok(Some(_)) => (piece.total, "READY"),
+            Ok(None) | Err(NewMapError::Order) => (self.reception.received(), "MORE"),
+            Err(_) => (0, "REFUSED"),
+        };
+        self.report.clear();
+        self.report.map(received, piece.total, word);
+        taken
     }
 
     #[inline(never)]
     fn packet(&mut self, packet: &Packet, config: &Config<'_>) -> Result<Event, Rejected> {
         let &Packet { time_ms, tag, .. } = packet;
+        if let Some(spot) = self.survey.of(tag) {
+            self.report.survey(spot, packet);
+        }
         let site = &config.site;
         let beacon = site.map.beacon_index(packet.radio.into());
         let beacon = beacon.and_then(|beacon| u8::try_from(beacon).ok());
@@ -180,19 +270,29 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
         if evicted.is_some() {
             self.counters.evicted = self.counters.evicted.saturating_add(1);
         }
+        let doubts_db2 = self.health.doubts_db2();
         let fix = tracker
-            .push(time_ms, reading, site, &mut self.workspace, rng)
+            .push_doubting(time_ms, reading, doubts_db2, site, &mut self.workspace, rng)
             .map_err(|error| match error {
                 ReadingError::TooOld => Rejected::TooOld,
                 ReadingError::Strength => Rejected::OutOfRange,
                 _ => Rejected::UnknownRadio,
             })?;
+        let known = tracker.fix();
         let report = &mut self.report;
         let now_ms = self.trackers.now_ms();
-        (self.radios).hear(now_ms, reading.beacon.into(), config, |radio, is_silent| {
-            let identifier = site.map.beacon(radio).map_or(0, |beacon| beacon.identifier);
-            report.radio(now_ms, identifier, is_silent);
+        let radio = usize::from(reading.beacon);
+        let identifier = |radio| site.map.beacon(radio).map_or(0, |beacon| beacon.identifier);
+        (self.radios).hear(now_ms, radio, config, |radio, is_silent| {
+            let word = if is_silent { "SILENT" } else { "HEARD" };
+            report.radio(now_ms, identifier(radio), word);
         });
+        if let Some(known) = known {
+            let heard = (radio, reading.rssi_dbm);
+            (self.health).hear(heard, time_ms, &known, site, |radio, finding| {
+                report.radio(now_ms, identifier(radio), finding.word());
+            });
+        }
         Ok(match fix {
             Some(fix) => {
                 self.report.tag(tag, &fix);
@@ -209,7 +309,8 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
         for (tag, tracker) in self.trackers.iter_mut() {
             tags += 1;
             if let Some(rng) = &mut self.generator {
-                tracker.flush(&config.site, &mut self.workspace, rng);
+                let doubts_db2 = self.health.doubts_db2();
+                tracker.flush_doubting(doubts_db2, &config.site, &mut self.workspace, rng);
             }
             if let Some(fix) = tracker.fix() {
                 self.report.tag(tag, &fix);
@@ -223,7 +324,7 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
 persist!(
     impl[const T: usize, const N: usize, const P: usize, const B: usize, const D: usize]
     BeaconGateway<T, N, P, B, D> as "BeaconGateway"(T, N, B)
-    { counters, trackers, radios, generator } without { input, workspace, report }
+    { counters, trackers, radios, health, survey, generator } without { input, workspace, report, reception }
 );
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! What messages lead to, and their counts.
 
+use super::{MapPiece, Spot};
 use crate::error::messages;
 use crate::fingerprint::tracker::Fix;
 use crate::gateway::outcome::reasons;
@@ -28,6 +29,10 @@ pub enum Event {
     Queried,
     /// All tags were forgotten.
     Restarted,
+    /// What radios hear of a tag is recorded as a survey from now on; no more if there is none.
+    Survey(Option<Spot>),
+    /// A piece of another map has come, for [`BeaconGateway::take_map`](super::BeaconGateway::take_map).
+    MapPiece(MapPiece),
     /// A correct sentence of another kind.
     Other,
 }
@@ -76,7 +81,7 @@ pub struct Counters {
     pub packets: u32,
     /// Correct sentences of other kinds.
     pub ignored: u32,
-    /// Queries.
+    /// Queries, and commands of a survey and of a new map.
     pub queries: u32,
     /// Restarts.
     pub restarts: u32,
@@ -115,7 +120,7 @@ impl Counters {
     pub(super) fn count(&mut self, event: &Event) {
         let count = match event {
             Event::Taken { .. } | Event::Fix { .. } => &mut self.packets,
-            Event::Queried => &mut self.queries,
+            Event::Queried | Event::Survey(_) | Event::MapPiece(_) => &mut self.queries,
             Event::Restarted => &mut self.restarts,
             Event::Other => &mut self.ignored,
             Event::Rejected(reason) => match self.rejected.get_mut(*reason as usize) {

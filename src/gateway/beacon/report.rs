@@ -1,6 +1,7 @@
 //! The sentences of the gateway.
 
 use super::outcome::{Counters, Rejected};
+use super::{Packet, Spot};
 use crate::estimate::Ellipse;
 use crate::fingerprint::tracker::{Fix, State};
 use crate::gateway::sentence::{DEGREES, Text, Unit};
@@ -39,11 +40,36 @@ impl Report {
     }
 
     /// `$PFOXL`
-    pub fn radio(&mut self, time_ms: u32, radio: u32, is_silent: bool) {
+    pub fn radio(&mut self, time_ms: u32, radio: u32, word: &str) {
         self.begin("PFOXL");
         self.field(time_ms);
         self.field(radio);
-        self.put(if is_silent { ",SILENT" } else { ",HEARD" });
+        self.put(",");
+        self.put(word);
+        self.end();
+    }
+
+    /// `$PFOXV`
+    pub fn survey(&mut self, spot: &Spot, packet: &Packet) {
+        self.begin("PFOXV");
+        for metres in spot.place {
+            self.signed(metres, Unit::Thousandth);
+        }
+        self.field(spot.floor.into());
+        self.field(packet.radio.into());
+        let rssi = packet.rssi_dbm;
+        self.put(if rssi < 0 { ",-" } else { "," });
+        self.digits(rssi.unsigned_abs().into(), 1);
+        self.end();
+    }
+
+    /// `$PFOXM`
+    pub fn map(&mut self, received: u32, total: u32, word: &str) {
+        self.begin("PFOXM");
+        self.field(received);
+        self.field(total);
+        self.put(",");
+        self.put(word);
         self.end();
     }
 
@@ -94,7 +120,7 @@ mod tests {
             "$PFOXT,12500,7,TRACKING,31.250,-0.500,1.000,0.000,2.000,1.000,0.0,-3.3,211.0*45\r\n"
         );
         report.clear();
-        report.radio(12_500, 3, true);
+        report.radio(12_500, 3, "SILENT");
         assert!(report.as_str().starts_with("$PFOXL,12500,3,SILENT*"));
     }
 

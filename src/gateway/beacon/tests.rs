@@ -2,8 +2,9 @@
 
 extern crate std;
 use super::*;
+use crate::fingerprint::tracker::tests::{level, map, map_behind};
 use crate::fingerprint::tracker::{self, Site, State};
-use crate::fingerprint::{RadioMap, tracker::tests::map};
+use crate::fingerprint::{MapError, RadioMap};
 use crate::gateway::sentence::checksum;
 use crate::snapshot;
 use proptest::prelude::*;
@@ -150,6 +151,165 @@ fn a_silent_radio_is_reported() {
     assert_eq!(output.matches("$PFOXL").count(), 1);
     let (_, output) = run(&mut gateway, line(&packet(12_000, 3, 7)).as_bytes());
     assert!(output.contains("$PFOXL,12000,3,HEARD*"));
+}
+
+/// Two people walk to and fro; one of four radios hangs elsewhere, or its antenna is damaged.
+#[test]
+fn a_radio_that_was_moved_is_reported_and_the_fixes_stay_right() {
+    let map = map(1);
+    for (wrong, turned, loss_db) in [
+        (None, false, 0.0),
+        (Some(2), true, 0.0),
+        (Some(2), false, 15.0),
+        (Some(0), true, 0.0),
+    ] {
+        let mut gateway = gateway(&map, Framing::Lines);
+        let mut output = String::new();
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(4);
+        let mut late = (0.0, 0.0);
+        for half in 0..1_200u32 {
+            for tag in 0..2 {
+                let phase = (half + 60 * tag) % 120;
+                let x = 0.5 * (60.0 - (60.0 - phase as f32).abs()) + 5.0;
+                for radio in 0..4 {
+                    let is_wrong = wrong == Some(radio);
+                    let at = if is_wrong && turned { 40.0 - x } else { x };
+                    let loss_db = if is_wrong { loss_db } else { 0.0 };
+                    let noise = 2.0 * crate::random::normal(&mut rng);
+                    let rssi = level(radio, at) - loss_db + noise;
+                    let payload = format!("PFOXB,{},{radio},{tag},{rssi:.0}", 500 * half);
+                    let (events, said) = run(&mut gateway, sentence(&payload).as_bytes());
+                    output += &said;
+                    if half > 600
+                        && let [Event::Fix { fix, .. }] = events[..]
+                    {
+                        let off = fix.position_at(500 * half)[0] - x;
+                        late = (late.0 + off * off, late.1 + 1.0);
+                    }
+                }
+            }
+        }
+        let told: Vec<&str> = (output.split("$PFOXL,").skip(1))
+            .map(|line| line.split([',', '*']).skip(1).take(2).last().unwrap())
+            .collect();
+        assert_eq!(told, wrong.map_or(&[][..], |_| &["MOVED"]));
+        let rmse = crate::math::sqrt(late.0 / late.1);
+        assert!(rmse < 3.0, "{wrong:?} {rmse}");
+    }
+}
+
+#[test]
+fn a_survey_has_every_packet_of_the_tag_that_stands_there() {
+    let map = map(1);
+    let mut gateway = gateway(&map, Framing::Lines);
+    let mut said = |message: &str| run(&mut gateway, message.as_bytes());
+    let (events, output) = said(&sentence("PFOXV,7,12.5,-0.25,2"));
+    let spot = Spot {
+        tag: 7,
+        place: [12.5, -0.25],
+        floor: 2,
+    };
+    assert_eq!(
+        (&events[..], &output[..]),
+        (&[Event::Survey(Some(spot))][..], "")
+    );
+    // A radio that the map lacks, too: there may be no right map yet.
+    for radio in [1, 900] {
+        let (_, output) = said(&line(&packet(500, radio, 7)));
+        let reading = sentence(&format!("PFOXV,12.500,-0.250,2,{radio},-60"));
+        assert!(output.starts_with(&reading), "{output}");
+    }
+    assert_eq!(said(&line(&packet(600, 1, 8))).1, "");
+    assert_eq!(said(&sentence("PFOXV")).0, [Event::Survey(None)]);
+    assert_eq!(said(&line(&packet(700, 1, 7))).1, "");
+    for (fields, reason) in [
+        ("7,1,2", Rejected::Unparsable),
+        ("7,1,,0", Rejected::Unparsable),
+        ("7,1000001,0,0", Rejected::OutOfRange),
+        ("7,0,0,256", Rejected::OutOfRange),
+        ("-7,0,0,0", Rejected::OutOfRange),
+    ] {
+        let (events, _) = said(&sentence(&format!("PFOXV,{fields}")));
+        assert_eq!(events, [Event::Rejected(reason)], "{fields}");
+    }
+}
+
+/// Sends the piece of a map that begins at `offset`: the level of the first radio at the first point of the map that is whole
+/// then, and the answer.
+fn send(
+    gateway: &mut Gateway<'_>,
+    map: &[u8],
+    offset: usize,
+    buffer: &mut [u8],
+) -> (Result<Option<f32>, NewMapError>, String) {
+    let bytes = &map[offset..map.len().min(offset + MapPiece::BYTES)];
+    let digits: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+    let piece = sentence(&format!("PFOXM,{offset},{},{digits}", map.len()));
+    let (events, _) = run(gateway, piece.as_bytes());
+    let [Event::MapPiece(piece)] = events[..] else {
+        panic!("{events:?}");
+    };
+    let taken = gateway.state.take_map(&piece, buffer);
+    let level = taken.map(|map| map.map(|map| map.moments(0, 0).unwrap().mean_dbm));
+    (level, String::from(gateway.state.report()))
+}
+
+#[test]
+fn a_new_map_is_taken_when_all_of_it_has_come() {
+    let (old, new) = (map(1), map_behind([3.0; 4], 1));
+    let mut gateway = gateway(&old, Framing::Lines);
+    let mut buffer = std::vec![0; 600];
+    let offsets: Vec<usize> = (0..new.len()).step_by(MapPiece::BYTES).collect();
+    let last = *offsets.last().unwrap();
+    for offset in offsets {
+        let (map, answer) = send(&mut gateway, &new, offset, &mut buffer);
+        let received = (offset + MapPiece::BYTES).min(new.len());
+        if offset == last {
+            assert_eq!(map, Ok(Some(level(0, 0.0) - 3.0)));
+            assert!(answer.starts_with(&format!("$PFOXM,{received},{received},READY*")));
+        } else {
+            assert_eq!(map, Ok(None));
+            assert!(answer.starts_with(&format!("$PFOXM,{received},{},MORE*", new.len())));
+            // What does not follow changes nothing, and what should have come is asked for.
+            let other = if received == last {
+                MapPiece::BYTES
+            } else {
+                last
+            };
+            let (again, answer) = send(&mut gateway, &new, other, &mut buffer);
+            assert_eq!(again, Err(NewMapError::Order));
+            assert!(answer.starts_with(&format!("$PFOXM,{received},")));
+        }
+    }
+}
+
+#[test]
+fn a_new_map_that_cannot_be_used_is_refused() {
+    let map_of = crate::fingerprint::tracker::tests::map;
+    let old = map_of(1);
+    let mut gateway = gateway(&old, Framing::Lines);
+    let mut damaged = old.clone();
+    damaged[100] ^= 1;
+    let large = map_of(2);
+    for (map, room, reason) in [
+        (&damaged, 600, NewMapError::Map(MapError::Checksum)),
+        (&large, 2_000, NewMapError::Map(MapError::Points)),
+        (&old, 64, NewMapError::Room),
+    ] {
+        let mut buffer = std::vec![0; room];
+        let sent = (0..map.len()).step_by(MapPiece::BYTES);
+        let answers = sent.map(|offset| send(&mut gateway, map, offset, &mut buffer));
+        let refused: Vec<_> = answers.filter(|(taken, _)| taken.is_err()).collect();
+        assert_eq!(refused[0].0, Err(reason));
+        assert!(refused[0].1.contains(",REFUSED*"), "{}", refused[0].1);
+    }
+    for fields in ["0,9,", "0,9,0", "0,9,0g", "0,9", "-1,9,00"] {
+        let (events, _) = run(
+            &mut gateway,
+            sentence(&format!("PFOXM,{fields}")).as_bytes(),
+        );
+        assert!(matches!(events[..], [Event::Rejected(_)]), "{fields}");
+    }
 }
 
 #[test]

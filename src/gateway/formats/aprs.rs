@@ -33,6 +33,7 @@ pub struct Aprs;
 /// What the format is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Config {
     /// The only station that is heard, with its number (`"N0CALL-9"`); `None` hears all, which count as one array.
     pub station: Option<&'static str>,

@@ -159,6 +159,7 @@ pub fn channel_of<T: PartialEq>(own: T, all: &[T]) -> Option<u8> {
 /// u-blox board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Sense {
     /// Clockwise, as on a compass.
     Clockwise,
@@ -169,6 +170,7 @@ pub enum Sense {
 /// A direction finder that does not move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Station {
     /// Where it stands.
     pub place: Geodetic,
@@ -190,6 +192,7 @@ impl Station {
 /// What a format is told whose lines leave nothing open but what their quality means.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ByQuality {
     /// Standard deviations by the quality, in place of those of [`gateway::Config`](crate::gateway::Config).
     pub sigmas: Option<&'static SigmaTable>,

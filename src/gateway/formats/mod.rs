@@ -45,6 +45,7 @@ macro_rules! finders {
         /// A kind of direction finder.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize))]
         #[non_exhaustive]
         pub enum Finder {
             $($(#[$doc])* $format,)+
@@ -72,6 +73,7 @@ macro_rules! finders {
         /// What the formats are told.
         #[derive(Debug, Clone, Copy, PartialEq)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize))]
         pub struct Config {
             /// The only direction finder that is heard, where others are on the line, too; `None` for every one.
             pub finder: Option<Finder>,

@@ -36,6 +36,7 @@ pub struct Ublox;
 /// What the format is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Config {
     /// Direction in which azimuths grow.
     pub sense: Sense,

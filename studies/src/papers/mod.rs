@@ -10,6 +10,7 @@ pub mod finders;
 pub mod fingerprint;
 pub mod firefly;
 pub mod fish;
+pub mod floors;
 mod instructions;
 mod others;
 mod outcome;

@@ -80,7 +80,7 @@ fn sentence(fields: &[&str]) -> Option<Report> {
             sigma: number(major)?,
             offset: number(offset)?,
         })),
-        ["PFOXL", time, radio, what] => Some(Report::Radio {
+        ["PFOXL", time, radio, what @ ("SILENT" | "HEARD")] => Some(Report::Radio {
             time: 1e-3 * number(time)?,
             radio: radio.parse().ok()?,
             is_silent: *what == "SILENT",

@@ -9,6 +9,7 @@ use crate::gateway::sentence::{columns, decimal, fixed, turned};
 /// Scale of the confidence of a KrakenSDR: of the maximum of the spectrum over its mean, `m`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Confidence {
     /// `10 log10(m)`, of at most 25.6.
     Decibels,
@@ -20,6 +21,7 @@ pub enum Confidence {
 /// entered, or that nobody has: it is zero then.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Heading {
     /// The one that the line names. By GPS, it holds while the KrakenSDR moves; of one that has never moved, if it has
     /// never changed and is not zero. Before a second has shown whether it moves, it holds; if it then was none, the next

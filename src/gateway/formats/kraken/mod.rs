@@ -80,6 +80,7 @@ impl Kraken<Spectrum> {
 /// What the format is told. The default recognises what a line leaves open from the lines themselves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Config {
     /// Direction in which bearings grow. `None` compares them with the maxima of their spectra, which are
     /// counter-clockwise in every build; a reading of which it cannot be told yet is two bearings that exclude each other.

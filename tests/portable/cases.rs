@@ -1,0 +1,57 @@
+//! The cases: checks that panic unless they hold, and say what they computed.
+
+mod aoa;
+mod digest;
+mod filter;
+mod fingerprint;
+mod gateway;
+mod math;
+mod proposal;
+mod random;
+mod refine;
+mod snapshot;
+mod whole;
+
+pub use digest::Digest;
+use digest::assert_normal;
+
+/// A case: its name, and a check that panics unless it holds and returns the digest of what it computed.
+pub type Case = (&'static str, fn() -> Digest);
+
+const GROUPS: &[&[Case]] = &[
+    math::CASES,
+    random::CASES,
+    filter::CASES,
+    aoa::CASES,
+    refine::CASES,
+    proposal::CASES,
+    fingerprint::CASES,
+    gateway::CASES,
+    snapshot::CASES,
+    whole::CASES,
+];
+
+/// All of them.
+pub fn all() -> impl Iterator<Item = Case> {
+    GROUPS.iter().copied().flatten().copied()
+}
+
+/// Runs a case.
+///
+/// # Panics
+/// When it does not hold or has computed something new.
+pub fn check((name, case): Case) {
+    let mut digests = include_str!("digests.txt")
+        .lines()
+        .filter_map(|line| line.split_once(' '));
+    let (_, expected) = digests
+        .find(|(known, _)| *known == name)
+        .expect("not in digests.txt");
+    let expected =
+        u64::from_str_radix(expected, 16).expect("digests.txt holds hexadecimal numbers");
+    let Digest(computed) = case();
+    assert!(
+        computed == expected,
+        "{name} computed {computed:016x}, not {expected:016x}"
+    );
+}
