@@ -216,8 +216,17 @@ impl Browser {
         start.elapsed()
     }
 
+    /// Waits until what has changed has been drawn.
+    pub fn settle(&mut self) {
+        self.value(
+            "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))",
+        );
+    }
+
     /// Clicks an element, in its middle.
     pub fn click(&mut self, selector: &str) {
+        // What is drawn anew may move it.
+        self.settle();
         let middle = self.value(&format!(
             "(() => {{ const e = document.querySelector('{selector}'); e.scrollIntoView({{ block: 'nearest' }});
              const r = e.getBoundingClientRect(); return [r.x + r.width / 2, r.y + r.height / 2]; }})()"
@@ -259,7 +268,7 @@ impl Browser {
 
     /// Writes what is to be seen into a file, once it has been drawn.
     pub fn picture(&mut self, file: &Path) {
-        self.value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))");
+        self.settle();
         let picture = self.call("Page.captureScreenshot", json!({ "format": "png" }));
         let bytes = STANDARD.decode(picture["data"].as_str().unwrap()).unwrap();
         fs::create_dir_all(file.parent().unwrap()).unwrap();
