@@ -25,8 +25,8 @@ mod target {
     };
     use foxhunt_emulated::{map, region::region};
 
-    static MOMENTS: &[u8] = include_bytes!("../tests/data/tunnel.moments");
-    static LEVELS: &[u8] = include_bytes!("../tests/data/tunnel.levels");
+    static MOMENTS: &[u8] = include_bytes!("../tests/portable/data/tunnel.moments");
+    static LEVELS: &[u8] = include_bytes!("../tests/portable/data/tunnel.levels");
 
     fn open(bytes: &'static [u8]) -> RadioMap<'static> {
         RadioMap::new(black_box(bytes)).expect("the map is whole")

@@ -6,8 +6,7 @@
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_main)]
 
-#[path = "../../../tests/portable/cases.rs"]
-mod cases;
+use foxhunt_portable as cases;
 
 #[cfg(target_os = "none")]
 mod start {

@@ -23,7 +23,7 @@ fn maps_take_as_many_bytes_as_promised() {
 /// The maps of the portable tests and of the firmware. With `BLESS` in the environment they are rewritten.
 #[test]
 fn the_stored_maps_are_those_of_the_builder() {
-    let directory = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/data");
+    let directory = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/portable/data");
     for (name, bytes) in [
         ("tunnel.moments", tunnel(Encoding::Moments)),
         ("tunnel.levels", tunnel(Encoding::Levels)),
@@ -184,7 +184,7 @@ fn the_constant_is_the_map() {
 
 /// The compiler can check a map.
 const _: RadioMap<'static> =
-    match RadioMap::new(include_bytes!("../../../tests/data/tunnel.moments")) {
+    match RadioMap::new(include_bytes!("../../../tests/portable/data/tunnel.moments")) {
         Ok(map) => map,
         Err(_) => panic!("damaged"),
     };

@@ -24,14 +24,7 @@ pub fn track(chase: &Chase, bearings: &[Step], knows_stop: bool, seed: u64) -> V
         ..Errors::DEFAULT
     };
     // What is known at the departure: by an exact posterior.
-    let mut stationary = Locator::<Robust<512, 256>>::new(robust::Config {
-        errors: Errors {
-            correlation: Correlation::NONE,
-            ..errors
-        },
-        ..robust::Config::DEFAULT
-    })
-    .unwrap();
+    let mut stationary = stationary(errors);
     let mut particles: Vec<[f32; 4]> = Vec::new();
     let mut weights = vec![1.0 / PARTICLES as f32; PARTICLES];
     let mut out = Vec::new();
@@ -82,6 +75,18 @@ pub fn track(chase: &Chase, bearings: &[Step], knows_stop: bool, seed: u64) -> V
         }
     }
     out
+}
+
+fn stationary(errors: Errors) -> Locator<Robust<512, 256>> {
+    let errors = Errors {
+        correlation: Correlation::NONE,
+        ..errors
+    };
+    Locator::new(robust::Config {
+        errors,
+        ..robust::Config::DEFAULT
+    })
+    .unwrap()
 }
 
 fn known(particles: &[[f32; 4]], weights: &[f32]) -> Known {

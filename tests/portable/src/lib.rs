@@ -1,4 +1,9 @@
-//! The cases: checks that panic unless they hold, and say what they computed.
+//! What must hold on every target: cases, each of which panics unless it holds, and says what it computed.
+//!
+//! `tests/portable.rs` runs them under a test harness and as firmware of the emulated board, `boards/machines` on machines of
+//! other cores. `digests.txt` holds what they computed when it was last rewritten (`cargo xtask test --bless`).
+
+#![no_std]
 
 mod aoa;
 mod digest;
@@ -41,7 +46,7 @@ pub fn all() -> impl Iterator<Item = Case> {
 /// # Panics
 /// When it does not hold or has computed something new.
 pub fn check((name, case): Case) {
-    let mut digests = include_str!("digests.txt")
+    let mut digests = include_str!("../digests.txt")
         .lines()
         .filter_map(|line| line.split_once(' '));
     let (_, expected) = digests

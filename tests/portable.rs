@@ -1,18 +1,13 @@
-//! What must hold on the target as on the host: the same cases run here under a test harness and there as
-//! firmware, and what they compute must be the same to the last bit.
-//!
-//! `digests.txt` holds what they computed when it was last rewritten (`cargo xtask test --bless`).
+//! The portable cases under a test harness on the host, and as firmware of the emulated board.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[path = "cases.rs"]
-mod cases;
-
-use cases::{Case, all, check};
+use foxhunt_portable::{all, check};
 
 /// Runs the cases under a test harness, or, with `BLESS` in the environment, rewrites their digests.
 #[cfg(not(target_os = "none"))]
 fn main() -> std::io::Result<()> {
+    use foxhunt_portable::Case;
     use libtest_mimic::{Arguments, Trial};
 
     if std::env::var_os("BLESS").is_some() {

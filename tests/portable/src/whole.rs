@@ -7,10 +7,10 @@ use super::{Case, Digest};
 pub const CASES: &[Case] = &[("whole::drive", drive), ("whole::walk", walk)];
 
 /// The bytes that the vehicle's receiver and direction finder put on the line.
-const DRIVE: &[u8] = include_bytes!("../../examples/data/drive.nmea");
+const DRIVE: &[u8] = include_bytes!("../../../examples/data/drive.nmea");
 
 /// What the radios of a tunnel hear.
-const WALK: &[u8] = include_bytes!("../../examples/data/tunnel.packets");
+const WALK: &[u8] = include_bytes!("../../../examples/data/tunnel.packets");
 
 fn drive() -> Digest {
     let mut gateway = plain::Gateway::EMPTY;
