@@ -40,6 +40,7 @@ pub const FILES: &[File] = files![
     "draw.js" SCRIPT,
     "engine.js" SCRIPT,
     "geo.js" SCRIPT,
+    "health.js" SCRIPT,
     "hunt.js" SCRIPT,
     "live.js" SCRIPT,
     "main.js" SCRIPT,

@@ -9,7 +9,8 @@ import { answerPanel, legend, metres } from "./words.js";
 const SPEEDS = [[2, "2 bearings a second"], [8, "8 a second"], [30, "30 a second"], [120, "120 a second"]];
 const LEGEND = [
   "Arrowhead: the vehicle. Thick line: its track; dotted: the way that it will take.",
-  "Thin lines: bearings, the newest with an arrow. Dashed: taken for outliers. Dotted: of where a source was before.",
+  "Thin lines: bearings, the newest with an arrow.",
+  "Dashed: taken for outliers. Dotted: of where a source was before.",
   "Dots: particles. Cross and ellipse: a fix, and what holds the source with 95 %.",
   "Dashed ellipses with a percentage: places that fit, before there is a fix.",
   "Thick short arrow: where to drive. Square: where the source truly is.",
@@ -116,9 +117,10 @@ export class Hunt {
 
   #makeForm() {
     const { settings } = this;
-    const set = (name, factor = 1) => (value) => this.#set({ [name]: value * factor });
+    const set = (name) => (value) => this.#set({ [name]: value });
+    const rate = (name) => (value) => this.#set({ [name]: value / 100 });
     const scenarios = Object.entries(SCENARIOS).map(([name, { title }]) => [name, title]);
-    const refinement = choice("Refinement", REFINEMENTS, settings.refinement, (name) => this.#set({ refinement: name }));
+    const refinement = choice("Refinement", REFINEMENTS, settings.refinement, set("refinement"));
     const refine = (kind) => { refinement.querySelector("select").disabled = kind !== "clean"; };
     refine(settings.kind);
     return make("section", { id: "settings" },
@@ -127,14 +129,15 @@ export class Hunt {
         refine(kind);
         this.#set({ kind });
       }),
-      choice("Particles", PARTICLES, String(settings.particles), (particles) => this.#set({ particles })),
+      choice("Particles", PARTICLES, String(settings.particles), set("particles")),
       refinement,
       number("Seed", { value: settings.seed, min: 0, max: 2 ** 31 }, set("seed")),
       make("details", {},
         make("summary", {}, "Bearings and vehicle"),
         number("Sigma, degrees", { value: settings.sigma_deg, min: 0.2, max: 45, step: 0.5 }, set("sigma_deg")),
-        number("Outliers, %", { value: percent(settings.outlier_rate), min: 0, max: 90, step: 5 }, set("outlier_rate", 0.01)),
-        number("Mirrored, %", { value: percent(settings.mirrored_rate), min: 0, max: 10 }, set("mirrored_rate", 0.01)),
+        number("Outliers, %", { value: percent(settings.outlier_rate), min: 0, max: 90, step: 5 },
+          rate("outlier_rate")),
+        number("Mirrored, %", { value: percent(settings.mirrored_rate), min: 0, max: 10 }, rate("mirrored_rate")),
         number("Array bias, degrees", { value: settings.bias_deg, min: -30, max: 30 }, set("bias_deg")),
         number("Seconds between", { value: settings.interval_s, min: 0.2, max: 60, step: 0.5 }, set("interval_s")),
         number("Speed, m/s", { value: settings.vehicle.speed_m_s, min: 0.5, max: 60 },
@@ -187,7 +190,8 @@ export class Hunt {
     } catch (error) {
       this.state = null;
       this.player.reset(0);
-      const isUnfinished = this.tool && (this.settings.vehicle.corners.length === 0 || this.settings.sources.length === 0);
+      const { vehicle, sources } = this.settings;
+      const isUnfinished = this.tool && (vehicle.corners.length === 0 || sources.length === 0);
       this.error = isUnfinished ? "Tap places on the map." : `This cannot be simulated: ${error.message}.`;
     }
     this.stage.render();

@@ -4,9 +4,10 @@ import { backgroundOf, Tiles } from "./background.js";
 import { Connection, fetchState, post } from "./connection.js";
 import { button, make } from "./dom.js";
 import { extent, ray } from "./draw.js";
+import { healthPanel } from "./health.js";
 import { Site } from "./site.js";
 import { Store } from "./store.js";
-import { answerPanel, degrees, legend, place, seconds } from "./words.js";
+import { answerPanel, degrees, legend, place } from "./words.js";
 
 const NEAR_PX = 18;
 
@@ -27,7 +28,8 @@ export class Live {
     this.actions = make("section", {},
       make("div", { className: "row" }, button("Undo", () => this.#post("undo"), { id: "undo", className: "main" })));
     this.legend = legend([
-      "Arrowheads: vehicles. Squares: stations. Thin lines: bearings, the newest with an arrow; tap one to take it back.",
+      "Arrowheads: vehicles. Squares: stations.",
+      "Thin lines: bearings, the newest with an arrow; tap one to take it back.",
       "Dashed: taken for outliers. Dotted: retracted or not used.",
       "Dots: particles. Cross and ellipse: a fix, and what holds the source with 95 %.",
       "Dashed ellipses with a percentage: places that fit, before there is a fix.",
@@ -55,8 +57,7 @@ export class Live {
   scene() {
     const { store } = this;
     const receivers = [...store.receivers.values()].filter((receiver) => receiver.x != null);
-    const tiles = store.plane && this.hasTiles ? (this.tiles ??= new Tiles(store.plane, () => this.stage.view.request())) : null;
-    const features = store.plane && this.features ? (this.shapes ??= backgroundOf(this.features, store.plane)) : null;
+    const { tiles, shapes } = this.#background();
     return {
       ...store.answer,
       tracks: [...store.tracks.values()],
@@ -68,7 +69,7 @@ export class Live {
       hasGrid: !tiles,
       background: (context, view) => {
         tiles?.draw(context, view);
-        features?.(context, view);
+        shapes?.(context, view);
       },
     };
   }
@@ -127,7 +128,16 @@ export class Live {
       this.tools = this.#makeTools();
       this.stage.render();
     };
-    return [button(isMarking ? "Tap the place" : "Mark a place", toggle, { id: "tool-mark", ariaPressed: String(isMarking) })];
+    const text = isMarking ? "Tap the place" : "Mark a place";
+    return [button(text, toggle, { id: "tool-mark", ariaPressed: String(isMarking) })];
+  }
+
+  // Tiles and shapes of features, as soon as it is known where the metres count from.
+  #background() {
+    const { plane } = this.store;
+    if (plane && this.hasTiles) this.tiles ??= new Tiles(plane, () => this.stage.view.request());
+    if (plane && this.features) this.shapes ??= backgroundOf(this.features, plane);
+    return this;
   }
 
   #tagsOnMap() {
@@ -158,16 +168,15 @@ export class Live {
 
   #showBearing(bearing) {
     this.selected = bearing.id;
-    const state = bearing.retracted
-      ? "It was retracted."
-      : bearing.used ? `An outlier with ${Math.round(100 * (bearing.outlier ?? 0))} %.` : `Not used: ${bearing.reason ?? "no reason given"}.`;
     const retract = button("Retract this bearing", () => {
       this.#post("retract", { id: bearing.id });
       this.#closePopup();
     }, { id: "retract", className: "main" });
+    const what = `${degrees(bearing.bearing_deg)} ± ${degrees(bearing.sigma_deg)}`;
+    const isThere = bearing.used && !bearing.retracted;
     this.stage.popup(
-      make("p", {}, make("b", {}, `${degrees(bearing.bearing_deg)} ± ${degrees(bearing.sigma_deg)}`), ` by ${bearing.receiver}, ${clock(bearing.time_ms)}. ${state}`),
-      make("div", { className: "row" }, bearing.retracted || !bearing.used ? null : retract, button("Close", () => this.#closePopup())),
+      make("p", {}, make("b", {}, what), ` by ${bearing.receiver}, ${clock(bearing.time_ms)}. ${became(bearing)}`),
+      make("div", { className: "row" }, isThere ? retract : null, button("Close", () => this.#closePopup())),
     );
   }
 
@@ -175,14 +184,18 @@ export class Live {
     this.stage.popup(
       make("p", {}, make("b", {}, mark.text), ` at ${place(mark.lat, mark.lon)}`),
       make("div", { className: "row" },
-        button("Remove", () => { this.#post("mark", { id: mark.id, removed: true }); this.#closePopup(); }),
+        button("Remove", () => {
+          this.#post("mark", { id: mark.id, removed: true });
+          this.#closePopup();
+        }),
         button("Close", () => this.#closePopup())),
     );
   }
 
   #mark(at) {
     const [lat, lon] = this.store.plane?.degrees(at) ?? [0, 0];
-    const input = make("input", { type: "text", value: `Mark ${this.store.marks.size + 1}`, maxLength: 80, ariaLabel: "Text" });
+    const value = `Mark ${this.store.marks.size + 1}`;
+    const input = make("input", { type: "text", value, maxLength: 80, ariaLabel: "Text" });
     const save = () => {
       this.#post("mark", { lat, lon, text: input.value });
       this.#closePopup();
@@ -190,7 +203,10 @@ export class Live {
     input.addEventListener("keydown", (event) => event.key === "Enter" && save());
     this.stage.popup(
       make("p", {}, place(lat, lon)),
-      make("div", { className: "row" }, input, button("Save", save, { id: "save-mark", className: "main" }), button("Cancel", () => this.#closePopup())),
+      make("div", { className: "row" },
+        input,
+        button("Save", save, { id: "save-mark", className: "main" }),
+        button("Cancel", () => this.#closePopup())),
     );
     input.select();
     this.tool = null;
@@ -219,26 +235,11 @@ export class Live {
   }
 }
 
-function healthPanel({ inputs, outputs }) {
-  const states = { open: ["good", "●"], silent: ["bad", "◐"], lost: ["bad", "○"] };
-  const input = ({ name, state, since_ms, lines = 0, used = 0, refused = {} }) => {
-    const [kind, sign] = states[state] ?? ["bad", "○"];
-    const since = state !== "open" && since_ms ? ` for ${seconds(Math.max(0, Date.now() - since_ms) / 1000)}` : "";
-    const why = Object.entries(refused).filter(([, count]) => count > 0).map(([reason, count]) => `${count} × ${reason}`);
-    return make("li", {},
-      make("b", { className: kind }, `${sign} ${name}: ${state}${since}`),
-      make("div", { className: "faint" }, `${lines} lines, ${used} used`),
-      why.length > 0 ? make("div", { className: "faint" }, `Not used: ${why.join("; ")}`) : null,
-    );
-  };
-  const output = ({ name, state, queued = 0, sent = 0, lost = 0 }) => make("li", {},
-    make("b", { className: state === "open" ? "good" : "bad" }, `${state === "open" ? "●" : "○"} ${name}: ${state}`),
-    make("div", { className: "faint" }, `${sent} sent, ${queued} waiting${lost > 0 ? `, ${lost} lost` : ""}`));
-  return make("section", { id: "health" },
-    make("h2", {}, "Inputs"),
-    inputs.length > 0 ? make("ul", { className: "list" }, inputs.map(input)) : make("p", { className: "faint" }, "Nothing was heard of yet."),
-    outputs.length > 0 ? [make("h2", {}, "Outputs"), make("ul", { className: "list" }, outputs.map(output))] : null,
-  );
+// What became of a bearing.
+function became({ retracted, used, outlier = 0, reason = "no reason given" }) {
+  if (retracted) return "It was retracted.";
+  if (!used) return `Not used: ${reason}.`;
+  return `An outlier with ${Math.round(100 * outlier)} %.`;
 }
 
 function clock(milliseconds) {

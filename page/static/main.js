@@ -72,7 +72,7 @@ class Stage {
   }
 }
 
-// Makes these the children; whatever is among them already is not touched, so that it keeps the focus and a finger on it.
+// Makes these the children. Whatever is among them already is not touched: it keeps the focus, and a finger on it.
 function keepChildren(parent, wanted) {
   const children = wanted.filter(Boolean);
   for (const child of [...parent.children]) {

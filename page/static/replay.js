@@ -19,7 +19,8 @@ export class Replay {
     this.tools = [];
     this.opener = this.#makeOpener();
     this.legend = legend([
-      "Thick line: where the vehicle was. Thin lines: bearings. Dashed: taken for outliers. Dotted: of where a source was before.",
+      "Thick line: where the vehicle was. Thin lines: bearings.",
+      "Dashed: taken for outliers. Dotted: of where a source was before.",
       "Dots: particles. Cross and ellipse: a fix, and what holds the source with 95 %.",
     ]);
   }
@@ -104,7 +105,8 @@ export class Replay {
     input.addEventListener("change", () => input.files[0] && this.take(input.files[0]));
     return make("section", {},
       make("p", { className: "say" },
-        "Drop a log onto the map: NMEA, u-blox, KrakenSDR, Agrelo and all else that the gateway reads. It stays on this machine."),
+        "Drop a log onto the map: NMEA, u-blox, KrakenSDR, Agrelo and all else that the gateway reads.",
+        " It stays on this machine."),
       make("div", { className: "row" }, button("Open a log", () => input.click(), { className: "main" }), input),
       choice("Locator for", LOCATORS, this.locator, (locator) => {
         this.locator = locator;

@@ -14,7 +14,8 @@ export class Site {
     this.stage = stage;
     this.live = live;
     this.legend = legend([
-      "Rectangle: the site; a narrow one is drawn wider than it is. Dots and ellipses: where tags are, and what holds them with 95 %.",
+      "Rectangle: the site; a narrow one is drawn wider than it is.",
+      "Dots and ellipses: where tags are, and what holds them with 95 %.",
     ]);
   }
 
@@ -73,7 +74,8 @@ export class Site {
   #box() {
     const { site } = this.live.store;
     const points = site.points?.length > 0 ? site.points : [[0, 0], [site.width, site.height]];
-    const [low, high] = [Math.min, Math.max].map((end) => [0, 1].map((axis) => end(...points.map((point) => point[axis]))));
+    const axes = [0, 1].map((axis) => points.map((point) => point[axis]));
+    const [low, high] = [Math.min, Math.max].map((end) => axes.map((values) => end(...values)));
     const corner = low.map((metres) => metres - MARGIN_M);
     return { corner, size: [0, 1].map((axis) => high[axis] - low[axis] + 2 * MARGIN_M) };
   }

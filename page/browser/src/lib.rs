@@ -216,8 +216,17 @@ impl Browser {
         start.elapsed()
     }
 
+    /// Waits until what has changed has been drawn.
+    pub fn settle(&mut self) {
+        self.value(
+            "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))",
+        );
+    }
+
     /// Clicks an element, in its middle.
     pub fn click(&mut self, selector: &str) {
+        // What is drawn anew may move it.
+        self.settle();
         let middle = self.value(&format!(
             "(() => {{ const e = document.querySelector('{selector}'); e.scrollIntoView({{ block: 'nearest' }});
              const r = e.getBoundingClientRect(); return [r.x + r.width / 2, r.y + r.height / 2]; }})()"
@@ -236,9 +245,30 @@ impl Browser {
         }
     }
 
+    /// Puts fingers down, moves them along lines, and lifts them: each finger from its first place to its last.
+    pub fn fingers(&mut self, from: &[[f64; 2]], to: &[[f64; 2]]) {
+        for (kind, part) in [("touchStart", 0.0), ("touchMove", 0.5), ("touchMove", 1.0)] {
+            let along = |(from, to): (&[f64; 2], &[f64; 2])| {
+                [0, 1].map(|d| from[d] + part * (to[d] - from[d]))
+            };
+            let places = from.iter().zip(to).map(along).enumerate();
+            let points: Vec<Value> = places
+                .map(|(id, [x, y])| json!({ "id": id, "x": x, "y": y }))
+                .collect();
+            self.call(
+                "Input.dispatchTouchEvent",
+                json!({ "type": kind, "touchPoints": points }),
+            );
+        }
+        self.call(
+            "Input.dispatchTouchEvent",
+            json!({ "type": "touchEnd", "touchPoints": [] }),
+        );
+    }
+
     /// Writes what is to be seen into a file, once it has been drawn.
     pub fn picture(&mut self, file: &Path) {
-        self.value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))");
+        self.settle();
         let picture = self.call("Page.captureScreenshot", json!({ "format": "png" }));
         let bytes = STANDARD.decode(picture["data"].as_str().unwrap()).unwrap();
         fs::create_dir_all(file.parent().unwrap()).unwrap();

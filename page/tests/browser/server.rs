@@ -83,6 +83,16 @@ fn answer(stream: TcpStream, live: &Live) -> std::io::Result<()> {
                 .and_then(|text| text.parse().ok());
             events(stream, live, after.unwrap_or(0))
         }
+        ("api/background.geojson", Some(_)) => respond(
+            stream,
+            "200 OK",
+            "application/geo+json",
+            BACKGROUND.as_bytes(),
+        ),
+        // Every tile is the same picture.
+        (path, Some(_)) if path.starts_with("api/tiles/") => {
+            respond(stream, "200 OK", "image/svg+xml", TILE.as_bytes())
+        }
         (_, Some(_)) if first.starts_with("POST api/") || first.starts_with("POST /api/") => {
             let body = serde_json::from_slice(&body).unwrap_or_default();
             live.posted.lock().unwrap().push((path.into(), body));
@@ -99,6 +109,15 @@ fn answer(stream: TcpStream, live: &Live) -> std::io::Result<()> {
         },
     }
 }
+
+/// A street and a pond.
+const BACKGROUND: &str = r#"{ "type": "FeatureCollection", "features": [
+    { "type": "Feature", "properties": {}, "geometry": { "type": "LineString",
+      "coordinates": [[21.005, 52.2298], [21.020, 52.2298], [21.030, 52.2340]] } },
+    { "type": "Feature", "properties": {}, "geometry": { "type": "Polygon",
+      "coordinates": [[[21.020, 52.2345], [21.026, 52.2345], [21.026, 52.2365], [21.020, 52.2345]]] } } ] }"#;
+const TILE: &str = r##"<svg xmlns="http://www.w3.org/2000/svg" width="256" height="256"><rect width="256" height="256"
+    fill="#eef3e8" stroke="#c5d0b5"/></svg>"##;
 
 fn events(mut stream: TcpStream, live: &Live, mut told: usize) -> std::io::Result<()> {
     head(&mut stream, "200 OK", "text/event-stream", None)?;
