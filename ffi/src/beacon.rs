@@ -47,7 +47,7 @@ pub enum FoxhuntBeaconEventKind {
     Queried = 4,
     /// All tags were forgotten.
     Restarted = 5,
-    /// A correct sentence of another kind.
+    /// A correct sentence of another kind, or one of a survey or of a new map, which C does not take.
     Other = 6,
 }
 

@@ -48,12 +48,15 @@ const LIMIT: Duration = Duration::from_secs(300);
 
 /// Checks everything, and says how large the program on the board is.
 pub fn run(options: &Options) -> Result<()> {
+    audited()?;
+    style()?;
     setup::ensure(&[Need::Target(BOARD), Need::Qemu, Need::Cxx, Need::ArmC])?;
     let [board, host] = [library(Some(BOARD))?, library(None)?];
     let out = host.with_file_name("c");
     fs::create_dir_all(&out)?;
     header(&out, &board, &host, options.bless)?;
     functions(&out, &host)?;
+    chapter(&out, &host)?;
     let drive = fs::read(project::root().join(EXAMPLE))?;
     let expected = Replay::of(&drive);
     let expected = expected.output();
@@ -89,6 +92,31 @@ pub fn run(options: &Options) -> Result<()> {
 /// The same as a check.
 pub fn check() -> Result<()> {
     run(&Options { bless: false })
+}
+
+/// Fails if a file but the door has code that the compiler does not check.
+fn audited() -> Result<()> {
+    for entry in fs::read_dir(folder().join("src"))? {
+        let path = entry?.path();
+        let text = fs::read_to_string(&path)?;
+        let is_checked = ["unsafe {", "unsafe fn", "unsafe impl", "unsafe extern"]
+            .iter()
+            .all(|unchecked| !text.contains(unchecked));
+        ensure!(
+            is_checked || path.ends_with("door.rs"),
+            "{} has unsafe code: it belongs into door.rs",
+            path.display()
+        );
+    }
+    Ok(())
+}
+
+/// Formats nothing, but says whether something is formatted otherwise, and lints the library.
+fn style() -> Result<()> {
+    quietly(cargo().args(["fmt", "--all", "--check"]))?;
+    let mut clippy = cargo();
+    clippy.args(["clippy", "--quiet", "--locked", "--package", "foxhunt-ffi"]);
+    quietly(clippy.args(["--", "--deny", "warnings"]))
 }
 
 fn folder() -> PathBuf {
@@ -150,6 +178,25 @@ fn header(out: &Path, board: &Path, host: &Path, bless: bool) -> Result<()> {
 fn functions(out: &Path, host: &Path) -> Result<()> {
     let file = on_host(out, host, &["tests/door.c", "tests/locators.c"])?;
     quietly(Command::new(file).arg(project::root().join("examples/data")))
+}
+
+/// Compiles and runs the program of the chapter.
+fn chapter(out: &Path, host: &Path) -> Result<()> {
+    let text = fs::read_to_string(project::root().join("docs/src/from-c.md"))?;
+    let program = text
+        .split_once("```c\n")
+        .and_then(|(_, rest)| rest.split_once("```"));
+    let (program, _) = program.context("the chapter has no program")?;
+    let file = out.join("ten_lines.c");
+    fs::write(&file, program)?;
+    let file = file.to_str().context("the path is text")?;
+    let output = Command::new(on_host(out, host, &[file])?).output()?;
+    let said = String::from_utf8_lossy(&output.stdout);
+    ensure!(
+        output.status.success() && said.contains(" m east, ") && said.ends_with("all is well\n"),
+        "the program of the chapter says: {said}"
+    );
+    Ok(())
 }
 
 /// What both compilers are told.
