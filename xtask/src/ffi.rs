@@ -113,7 +113,9 @@ fn audited() -> Result<()> {
 
 /// Formats nothing, but says whether something is formatted otherwise, and lints the library.
 fn style() -> Result<()> {
-    quietly(cargo().args(["fmt", "--all", "--check"]))?;
+    let mut format = cargo();
+    format.args(["fmt", "--package", "foxhunt-ffi"]);
+    quietly(format.args(["--package", "foxhunt-ffi-header", "--check"]))?;
     let mut clippy = cargo();
     clippy.args(["clippy", "--quiet", "--locked", "--package", "foxhunt-ffi"]);
     quietly(clippy.args(["--", "--deny", "warnings"]))
