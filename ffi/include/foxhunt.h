@@ -271,7 +271,7 @@ enum FoxhuntBeaconEventKind
    */
   FOXHUNT_BEACON_EVENT_KIND_RESTARTED = 5,
   /**
-   * A correct sentence of another kind.
+   * A correct sentence of another kind, or one of a survey or of a new map, which C does not take.
    */
   FOXHUNT_BEACON_EVENT_KIND_OTHER = 6,
 };

@@ -18,7 +18,7 @@
 
 pub mod beacon;
 pub mod clean;
-pub mod door;
+mod door;
 mod locator;
 pub mod result;
 pub mod robust;
