@@ -13,6 +13,7 @@ mod damage;
 mod demo;
 mod drive;
 mod expected;
+mod ffi;
 mod figures;
 mod fuzz;
 mod house;
@@ -50,6 +51,8 @@ enum Task {
     Demo(demo::Options),
     /// Run the portable tests, a whole drive and a whole walk on emulated machines of other cores.
     Machines(machines::Options),
+    /// Check the library for C and its header, with programs in C on this computer and on the emulated board.
+    C(ffi::Options),
     /// Damage sentences of real receivers, and count the wrong positions that a vehicle's gateway believes.
     Damage(damage::Options),
     /// Look for faults of the gateways and the map reader with random input.
@@ -85,6 +88,7 @@ fn run(task: Task) -> Result<()> {
         Task::Drive => drive::run(),
         Task::Tunnel => tunnel::run(),
         Task::Machines(options) => machines::run(&options),
+        Task::C(options) => ffi::run(&options),
         Task::Damage(options) => damage::run(&options),
         Task::Fuzz(options) => fuzz::run(&options),
         Task::Page(options) => page::run_task(&options),

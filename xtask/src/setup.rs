@@ -26,8 +26,10 @@ pub enum Need {
     QemuRiscV,
     /// Node.js, which runs WebAssembly.
     Node,
-    /// A compiler of C++, for the fuzzer's engine.
+    /// A compiler of C and C++, for the fuzzer's engine.
     Cxx,
+    /// A compiler of C for the emulated board.
+    ArmC,
     /// `cargo fuzz`.
     CargoFuzz,
     /// A broker of MQTT, and its clients.
@@ -60,6 +62,7 @@ pub const TEST: &[Need] = &[
     Need::LlvmTools,
     Need::Qemu,
     Need::Cxx,
+    Need::ArmC,
     Need::CargoFuzz,
     Need::Mosquitto,
     Need::Gpsd,
@@ -103,6 +106,7 @@ impl Need {
             Self::QemuRiscV => works(Command::new("qemu-system-riscv32").arg("--version")),
             Self::Node => works(Command::new("node").arg("--version")),
             Self::Cxx => works(Command::new("c++").arg("--version")),
+            Self::ArmC => works(Command::new("arm-none-eabi-gcc").arg("--version")),
             Self::CargoFuzz => works(project::cargo().args(["fuzz", "--version"])),
             Self::Mosquitto => runs("mosquitto", "-h") && runs("mosquitto_sub", "--version"),
             Self::Gpsd => runs("gpsd", "-V"),
@@ -120,6 +124,7 @@ impl Need {
             Self::LlvmTools => rustup(&["component", "add", "llvm-tools"]),
             Self::Qemu => install_packages(|manager| &manager.qemu),
             Self::Cxx => install_packages(|manager| &manager.cxx),
+            Self::ArmC => install_packages(|manager| &manager.arm_c),
             Self::Mosquitto => install_packages(|manager| manager.mosquitto),
             Self::Gpsd => install_packages(|manager| &manager.gpsd),
             Self::Chromium => install_packages(|_| &["chromium"]),
@@ -152,6 +157,7 @@ struct PackageManager {
     install: &'static [&'static str],
     qemu: [&'static str; 1],
     cxx: [&'static str; 1],
+    arm_c: [&'static str; 1],
     mosquitto: &'static [&'static str],
     gpsd: [&'static str; 1],
     qemu_riscv: [&'static str; 1],
@@ -166,6 +172,7 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         install: &["install", "--yes", "--no-install-recommends"],
         qemu: ["qemu-system-arm"],
         cxx: ["g++"],
+        arm_c: ["gcc-arm-none-eabi"],
         mosquitto: &["mosquitto", "mosquitto-clients"],
         gpsd: ["gpsd"],
         qemu_riscv: ["qemu-system-misc"],
@@ -178,6 +185,7 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         install: &["install", "--assumeyes"],
         qemu: ["qemu-system-arm"],
         cxx: ["gcc-c++"],
+        arm_c: ["arm-none-eabi-gcc-cs"],
         mosquitto: &["mosquitto"],
         gpsd: ["gpsd"],
         qemu_riscv: ["qemu-system-riscv"],
@@ -190,6 +198,7 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         install: &["--sync", "--refresh", "--noconfirm"],
         qemu: ["qemu-system-arm"],
         cxx: ["gcc"],
+        arm_c: ["arm-none-eabi-gcc"],
         mosquitto: &["mosquitto"],
         gpsd: ["gpsd"],
         qemu_riscv: ["qemu-system-riscv"],
@@ -202,6 +211,7 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         install: &["--non-interactive", "install"],
         qemu: ["qemu-arm"],
         cxx: ["gcc-c++"],
+        arm_c: ["cross-arm-none-gcc14"],
         mosquitto: &["mosquitto"],
         gpsd: ["gpsd"],
         qemu_riscv: ["qemu-extra"],
@@ -214,6 +224,7 @@ const PACKAGE_MANAGERS: [PackageManager; 5] = [
         install: &["install"],
         qemu: ["qemu"],
         cxx: ["gcc"],
+        arm_c: ["arm-none-eabi-gcc"],
         mosquitto: &["mosquitto"],
         gpsd: ["gpsd"],
         qemu_riscv: ["qemu"],
@@ -227,7 +238,7 @@ fn install_packages(names: fn(&PackageManager) -> &[&'static str]) -> Result<()>
         .find(|manager| works(Command::new(manager.program).arg("--version")))
     else {
         bail!(
-            "no known package manager was found: install QEMU, Node.js, a C++ compiler, Chromium, mosquitto and gpsd by hand"
+            "no known package manager was found: install QEMU, Node.js, compilers of C++ and for Arm, Chromium, mosquitto and gpsd by hand"
         );
     };
     let sudo = manager.needs_root && !is_root();

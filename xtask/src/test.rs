@@ -9,7 +9,7 @@ use indicatif::ProgressBar;
 use crate::{
     book, constants, cost,
     expected::Expected,
-    figures, fuzz, house, machines, page,
+    ffi, figures, fuzz, house, machines, page,
     project::{self, BARE_METAL, BOARD, cargo, run},
     qemu::Machine,
     reset, setup, trace,
@@ -62,6 +62,7 @@ const STEPS: &[Step] = &[
         "people in a tunnel, board against host",
         trace::compare_tunnel,
     ),
+    ("the library for C", ffi::check),
     ("random input over a line", fuzz::check),
     ("no panic can happen", || {
         project::firmware("no_panic")
