@@ -1,5 +1,7 @@
 //! What is known, as messages.
 
+use std::f32::consts::FRAC_PI_2;
+
 use foxhunt::aoa::{self, NotObservable, geodesy::LocalPlane};
 use foxhunt::estimate;
 use foxhunt_host::archive::coordinates;
@@ -116,7 +118,14 @@ fn advice(hunt: &dyn Hunt, plane: &LocalPlane, advice: &aoa::Advice) -> Option<A
 /// Why there is no fix: the word of `$PFOXN`, and in words.
 pub fn why(reason: NotObservable) -> (&'static str, String) {
     match reason {
-        NotObservable::TooFewBearings { have } => ("FEW", format!("{have} bearings are too few")),
+        NotObservable::TooFewBearings { have } => {
+            ("FEW", format!("too few bearings: {have} so far"))
+        }
+        // No angle is enough: their errors ask for more of them.
+        NotObservable::CrossingAngle { needed_rad, .. } if needed_rad > FRAC_PI_2 => (
+            "ANGLE",
+            "by their errors, so few bearings do not tell yet where they cross".into(),
+        ),
         NotObservable::CrossingAngle {
             have_rad,
             needed_rad,
@@ -132,11 +141,15 @@ pub fn why(reason: NotObservable) -> (&'static str, String) {
             "APART",
             "the bearings do not meet in front of their receivers".into(),
         ),
+        NotObservable::SeveralPlaces { have: 0 | 1 } => (
+            "PLACES",
+            "one place fits, but chance explains the bearings nearly as well".into(),
+        ),
         NotObservable::SeveralPlaces { have } => ("PLACES", format!("{have} places fit")),
         NotObservable::WideRange { have, needed } => (
             "WIDE",
             format!(
-                "the range is known to {:.0} %, {:.0} % are needed",
+                "the range is known to {:.1} %, {:.1} % are needed",
                 100.0 * have,
                 100.0 * needed,
             ),

@@ -1,5 +1,7 @@
 //! Why there is no fix, in plain words.
 
+use core::f32::consts::FRAC_PI_2;
+
 use foxhunt::aoa::NotObservable;
 
 use crate::messages::Reason;
@@ -10,6 +12,11 @@ pub fn reason(of: NotObservable) -> Reason {
         NotObservable::TooFewBearings { have } => (
             "few",
             format!("Too few bearings: {have} so far, at least 2 are needed."),
+        ),
+        // No angle is enough: their errors ask for more of them.
+        NotObservable::CrossingAngle { needed_rad, .. } if needed_rad > FRAC_PI_2 => (
+            "angle",
+            "By their errors, so few bearings do not tell yet where they cross. Drive on, across them.".into(),
         ),
         NotObservable::CrossingAngle {
             have_rad,
@@ -26,6 +33,10 @@ pub fn reason(of: NotObservable) -> Reason {
             "no-intersection",
             "The bearings do not meet in front of the vehicle. Drive on, or wait.".into(),
         ),
+        NotObservable::SeveralPlaces { have: 0 | 1 } => (
+            "several",
+            "One place fits, but chance explains the bearings nearly as well. Drive on.".into(),
+        ),
         NotObservable::SeveralPlaces { have } => (
             "several",
             format!("{have} places fit. Drive so that they lie in different directions."),
@@ -33,7 +44,7 @@ pub fn reason(of: NotObservable) -> Reason {
         NotObservable::WideRange { have, needed } => (
             "range",
             format!(
-                "The direction is known, the range is not: it is uncertain by {:.0} %, and a fix takes {:.0} %. \
+                "The direction is known, the range is not: it is uncertain by {:.1} %, and a fix takes {:.1} %. \
                  Drive nearer, or across the line of sight.",
                 100.0 * have,
                 100.0 * needed
