@@ -130,6 +130,11 @@ pub fn run(options: &Options) -> Result<()> {
     Ok(())
 }
 
+/// The cases on all of them.
+pub fn check_all() -> Result<()> {
+    run(&Options { words: Vec::new() })
+}
+
 /// The cases on a core that none of the other checks runs on.
 pub fn check_m33() -> Result<()> {
     let words = vec!["M33".into()];

@@ -26,9 +26,11 @@ mod page;
 mod papers;
 mod project;
 mod qemu;
+mod release;
 mod reports;
 mod reset;
 mod setup;
+mod steps;
 mod test;
 mod trace;
 mod tunnel;
@@ -41,6 +43,8 @@ enum Task {
     Setup,
     /// Check everything: style, tests here and on the emulated board, panics, features, cost.
     Test(test::Options),
+    /// Check what takes too long for every change: the package, its dependencies, and machines of other cores.
+    Release(release::Options),
     /// Check how the code is laid out: files need each other one way, are short, and keep to the glossary.
     House,
     /// Count the library's lines of code and its public types.
@@ -81,6 +85,7 @@ fn run(task: Task) -> Result<()> {
     match task {
         Task::Setup => setup::run(),
         Task::Test(options) => test::run_all(&options),
+        Task::Release(options) => release::run_all(&options),
         Task::House => house::check(),
         Task::Count => house::print_count(),
         Task::Cost(options) => cost::run(&options),

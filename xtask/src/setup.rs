@@ -32,6 +32,8 @@ pub enum Need {
     ArmC,
     /// `cargo fuzz`.
     CargoFuzz,
+    /// `cargo deny`.
+    CargoDeny,
     /// A broker of MQTT, and its clients.
     Mosquitto,
     /// gpsd.
@@ -107,6 +109,7 @@ impl Need {
             Self::Node => works(Command::new("node").arg("--version")),
             Self::Cxx => works(Command::new("c++").arg("--version")),
             Self::ArmC => works(Command::new("arm-none-eabi-gcc").arg("--version")),
+            Self::CargoDeny => works(project::cargo().args(["deny", "--version"])),
             Self::CargoFuzz => works(project::cargo().args(["fuzz", "--version"])),
             Self::Mosquitto => runs("mosquitto", "-h") && runs("mosquitto_sub", "--version"),
             Self::Gpsd => runs("gpsd", "-V"),
@@ -132,6 +135,9 @@ impl Need {
             Self::Node => install_packages(|manager| &manager.node),
             Self::CargoFuzz => {
                 announce(project::cargo().args(["install", "--locked", "cargo-fuzz"]))
+            }
+            Self::CargoDeny => {
+                announce(project::cargo().args(["install", "--locked", "cargo-deny"]))
             }
         }
     }

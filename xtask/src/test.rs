@@ -1,10 +1,8 @@
 //! The task `test`: everything that is checked, in order.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
-use console::style;
-use indicatif::ProgressBar;
 
 use crate::{
     book, constants, cost,
@@ -12,7 +10,9 @@ use crate::{
     ffi, figures, fuzz, house, machines, page,
     project::{self, BARE_METAL, BOARD, cargo, run},
     qemu::Machine,
-    reset, setup, trace,
+    reset, setup,
+    steps::{self, Step},
+    trace,
 };
 
 /// The options of `cargo xtask test`.
@@ -25,9 +25,6 @@ pub struct Options {
     #[arg(value_name = "WORD")]
     words: Vec<String>,
 }
-
-/// A check, and what it is called while it runs.
-type Step = (&'static str, fn() -> Result<()>);
 
 /// The check in which the portable tests compare what they compute with what is expected.
 const PORTABLE: &str = "unit, property and portable tests, host";
@@ -105,14 +102,7 @@ pub fn run_all(options: &Options) -> Result<()> {
     let steps = STEPS.iter().chain([&figures]);
     let steps: Vec<&Step> = steps.filter(|(name, _)| chosen(name)).collect();
     ensure!(!steps.is_empty(), "no check has such a name");
-    let failed = steps
-        .iter()
-        .filter(|(name, check)| timed(name, check).is_err());
-    let failed: Vec<&str> = failed.map(|(name, _)| *name).collect();
-    let passed = steps.len() - failed.len();
-    println!("\n{passed} passed, {} failed", failed.len());
-    ensure!(failed.is_empty(), "{}", failed.join("; "));
-    Ok(())
+    steps::run(&steps, "test")
 }
 
 /// Fails if one of the results does, with what all of them say.
@@ -121,25 +111,6 @@ fn all(results: impl IntoIterator<Item = Result<()>>) -> Result<()> {
     let errors: Vec<String> = errors.map(|error| format!("{error:#}")).collect();
     ensure!(errors.is_empty(), "{}", errors.join("\n"));
     Ok(())
-}
-
-/// Runs a check under a spinner and prints its verdict, its time, and what it found.
-fn timed(name: &str, check: &fn() -> Result<()>) -> Result<()> {
-    let start = Instant::now();
-    let spinner = ProgressBar::new_spinner().with_message(name.to_owned());
-    spinner.enable_steady_tick(Duration::from_millis(100));
-    let result = check();
-    spinner.finish_and_clear();
-    let verdict = if result.is_ok() {
-        style("ok    ").green()
-    } else {
-        style("FAILED").red()
-    };
-    println!("{verdict} {:6.1} s  {name}", start.elapsed().as_secs_f64());
-    if let Err(error) = &result {
-        println!("\n{error:#}\nto repeat: cargo xtask test \"{name}\"\n");
-    }
-    result
 }
 
 fn clippy(what: &[&str]) -> Result<()> {

@@ -1,0 +1,40 @@
+//! The task `release`: what is checked before a release, and takes too long for every change.
+
+use anyhow::{Result, ensure};
+
+use crate::{
+    machines,
+    project::{cargo, run},
+    setup::{self, Need},
+    steps::{self, Step},
+};
+
+/// The options of `cargo xtask release`.
+#[derive(clap::Args)]
+pub struct Options {
+    /// Only the checks whose names contain one of these words.
+    #[arg(value_name = "WORD")]
+    words: Vec<String>,
+}
+
+const STEPS: &[Step] = &[
+    ("the package by itself", || {
+        run(cargo().args(["package", "--package", "foxhunt", "--all-features"]))
+    }),
+    ("licences and sources of dependencies", || {
+        setup::ensure(&[Need::CargoDeny])?;
+        let mut deny = cargo();
+        deny.args(["deny", "--workspace", "--all-features", "check"]);
+        run(deny.args(["licenses", "bans", "sources"]))
+    }),
+    ("the same bits on every machine", machines::check_all),
+];
+
+/// Runs every check.
+pub fn run_all(options: &Options) -> Result<()> {
+    let words = &options.words;
+    let chosen = |name: &str| words.is_empty() || words.iter().any(|word| name.contains(word));
+    let steps: Vec<&Step> = STEPS.iter().filter(|(name, _)| chosen(name)).collect();
+    ensure!(!steps.is_empty(), "no check has such a name");
+    steps::run(&steps, "release")
+}
