@@ -7,7 +7,7 @@ use crate::config::require;
 /// A polygon with a name: a room, a stairwell, an area that nobody may enter.
 ///
 /// Corners are in order round it, either way, in metres; the last one is joined to the first. A place on an edge that two
-/// zones have in common is in exactly one of them, if both state the ends of that edge alike.
+/// zones have in common is in exactly one of them, if both state the same ends of that edge.
 ///
 /// ```
 /// use foxhunt::fingerprint::Zone;

@@ -13,6 +13,7 @@ use indicatif::ProgressBar;
 use crate::{
     project,
     setup::{self, Need},
+    steps,
 };
 
 /// The options of `cargo xtask machines`.
@@ -106,10 +107,7 @@ const MACHINES: [Machine; 8] = [
 
 /// Runs all cases on the machines, one after the other.
 pub fn run(options: &Options) -> Result<()> {
-    let words = &options.words;
-    let chosen = |machine: &&Machine| {
-        words.is_empty() || words.iter().any(|word| machine.name.contains(word))
-    };
+    let chosen = |machine: &&Machine| steps::is_chosen(machine.name, &options.words);
     let machines: Vec<&Machine> = MACHINES.iter().filter(chosen).collect();
     ensure!(!machines.is_empty(), "no machine has such a name");
     let mut table = Table::new();

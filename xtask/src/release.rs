@@ -32,8 +32,7 @@ const STEPS: &[Step] = &[
 
 /// Runs every check.
 pub fn run_all(options: &Options) -> Result<()> {
-    let words = &options.words;
-    let chosen = |name: &str| words.is_empty() || words.iter().any(|word| name.contains(word));
+    let chosen = |name: &str| steps::is_chosen(name, &options.words);
     let steps: Vec<&Step> = STEPS.iter().filter(|(name, _)| chosen(name)).collect();
     ensure!(!steps.is_empty(), "no check has such a name");
     steps::run(&steps, "release")

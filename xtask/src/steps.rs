@@ -9,6 +9,11 @@ use indicatif::ProgressBar;
 /// A check, and what it is called while it runs.
 pub type Step = (&'static str, fn() -> Result<()>);
 
+/// Whether a name is chosen: by one of some words that it contains, or because there are none.
+pub fn is_chosen(name: &str, words: &[String]) -> bool {
+    words.is_empty() || words.iter().any(|word| name.contains(word))
+}
+
 /// Runs all, and fails if one does; `task` repeats them.
 pub fn run(steps: &[&Step], task: &str) -> Result<()> {
     let failed = steps

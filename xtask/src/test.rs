@@ -80,8 +80,7 @@ const STEPS: &[Step] = &[
 /// Runs every check.
 pub fn run_all(options: &Options) -> Result<()> {
     setup::ensure(setup::TEST)?;
-    let words = &options.words;
-    let chosen = |name: &str| words.is_empty() || words.iter().any(|word| name.contains(word));
+    let chosen = |name: &str| steps::is_chosen(name, &options.words);
     let figures: Step = match options.bless {
         true => ("figures of the firmware, rewritten", || {
             let figures = cost::firmware()?;

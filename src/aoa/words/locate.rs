@@ -48,8 +48,8 @@ pub trait Locate {
     ) -> Result<Answer, PushError>;
 
     /// Takes a reading of several bearings that exclude each other, and says what is known with it. Some locators take the
-    /// most probable one alone; [`Robust`](crate::aoa::Robust), and a [`Manoeuvring`](crate::aoa::Manoeuvring) around it, take
-    /// all.
+    /// most probable one alone; [`Robust`](crate::aoa::Robust), and whatever wraps it, take all: see
+    /// [`ALTERNATIVES`](Self::ALTERNATIVES).
     ///
     /// # Errors
     /// When there is no bearing, or the reading is too old or a duplicate; the state is then as before.

@@ -89,7 +89,7 @@ impl Passage<'_> {
 /// let packet = Reading { beacon: 0, rssi_dbm: -50.0 };
 /// tracker.push(0, packet, &building, &mut workspace, &mut rng)?;
 /// tracker.push(600, packet, &building, &mut workspace, &mut rng)?;
-/// // The place is that on the likeliest floor. Here both floors sound alike.
+/// // The place is that on the likeliest floor. Here both floors sound the same.
 /// assert!(tracker.fix().is_some());
 /// assert!((tracker.floor_probability(1) - 0.5).abs() < 0.2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -2,7 +2,7 @@ use core::fmt::Debug;
 
 use foxhunt::{
     aoa::{
-        Alternative, Bearing, Clean, Locate, Locator, Manoeuvring, MultiTarget, Observation,
+        Alternative, Bearing, Clean, Fix, Locate, Locator, Manoeuvring, MultiTarget, Observation,
         Robust, clean,
         geodesy::{Geodetic, LocalPlane},
         manoeuvring, multi,
@@ -69,6 +69,13 @@ fn is_near([x, y]: [f32; 2], metres: f32) -> bool {
     (x - SOURCE[0]).abs() < metres && (y - SOURCE[1]).abs() < metres
 }
 
+/// Adds a fix, whose particles are numbers that every core has.
+fn add_fix<L: Locate>(digest: &mut Digest, locator: &Locator<L>, fix: &Fix) {
+    digest.add(&fix.position);
+    digest.add(fix.covariance.rows().as_flattened());
+    assert_cloud(locator, 0);
+}
+
 /// The particles of a source are numbers that every core has.
 fn assert_cloud<L: Locate>(locator: &Locator<L>, index: usize) {
     if let Some(cloud) = locator.cloud(index) {
@@ -86,9 +93,7 @@ fn locator_finds_the_source() -> Digest {
             .expect("in order")
             .fix()
         {
-            digest.add(&fix.position);
-            digest.add(fix.covariance.rows().as_flattened());
-            assert_cloud(&locator, 0);
+            add_fix(&mut digest, &locator, &fix);
             digest.add(&[fix.effective_sample_size]);
         }
     }
@@ -122,9 +127,7 @@ fn robust_locator_finds_the_source() -> Digest {
         };
         let spoilt = turned(&observation, observation.bearing().radians() + turn + 0.03);
         if let Some(fix) = locator.push(&spoilt, &mut rng).expect("in order").fix() {
-            digest.add(&fix.position);
-            digest.add(fix.covariance.rows().as_flattened());
-            assert_cloud(&locator, 0);
+            add_fix(&mut digest, &locator, &fix);
         }
     }
     let fix = locator.fix().expect("a fix");
@@ -195,9 +198,7 @@ fn robust_locator_of_inexact_places() -> Digest {
         let (time_ms, bearing) = (observation.time_ms(), observation.bearing());
         let moved = Observation::new(time_ms, place, bearing, 0.035).expect("in range");
         if let Some(fix) = locator.push(&moved, &mut rng).expect("in order").fix() {
-            digest.add(&fix.position);
-            digest.add(fix.covariance.rows().as_flattened());
-            assert_cloud(&locator, 0);
+            add_fix(&mut digest, &locator, &fix);
         }
     }
     let fix = locator.fix().expect("a fix");
@@ -259,9 +260,7 @@ fn a_manoeuvring_source_is_followed() -> Digest {
             .expect("in order")
             .fix()
         {
-            digest.add(&fix.position);
-            digest.add(fix.covariance.rows().as_flattened());
-            assert_cloud(&locator, 0);
+            add_fix(&mut digest, &locator, &fix);
         }
         if let Some(motion) = locator.state().motion() {
             digest.add(&[motion.moving, motion.sigma_m_s]);
@@ -291,9 +290,7 @@ fn refined<F: Refinement<2> + Copy + PartialEq + Debug>(metropolis: F, greedy: F
                 .expect("in order")
                 .fix()
             {
-                digest.add(&fix.position);
-                digest.add(fix.covariance.rows().as_flattened());
-                assert_cloud(&locator, 0);
+                add_fix(&mut digest, &locator, &fix);
                 assert_cloud(&locator, 0);
             }
         }
