@@ -12,6 +12,9 @@ pub trait Stateful: Application {
 
     /// What it knows now.
     fn state(&mut self) -> &mut Self::State;
+
+    /// Its state is that of a snapshot now, which may be so many seconds old.
+    fn resume(&mut self, _seconds: u32) {}
 }
 
 /// Keeps the state of an application in pages of flash, every so many ticks in which a message ended.
@@ -37,6 +40,9 @@ impl<'a, A: Stateful, F: NorFlash> Kept<'a, A, F> {
     ) -> Self {
         if let Some(slots) = &mut slots {
             let restored = slots.restore(application.state(), buffer);
+            if restored.is_ok() {
+                application.resume(interval);
+            }
             #[cfg(target_os = "none")]
             match restored {
                 Ok(number) => defmt::info!("goes on with snapshot {}", number),

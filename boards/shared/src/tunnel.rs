@@ -2,7 +2,8 @@
 
 use core::fmt::Write;
 
-use foxhunt::gateway::beacon::{BeaconGateway, Config, Event, Packet};
+use foxhunt::gateway::beacon::{BeaconGateway, Config, Event, MapPiece, Packet};
+use foxhunt::snapshot::Persist;
 use heapless::{String, Vec};
 
 use crate::{
@@ -17,23 +18,65 @@ const COMPUTER: usize = 0;
 /// No sentence is longer.
 const LINE: usize = 128;
 
+/// A tunnel's gateway, of any size.
+pub trait Gateway: Persist {
+    /// Takes the next byte.
+    fn push(&mut self, byte: u8, config: &Config<'_>) -> Option<Event>;
+
+    /// What to send for the last message.
+    fn report(&self) -> &str;
+
+    /// Takes a piece of a new map, and says whether the map is whole.
+    fn take_map(&mut self, piece: &MapPiece, room: &mut [u8]) -> bool;
+}
+
+impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: usize> Gateway
+    for BeaconGateway<T, N, P, B, D>
+{
+    fn push(&mut self, byte: u8, config: &Config<'_>) -> Option<Event> {
+        self.push(byte, config)
+    }
+
+    fn report(&self) -> &str {
+        self.report()
+    }
+
+    fn take_map(&mut self, piece: &MapPiece, room: &mut [u8]) -> bool {
+        matches!(self.take_map(piece, room), Ok(Some(_)))
+    }
+}
+
+/// What is known, and the time that goes on with it.
+#[derive(Debug)]
+pub struct State<G> {
+    gateway: G,
+    /// Milliseconds in which the board was on; they may overflow.
+    time_ms: u32,
+}
+
+impl<G> State<G> {
+    /// A gateway that has just begun. All bits are zero, if its are.
+    pub const fn new(gateway: G) -> Self {
+        Self {
+            gateway,
+            time_ms: 0,
+        }
+    }
+}
+
+foxhunt::persist!(impl[G: Persist] State<G> as "Tunnel"() { gateway, time_ms });
+
 /// A tunnel's gateway and its configuration.
 ///
 /// The gateway has one line. So that messages of several never mix, each is handed on when it is whole.
 #[derive(Debug)]
-pub struct Tunnel<
-    'a,
-    const T: usize,
-    const N: usize,
-    const P: usize,
-    const B: usize,
-    const D: usize,
-    const PORTS: usize,
-> {
-    gateway: &'a mut BeaconGateway<T, N, P, B, D>,
+pub struct Tunnel<'a, G, const PORTS: usize> {
+    state: &'a mut State<G>,
     config: Config<'a>,
     /// Milliseconds since the board was started; they may overflow.
     clock: fn() -> u32,
+    /// What it said last.
+    seen_ms: u32,
     line: Vec<u8, LINE>,
     frames: [Frames; PORTS],
     new_map: &'a mut [u8],
@@ -41,27 +84,19 @@ pub struct Tunnel<
     whole: Option<usize>,
 }
 
-impl<
-    'a,
-    const T: usize,
-    const N: usize,
-    const P: usize,
-    const B: usize,
-    const D: usize,
-    const PORTS: usize,
-> Tunnel<'a, T, N, P, B, D, PORTS>
-{
+impl<'a, G: Gateway, const PORTS: usize> Tunnel<'a, G, PORTS> {
     /// The gateway, by this configuration from now on, with room for a new map.
     pub fn new(
-        gateway: &'a mut BeaconGateway<T, N, P, B, D>,
+        state: &'a mut State<G>,
         config: Config<'a>,
         clock: fn() -> u32,
         new_map: &'a mut [u8],
     ) -> Self {
         Self {
-            gateway,
+            state,
             config,
             clock,
+            seen_ms: clock(),
             line: Vec::new(),
             frames: [const { Frames::EMPTY }; PORTS],
             new_map,
@@ -92,21 +127,28 @@ impl<
             .and_then(|frames| frames.push(byte))
             .and_then(|frame| radio::packet(&frame));
         let Some(packet) = packet else { return false };
-        let time_ms = (self.clock)();
-        let line = sentence(&Packet { time_ms, ..packet });
+        let now_ms = (self.clock)();
+        let passed_ms = now_ms.wrapping_sub(self.seen_ms);
+        self.seen_ms = now_ms;
+        self.state.time_ms = self.state.time_ms.wrapping_add(passed_ms);
+        let line = sentence(&Packet {
+            time_ms: self.state.time_ms,
+            ..packet
+        });
         self.message(line.as_bytes())
     }
 
     fn message(&mut self, bytes: &[u8]) -> bool {
+        let gateway = &mut self.state.gateway;
         let mut has_ended = false;
         for byte in bytes {
-            let Some(event) = self.gateway.push(*byte, &self.config) else {
+            let Some(event) = gateway.push(*byte, &self.config) else {
                 continue;
             };
             has_ended = true;
             log(&event);
             if let Event::MapPiece(piece) = event
-                && let Ok(Some(_)) = self.gateway.take_map(&piece, self.new_map)
+                && gateway.take_map(&piece, self.new_map)
             {
                 self.whole = usize::try_from(piece.total).ok();
             }
@@ -115,15 +157,7 @@ impl<
     }
 }
 
-impl<
-    const T: usize,
-    const N: usize,
-    const P: usize,
-    const B: usize,
-    const D: usize,
-    const PORTS: usize,
-> Application for Tunnel<'_, T, N, P, B, D, PORTS>
-{
+impl<G: Gateway, const PORTS: usize> Application for Tunnel<'_, G, PORTS> {
     fn push(&mut self, port: usize, byte: u8) -> bool {
         match port {
             COMPUTER => self.computer(byte),
@@ -132,23 +166,21 @@ impl<
     }
 
     fn report(&self) -> &str {
-        self.gateway.report()
+        self.state.gateway.report()
     }
 }
 
-impl<
-    const T: usize,
-    const N: usize,
-    const P: usize,
-    const B: usize,
-    const D: usize,
-    const PORTS: usize,
-> Stateful for Tunnel<'_, T, N, P, B, D, PORTS>
-{
-    type State = BeaconGateway<T, N, P, B, D>;
+impl<G: Gateway, const PORTS: usize> Stateful for Tunnel<'_, G, PORTS> {
+    type State = State<G>;
 
     fn state(&mut self) -> &mut Self::State {
-        self.gateway
+        self.state
+    }
+
+    /// Nobody knows how long the board was off; tags may have gone anywhere in the time since the snapshot.
+    fn resume(&mut self, seconds: u32) {
+        let passed_ms = seconds.saturating_mul(1_000);
+        self.state.time_ms = self.state.time_ms.wrapping_add(passed_ms);
     }
 }
 

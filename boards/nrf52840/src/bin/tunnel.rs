@@ -18,8 +18,9 @@ use embassy_nrf::{bind_interrupts, peripherals, radio};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, pipe::Pipe};
 use foxhunt::snapshot;
 use foxhunt_boards::either::Either;
-use foxhunt_boards::kept::{Kept, Stateful};
-use foxhunt_boards::{Application, MainLoop, slots::Slots, tunnel::Tunnel};
+use foxhunt_boards::kept::Kept;
+use foxhunt_boards::tunnel::{self, State, Tunnel};
+use foxhunt_boards::{Application, MainLoop, slots::Slots};
 use foxhunt_gateways::corridor::{self, Gateway, MAP_BYTES};
 use foxhunt_nrf52840::board::{self, Chip, RECEIVED_BYTES, SENT_BYTES};
 use foxhunt_nrf52840::{hear::hear, storage};
@@ -31,7 +32,7 @@ const RADIOS_BAUD: Baudrate = Baudrate::Baud115200;
 /// Every page is then erased twice in an hour or less, and lasts for more than half a year.
 const SECONDS_BETWEEN_SNAPSHOTS: u32 = 300;
 
-const SNAPSHOT: usize = snapshot::largest::<Gateway>().next_multiple_of(4);
+const SNAPSHOT: usize = snapshot::largest::<State<Gateway>>().next_multiple_of(4);
 
 /// Frames of the own radio that wait for the gateway.
 const HEARD_BYTES: usize = 512;
@@ -42,7 +43,7 @@ bind_interrupts!(struct Interrupts {
     RADIO => radio::InterruptHandler<peripherals::RADIO>;
 });
 
-static GATEWAY: ConstStaticCell<Gateway> = ConstStaticCell::new(Gateway::EMPTY);
+static GATEWAY: ConstStaticCell<State<Gateway>> = ConstStaticCell::new(State::new(Gateway::EMPTY));
 static BUFFER: ConstStaticCell<[u8; SNAPSHOT]> = ConstStaticCell::new([0; SNAPSHOT]);
 static NEW_MAP: ConstStaticCell<[u8; MAP_BYTES]> = ConstStaticCell::new([0; MAP_BYTES]);
 
@@ -89,8 +90,7 @@ async fn main(_spawner: Spawner) {
 
     let map = storage::map().unwrap_or(corridor::EXAMPLE);
     let slots = Slots::new(Nvmc::new(nrf.NVMC), storage::SNAPSHOTS, SNAPSHOT).ok();
-    let tunnel =
-        Tunnel::<_, _, _, _, _, 3>::new(gateway, corridor::config(map), board::now_ms, new_map);
+    let tunnel = Tunnel::<_, 3>::new(gateway, corridor::config(map), board::now_ms, new_map);
     let site = Site(Kept::new(tunnel, slots, buffer, SECONDS_BETWEEN_SNAPSHOTS));
     let lines = [
         Either::One(computer),
@@ -109,17 +109,7 @@ async fn main(_spawner: Spawner) {
 /// A tunnel whose map is replaced by a reset.
 struct Site<'a, A>(Kept<'a, A, Nvmc<'static>>);
 
-impl<
-    const T: usize,
-    const N: usize,
-    const P: usize,
-    const B: usize,
-    const D: usize,
-    const PORTS: usize,
-> Application for Site<'_, Tunnel<'_, T, N, P, B, D, PORTS>>
-where
-    for<'a> Tunnel<'a, T, N, P, B, D, PORTS>: Stateful,
-{
+impl<G: tunnel::Gateway, const PORTS: usize> Application for Site<'_, Tunnel<'_, G, PORTS>> {
     fn push(&mut self, port: usize, byte: u8) -> bool {
         self.0.push(port, byte)
     }

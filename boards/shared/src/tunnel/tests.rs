@@ -3,6 +3,7 @@ extern crate std;
 use std::{format, string::String, vec::Vec};
 
 use foxhunt::fingerprint::{RadioMap, tracker::Site};
+use foxhunt::snapshot;
 use foxhunt_gateways::corridor::{self, Gateway};
 
 use super::*;
@@ -55,8 +56,8 @@ fn push<A: Application>(application: &mut A, port: usize, bytes: &[u8], reports:
 fn radios_of_several_lines_and_a_computer_never_mix() {
     let mut alone = std::boxed::Box::new(Gateway::EMPTY);
     let mut expected = String::new();
-    let mut gateway = std::boxed::Box::new(Gateway::EMPTY);
-    let mut tunnel = Tunnel::<_, _, _, _, _, 3>::new(&mut gateway, config(), now_ms, &mut []);
+    let mut state = std::boxed::Box::new(State::new(Gateway::EMPTY));
+    let mut tunnel = Tunnel::<_, 3>::new(&mut state, config(), now_ms, &mut []);
     let mut reports = String::new();
     for (number, packet) in packets().take(2_000).enumerate() {
         for byte in sentence(&packet).bytes() {
@@ -84,9 +85,9 @@ fn radios_of_several_lines_and_a_computer_never_mix() {
 
 #[test]
 fn a_new_map_is_taken_when_it_is_whole() {
-    let mut gateway = std::boxed::Box::new(Gateway::EMPTY);
+    let mut state = std::boxed::Box::new(State::new(Gateway::EMPTY));
     let mut room = [0; corridor::MAP_BYTES];
-    let mut tunnel = Tunnel::<_, _, _, _, _, 1>::new(&mut gateway, config(), now_ms, &mut room);
+    let mut tunnel = Tunnel::<_, 1>::new(&mut state, config(), now_ms, &mut room);
     let mut reports = String::new();
     for (number, bytes) in MAP.chunks(32).enumerate() {
         assert_eq!(tunnel.new_map(), None);
@@ -102,6 +103,32 @@ fn a_new_map_is_taken_when_it_is_whole() {
     }
     assert_eq!(tunnel.new_map(), Some(MAP));
     assert!(reports.contains(",READY*"));
+}
+
+/// A board whose clock begins anew takes packets as before.
+#[test]
+fn time_goes_on_after_a_moment_without_power() {
+    let mut buffer = std::vec![0; snapshot::largest::<State<Gateway>>()];
+    let mut taken = [0; 2];
+    let mut saved = Vec::new();
+    for (life, taken) in taken.iter_mut().enumerate() {
+        let mut state = std::boxed::Box::new(State::new(Gateway::EMPTY));
+        set_now_ms(0);
+        let mut tunnel = Tunnel::<_, 2>::new(&mut state, config(), now_ms, &mut []);
+        if life > 0 {
+            snapshot::restore(tunnel.state(), &saved).unwrap();
+            tunnel.resume(300);
+        }
+        for packet in packets().take(1_000) {
+            set_now_ms(packet.time_ms);
+            push(&mut tunnel, 1, &radio::frame(packet), &mut String::new());
+        }
+        *taken = tunnel.state.gateway.counters().packets;
+        saved = snapshot::save(tunnel.state(), &mut buffer)
+            .unwrap()
+            .to_vec();
+    }
+    assert_eq!(taken, [1_000, 2_000]);
 }
 
 #[test]
