@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Parser;
 
 mod board;
+mod boards;
 mod book;
 mod constants;
 mod cost;
@@ -27,6 +28,7 @@ mod papers;
 mod project;
 mod qemu;
 mod release;
+mod replay;
 mod reports;
 mod reset;
 mod setup;
@@ -55,6 +57,10 @@ enum Task {
     Demo(demo::Options),
     /// Run the portable tests, a whole drive and a whole walk on emulated machines of other cores.
     Machines(machines::Options),
+    /// Measure the firmwares of real boards, and name what could panic in them.
+    Boards(boards::Options),
+    /// Send the recorded drive through every build of the vehicle's gateway: all must say the same.
+    Replay,
     /// Check the library for C and its header, with programs in C on this computer and on the emulated board.
     C(ffi::Options),
     /// Damage sentences of real receivers, and count the wrong positions that a vehicle's gateway believes.
@@ -93,6 +99,8 @@ fn run(task: Task) -> Result<()> {
         Task::Drive => drive::run(),
         Task::Tunnel => tunnel::run(),
         Task::Machines(options) => machines::run(&options),
+        Task::Boards(options) => boards::run(&options),
+        Task::Replay => replay::run(),
         Task::C(options) => ffi::run(&options),
         Task::Damage(options) => damage::run(&options),
         Task::Fuzz(options) => fuzz::run(&options),

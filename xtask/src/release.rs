@@ -3,8 +3,9 @@
 use anyhow::{Result, ensure};
 
 use crate::{
-    machines,
+    boards, machines,
     project::{cargo, run},
+    replay,
     setup::{self, Need},
     steps::{self, Step},
 };
@@ -28,6 +29,8 @@ const STEPS: &[Step] = &[
         run(deny.args(["licenses", "bans", "sources"]))
     }),
     ("the same bits on every machine", machines::check_all),
+    ("firmwares of real boards", boards::check),
+    ("the same drive through every build", replay::run),
 ];
 
 /// Runs every check.

@@ -1,5 +1,6 @@
 //! The chip: its clocks and its watchdog.
 
+use embassy_executor::{Executor, SpawnError, SpawnToken};
 use embassy_nrf::config::{Config, HfclkSource, LfclkSource};
 use embassy_nrf::peripherals::WDT;
 use embassy_nrf::uarte::{self, Baudrate};
@@ -15,6 +16,19 @@ pub const RECEIVED_BYTES: usize = 4_096;
 pub const SENT_BYTES: usize = 1_024;
 
 const WATCHDOG_SECONDS: u32 = 10;
+
+/// Runs a task for ever, the only one of the firmware.
+pub fn run<F>(
+    executor: &'static mut Option<Executor>,
+    task: Result<SpawnToken<F>, SpawnError>,
+) -> ! {
+    executor.insert(Executor::new()).run(|spawner| {
+        // There is room for one.
+        if let Ok(task) = task {
+            spawner.spawn(task);
+        }
+    })
+}
 
 /// Starts the clocks by both crystals of the development kit, and the regulator that takes least.
 pub fn start() -> Peripherals {

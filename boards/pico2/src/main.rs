@@ -10,7 +10,7 @@ use panic_probe as _;
 
 mod usb;
 
-use embassy_executor::Spawner;
+use embassy_executor::Executor;
 use embassy_futures::join::join;
 use embassy_rp::uart::{self, BufferedInterruptHandler, BufferedUart};
 use embassy_rp::watchdog::Watchdog;
@@ -18,10 +18,9 @@ use embassy_rp::{bind_interrupts, peripherals};
 use embassy_time::{Duration, Ticker};
 use foxhunt_boards::{Board, MainLoop, either::Either, vehicle::Hunt};
 #[cfg(not(feature = "city"))]
-use foxhunt_gateways::board as gateway;
+use foxhunt_gateways::board::{CONFIG, Gateway};
 #[cfg(feature = "city")]
-use foxhunt_gateways::robust as gateway;
-use static_cell::ConstStaticCell;
+use foxhunt_gateways::robust::{CONFIG, Gateway};
 use usb::Memory;
 
 const RECEIVER_BAUD: u32 = 9_600;
@@ -39,8 +38,6 @@ bind_interrupts!(struct Interrupts {
     USBCTRL_IRQ => embassy_rp::usb::InterruptHandler<peripherals::USB>;
 });
 
-static GATEWAY: ConstStaticCell<gateway::Gateway> = ConstStaticCell::new(gateway::Gateway::EMPTY);
-
 struct Pico {
     watchdog: Watchdog,
     ticker: Ticker,
@@ -56,16 +53,24 @@ impl Board for Pico {
     }
 }
 
-#[embassy_executor::main]
-async fn main(_spawner: Spawner) {
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    static mut GATEWAY: Gateway = Gateway::EMPTY;
+    static mut EXECUTOR: Option<Executor> = None;
+    EXECUTOR.insert(Executor::new()).run(|spawner| {
+        // There is room for one such task.
+        if let Ok(task) = firmware(GATEWAY) {
+            spawner.spawn(task);
+        }
+    })
+}
+
+#[embassy_executor::task]
+async fn firmware(gateway: &'static mut Gateway) {
     let chip = embassy_rp::init(Default::default());
     let mut watchdog = Watchdog::new(chip.WATCHDOG);
     watchdog.pause_on_debug(true);
     watchdog.start(WATCHDOG);
-    // It is taken once.
-    let Some(gateway) = GATEWAY.try_take() else {
-        return;
-    };
 
     let mut buffers = [[0; RECEIVED_BYTES]; 2];
     // Nothing is sent by them.
@@ -100,7 +105,7 @@ async fn main(_spawner: Spawner) {
     let mut memory = Memory::new();
     let (mut device, terminal, computer) = usb::start(chip.USB, Interrupts, &mut memory);
 
-    let hunt = Hunt::new(gateway, &gateway::CONFIG);
+    let hunt = Hunt::new(gateway, &CONFIG);
     let lines = [
         Either::One(terminal),
         Either::Other(receiver),

@@ -7,7 +7,7 @@
 use defmt_rtt as _;
 use panic_probe as _;
 
-use embassy_executor::Spawner;
+use embassy_executor::Executor;
 use embassy_futures::join::join;
 use embassy_nrf::buffered_uarte::{self, BufferedUarte};
 use embassy_nrf::radio::ieee802154::Radio;
@@ -28,8 +28,14 @@ bind_interrupts!(struct Interrupts {
     RADIO => radio::InterruptHandler<peripherals::RADIO>;
 });
 
-#[embassy_executor::main]
-async fn main(_spawner: Spawner) {
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    static mut EXECUTOR: Option<Executor> = None;
+    board::run(EXECUTOR, firmware())
+}
+
+#[embassy_executor::task]
+async fn firmware() {
     let nrf = board::start();
     let chip = Chip::new(nrf.WDT);
     let mut received = [0; WAITING_BYTES];

@@ -8,7 +8,7 @@
 use defmt_rtt as _;
 use panic_probe as _;
 
-use embassy_executor::Spawner;
+use embassy_executor::Executor;
 use embassy_futures::join::join;
 use embassy_nrf::buffered_uarte::{self, BufferedUarte, BufferedUarteRx};
 use embassy_nrf::nvmc::Nvmc;
@@ -24,7 +24,6 @@ use foxhunt_boards::{Application, MainLoop, slots::Slots};
 use foxhunt_gateways::corridor::{self, Gateway, MAP_BYTES};
 use foxhunt_nrf52840::board::{self, Chip, RECEIVED_BYTES, SENT_BYTES};
 use foxhunt_nrf52840::{hear::hear, storage};
-use static_cell::ConstStaticCell;
 
 const COMPUTER_BAUD: Baudrate = Baudrate::Baud115200;
 const RADIOS_BAUD: Baudrate = Baudrate::Baud115200;
@@ -43,20 +42,23 @@ bind_interrupts!(struct Interrupts {
     RADIO => radio::InterruptHandler<peripherals::RADIO>;
 });
 
-static GATEWAY: ConstStaticCell<State<Gateway>> = ConstStaticCell::new(State::new(Gateway::EMPTY));
-static BUFFER: ConstStaticCell<[u8; SNAPSHOT]> = ConstStaticCell::new([0; SNAPSHOT]);
-static NEW_MAP: ConstStaticCell<[u8; MAP_BYTES]> = ConstStaticCell::new([0; MAP_BYTES]);
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    static mut STATE: State<Gateway> = State::new(Gateway::EMPTY);
+    static mut BUFFER: [u8; SNAPSHOT] = [0; SNAPSHOT];
+    static mut NEW_MAP: [u8; MAP_BYTES] = [0; MAP_BYTES];
+    static mut EXECUTOR: Option<Executor> = None;
+    board::run(EXECUTOR, firmware(STATE, BUFFER, NEW_MAP))
+}
 
-#[embassy_executor::main]
-async fn main(_spawner: Spawner) {
+#[embassy_executor::task]
+async fn firmware(
+    state: &'static mut State<Gateway>,
+    buffer: &'static mut [u8],
+    new_map: &'static mut [u8],
+) {
     let nrf = board::start();
     let chip = Chip::new(nrf.WDT);
-    // They are taken once.
-    let taken = (GATEWAY.try_take(), BUFFER.try_take(), NEW_MAP.try_take());
-    let (Some(gateway), Some(buffer), Some(new_map)) = taken else {
-        return;
-    };
-
     let mut received = [[0; RECEIVED_BYTES]; 2];
     let mut sent = [0; SENT_BYTES];
     let [from_computer, from_radios] = &mut received;
@@ -90,7 +92,7 @@ async fn main(_spawner: Spawner) {
 
     let map = storage::map().unwrap_or(corridor::EXAMPLE);
     let slots = Slots::new(Nvmc::new(nrf.NVMC), storage::SNAPSHOTS, SNAPSHOT).ok();
-    let tunnel = Tunnel::<_, 3>::new(gateway, corridor::config(map), board::now_ms, new_map);
+    let tunnel = Tunnel::<_, 3>::new(state, corridor::config(map), board::now_ms, new_map);
     let site = Site(Kept::new(tunnel, slots, buffer, SECONDS_BETWEEN_SNAPSHOTS));
     let lines = [
         Either::One(computer),

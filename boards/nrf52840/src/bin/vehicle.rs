@@ -8,7 +8,7 @@
 use defmt_rtt as _;
 use panic_probe as _;
 
-use embassy_executor::Spawner;
+use embassy_executor::Executor;
 use embassy_nrf::buffered_uarte::{BufferedUarte, BufferedUarteRx, InterruptHandler};
 use embassy_nrf::nvmc::Nvmc;
 use embassy_nrf::uarte::Baudrate;
@@ -18,7 +18,6 @@ use foxhunt_boards::{MainLoop, kept::Kept, slots::Slots, vehicle::Hunt};
 use foxhunt_gateways::board::{CONFIG, Gateway};
 use foxhunt_nrf52840::board::{self, Chip, RECEIVED_BYTES, SENT_BYTES};
 use foxhunt_nrf52840::storage::SNAPSHOTS;
-use static_cell::ConstStaticCell;
 
 const COMPUTER_BAUD: Baudrate = Baudrate::Baud115200;
 const RECEIVER_BAUD: Baudrate = Baudrate::Baud9600;
@@ -33,18 +32,18 @@ bind_interrupts!(struct Interrupts {
     UARTE1 => InterruptHandler<peripherals::UARTE1>;
 });
 
-static GATEWAY: ConstStaticCell<Gateway> = ConstStaticCell::new(Gateway::EMPTY);
-static BUFFER: ConstStaticCell<[u8; SNAPSHOT]> = ConstStaticCell::new([0; SNAPSHOT]);
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    static mut GATEWAY: Gateway = Gateway::EMPTY;
+    static mut BUFFER: [u8; SNAPSHOT] = [0; SNAPSHOT];
+    static mut EXECUTOR: Option<Executor> = None;
+    board::run(EXECUTOR, firmware(GATEWAY, BUFFER))
+}
 
-#[embassy_executor::main]
-async fn main(_spawner: Spawner) {
+#[embassy_executor::task]
+async fn firmware(gateway: &'static mut Gateway, buffer: &'static mut [u8]) {
     let nrf = board::start();
     let chip = Chip::new(nrf.WDT);
-    // They are taken once.
-    let (Some(gateway), Some(buffer)) = (GATEWAY.try_take(), BUFFER.try_take()) else {
-        return;
-    };
-
     let mut received = [[0; RECEIVED_BYTES]; 2];
     let mut sent = [0; SENT_BYTES];
     let [from_computer, from_receiver] = &mut received;
