@@ -7,13 +7,17 @@ use std::{
 
 use anyhow::{Result, ensure};
 use comfy_table::{Table, presets::ASCII_MARKDOWN};
-use foxhunt::{aoa::Clean, gateway::beacon::BeaconGateway, snapshot::largest};
+use foxhunt::{
+    aoa::Clean,
+    gateway::beacon::{BeaconGateway, MAX_TAGS},
+    snapshot::largest,
+};
 use foxhunt_gateways::plain;
 use foxhunt_host::figures::Figure;
 
 use crate::{
     expected::Expected,
-    figures,
+    figures, marks,
     measure::{
         panic_sites::{self, Site},
         sections::{self, Occupied},
@@ -28,6 +32,9 @@ pub struct Options {
     /// Write the figures as JSON, too.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Write the table into the README.
+    #[arg(long)]
+    bless: bool,
 }
 
 const KIB: f64 = 1024.0;
@@ -42,6 +49,8 @@ struct Firmware {
     features: &'static [&'static str],
     chip: Chip,
     job: Job,
+    /// Whether it keeps snapshots, for which it has a buffer.
+    keeps: bool,
     /// The most flash that it may take.
     flash_kib: f64,
     /// The most RAM, without the stack.
@@ -100,6 +109,7 @@ const FIRMWARES: [Firmware; 6] = [
         features: &[],
         chip: STM32F411,
         job: Job::Vehicle,
+        keeps: false,
         flash_kib: 80.0,
         ram_kib: 24.0,
     },
@@ -111,6 +121,7 @@ const FIRMWARES: [Firmware; 6] = [
         features: &[],
         chip: RP2350,
         job: Job::Vehicle,
+        keeps: false,
         flash_kib: 112.0,
         ram_kib: 24.0,
     },
@@ -122,6 +133,7 @@ const FIRMWARES: [Firmware; 6] = [
         features: &["city"],
         chip: RP2350,
         job: Job::City,
+        keeps: false,
         flash_kib: 216.0,
         ram_kib: 80.0,
     },
@@ -133,6 +145,7 @@ const FIRMWARES: [Firmware; 6] = [
         features: &[],
         chip: NRF52840,
         job: Job::Vehicle,
+        keeps: true,
         flash_kib: 96.0,
         ram_kib: 28.0,
     },
@@ -144,6 +157,7 @@ const FIRMWARES: [Firmware; 6] = [
         features: &[],
         chip: NRF52840,
         job: Job::Tunnel,
+        keeps: true,
         flash_kib: 112.0,
         ram_kib: 168.0,
     },
@@ -155,6 +169,7 @@ const FIRMWARES: [Firmware; 6] = [
         features: &[],
         chip: NRF52840,
         job: Job::Radio,
+        keeps: false,
         flash_kib: 24.0,
         ram_kib: 6.0,
     },
@@ -176,10 +191,11 @@ pub fn run(options: &Options) -> Result<()> {
     let cost = Expected::read()?;
     let built = FIRMWARES.iter().map(Built::new);
     let built: Vec<Built> = built.collect::<Result<_>>()?;
-    println!("{}", summary(&built, &cost)?);
-    println!("updates a second: modelled, of a Cortex-M4F whose memory never waits\n");
+    let table = summary(&built, &cost)?.to_string();
+    println!("{table}\n");
     println!("{}", panics(&built));
-    let figures: Vec<Figure> = built.iter().flat_map(Built::figures).collect();
+    let figures = built.iter().map(|built| built.figures(&cost));
+    let figures = figures.collect::<Result<Vec<_>>>()?.concat();
     if let Some(file) = &options.json {
         figures::write_json(&figures, file)?;
     }
@@ -189,12 +205,16 @@ pub fn run(options: &Options) -> Result<()> {
         "lines of this project could panic:\n  {}",
         own.join("\n  ")
     );
+    marks::BOARDS.keep(&table, options.bless)?;
     figures::check(&figures)
 }
 
 /// The same as a check.
 pub fn check() -> Result<()> {
-    run(&Options { json: None })
+    run(&Options {
+        json: None,
+        bless: false,
+    })
 }
 
 /// The firmware of the STM32F411 for the emulator, which has no clocks to set up.
@@ -216,33 +236,33 @@ impl Firmware {
         project::executable_by(cargo, &[&what[..], &["--features", &features]].concat())
     }
 
-    /// What more of the RAM would hold, or of what the work is.
-    fn fits(&self, occupied: &Occupied) -> String {
+    /// How many of what it is about the RAM has room for.
+    fn room(&self, occupied: &Occupied) -> Option<(&'static str, f64)> {
         let free = self.chip.ram_kib as f64 * KIB - occupied.ram as f64 - STACK_BYTES;
         match self.job {
             Job::Vehicle => {
                 const BYTES: usize = size_of::<Clean<1_200, 64>>() - size_of::<Clean<200, 64>>();
                 const SAVED: usize = largest::<Clean<1_200, 64>>() - largest::<Clean<200, 64>>();
-                let kept = if self.folder == "nrf52840" { SAVED } else { 0 };
-                let each = (BYTES + kept) as f64 / 1_000.0;
-                // As in the gateway of the firmware.
+                // That of the gateways.
                 const { assert!(size_of::<plain::Locator>() == size_of::<Clean<200, 64>>()) };
-                format!("{} particles", hundreds(200.0 + free / each))
+                let saved = if self.keeps { SAVED } else { 0 };
+                let each = (BYTES + saved) as f64 / 1_000.0;
+                let particles = 200.0 + free / each;
+                Some(("particles", 100.0 * (particles / 100.0).floor()))
             }
             Job::Tunnel => {
                 type Tags<const T: usize> = BeaconGateway<T, 300, 512, 16, 1>;
                 const BYTES: usize = size_of::<Tags<33>>() - size_of::<Tags<32>>();
                 const SAVED: usize = largest::<Tags<33>>() - largest::<Tags<32>>();
                 let tags = 32.0 + free / (BYTES + SAVED) as f64;
-                format!("{:.0} tags", tags.floor().min(64.0))
+                Some(("tags", tags.floor().min(MAX_TAGS as f64)))
             }
-            Job::City => "3 sources".into(),
-            Job::Radio => String::new(),
+            Job::City | Job::Radio => None,
         }
     }
 
-    /// How often it could take a bearing, or a half second of a tag.
-    fn updates(&self, cost: &Expected) -> Result<String> {
+    /// How often it could take a bearing, or the packets of a tag in half a second.
+    fn updates(&self, cost: &Expected) -> Result<Option<f64>> {
         // Cycles for an instruction, as those of a locator take them.
         let pace = cost.figure("m4f.robust.n64.update.cycles_modelled")?
             / cost.figure("m4f.robust.n64.update.instructions")?;
@@ -250,9 +270,9 @@ impl Firmware {
             Job::Vehicle => cost.figure("vehicle.update.mean.instructions")? * pace,
             Job::City => cost.figure("vehicle.robust.update.mean.instructions")? * pace,
             Job::Tunnel => cost.figure("m4f.tracker.n300.update.cycles_modelled")?,
-            Job::Radio => return Ok(String::new()),
+            Job::Radio => return Ok(None),
         };
-        Ok(format!("{:.0}", self.chip.megahertz * 1e6 / cycles))
+        Ok(Some((self.chip.megahertz * 1e6 / cycles).floor()))
     }
 }
 
@@ -270,21 +290,29 @@ impl<'a> Built<'a> {
         })
     }
 
-    fn figures(&self) -> [Figure; 3] {
+    fn figures(&self, cost: &Expected) -> Result<Vec<Figure>> {
         let Firmware {
             name,
             flash_kib,
             ram_kib,
             ..
         } = self.firmware;
-        let figure = |part: &str, bytes: u64, limit: f64| {
-            Figure::new(format!("boards.{name}.{part}.bytes"), bytes as f64, "bytes").at_most(limit)
+        let figure = |part: &str, value: f64, unit: &str| {
+            Figure::new(format!("boards.{name}.{part}"), value, unit)
         };
-        [
-            figure("flash", self.occupied.flash, flash_kib * KIB),
-            figure("data", self.occupied.data, 256.0),
-            figure("ram", self.occupied.ram, ram_kib * KIB),
-        ]
+        let bytes = |part: &str, bytes: u64, limit: f64| {
+            figure(&format!("{part}.bytes"), bytes as f64, "bytes").at_most(limit)
+        };
+        let mut figures = vec![
+            bytes("flash", self.occupied.flash, flash_kib * KIB),
+            bytes("data", self.occupied.data, 256.0),
+            bytes("ram", self.occupied.ram, ram_kib * KIB),
+        ];
+        let room = self.firmware.room(&self.occupied);
+        figures.extend(room.map(|(what, number)| figure("room", number, what)));
+        let updates = self.firmware.updates(cost)?;
+        figures.extend(updates.map(|number| figure("updates.modelled", number, "1/s")));
+        Ok(figures)
     }
 
     /// Lines of this project that could panic.
@@ -311,14 +339,16 @@ fn summary(built: &[Built], cost: &Expected) -> Result<Table> {
     {
         let part =
             |bytes: u64, of_kib: u64| format!("{:.0} of {of_kib} KiB", (bytes as f64 / KIB).ceil());
+        let room = firmware.room(occupied);
+        let updates = firmware.updates(cost)?;
         let (_, job) = firmware.name.split_once('.').unwrap_or_default();
         table.add_row([
             firmware.board,
             job,
             &part(occupied.flash, firmware.chip.flash_kib),
             &part(occupied.ram, firmware.chip.ram_kib),
-            &firmware.fits(occupied),
-            &firmware.updates(cost)?,
+            &room.map_or(String::new(), |(what, number)| format!("{number} {what}")),
+            &updates.map_or(String::new(), |number| number.to_string()),
         ]);
     }
     Ok(table)
@@ -349,9 +379,4 @@ fn panics(built: &[Built]) -> Table {
         table.add_row([built.firmware.name, &owners.join(", ")]);
     }
     table
-}
-
-/// Rounded down.
-fn hundreds(number: f64) -> u32 {
-    (number / 100.0).floor().max(0.0) as u32 * 100
 }
