@@ -8,6 +8,7 @@ use clap::Parser;
 mod board;
 mod boards;
 mod book;
+mod chapter;
 mod choice;
 mod constants;
 mod cost;

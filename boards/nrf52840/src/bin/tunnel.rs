@@ -28,8 +28,8 @@ use foxhunt_nrf52840::{hear::hear, storage};
 const COMPUTER_BAUD: Baudrate = Baudrate::Baud115200;
 const RADIOS_BAUD: Baudrate = Baudrate::Baud115200;
 
-/// Every page is then erased twice in an hour or less, and lasts for more than half a year.
-const SECONDS_BETWEEN_SNAPSHOTS: u32 = 300;
+/// Seven snapshots fill the pages: each is then erased once in seven hours, and lasts for eight years.
+const SECONDS_BETWEEN_SNAPSHOTS: u32 = 3_600;
 
 const SNAPSHOT: usize = snapshot::largest::<State<Gateway>>().next_multiple_of(4);
 
