@@ -91,3 +91,70 @@ impl<A: Stateful, F: NorFlash> Application for Kept<'_, A, F> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use foxhunt_gateways::board::{CONFIG, Gateway};
+
+    use super::*;
+    use crate::slots::tests::{Flash, PAGE};
+    use crate::vehicle::Hunt;
+
+    const DRIVE: &[u8] = include_bytes!("../../../examples/data/drive.nmea");
+    const QUERY: &[u8] = b"$PFOXQ*50\r\n";
+    const SNAPSHOT: usize = foxhunt::snapshot::largest::<Gateway>().next_multiple_of(4);
+    const PAGES: usize = 200;
+    const INTERVAL: u32 = 3;
+
+    fn slots(flash: Flash) -> Option<Slots<Flash>> {
+        Slots::new(flash, 0..(PAGES * PAGE) as u32, SNAPSHOT).ok()
+    }
+
+    /// Starts a board on a flash, gives it bytes and ticks, takes its power, and tells what it answered to the last query.
+    fn live(flash: &mut Flash, bytes: &[u8], ticks: u32) -> std::string::String {
+        let (mut gateway, mut buffer) = (std::boxed::Box::new(Gateway::EMPTY), [0; SNAPSHOT]);
+        let hunt = Hunt::new(&mut *gateway, &CONFIG);
+        let mut kept = Kept::new(hunt, slots(flash.clone()), &mut buffer, INTERVAL);
+        for byte in bytes {
+            kept.push(0, *byte);
+        }
+        for _ in 0..ticks {
+            kept.tick();
+        }
+        let mut answer = std::string::String::new();
+        for byte in QUERY {
+            if kept.push(0, *byte) {
+                answer.push_str(kept.report());
+            }
+        }
+        *flash = kept.slots.unwrap().flash().clone();
+        answer
+    }
+
+    #[test]
+    fn what_was_known_is_known_again() {
+        let mut flash = Flash::new(PAGES);
+        let known = live(&mut flash, DRIVE, INTERVAL);
+        assert!(known.starts_with("$PFOXF,"));
+        let (fix, _status) = known.split_once('\n').unwrap();
+        // Nothing new: nothing is written, and the next life goes on from the same.
+        for _ in 0..2 {
+            let again = live(&mut flash, b"", 10 * INTERVAL);
+            assert_eq!(again.split_once('\n').unwrap().0, fix);
+        }
+        let mut state = Gateway::EMPTY;
+        let number = slots(flash)
+            .unwrap()
+            .restore(&mut state, &mut [0; SNAPSHOT]);
+        assert_eq!(number, Ok(1));
+    }
+
+    #[test]
+    fn nothing_is_kept_before_its_time() {
+        let mut flash = Flash::new(PAGES);
+        live(&mut flash, DRIVE, INTERVAL - 1);
+        assert!(live(&mut flash, b"", 0).starts_with("$PFOXN,,FEW"));
+    }
+}

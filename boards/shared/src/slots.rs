@@ -163,4 +163,4 @@ fn header(number: u32) -> [u8; HEADER as usize] {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

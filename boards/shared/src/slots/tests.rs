@@ -10,21 +10,21 @@ use super::*;
 
 type State = Clean<20, 4>;
 
-const PAGE: usize = 256;
+pub(crate) const PAGE: usize = 256;
 /// They begin at the third page.
 const START: u32 = 2 * PAGE as u32;
 const BYTES: usize = snapshot::largest::<State>().next_multiple_of(4);
 
 /// Flash whose power fails after so many words and pages, and then does nothing more.
 #[derive(Clone)]
-struct Flash {
+pub(crate) struct Flash {
     bytes: Vec<u8>,
     erased: Vec<u32>,
     left: usize,
 }
 
 impl Flash {
-    fn new(pages: usize) -> Self {
+    pub(crate) fn new(pages: usize) -> Self {
         Self {
             bytes: vec![0xA5; pages * PAGE],
             erased: vec![0; pages],
