@@ -125,6 +125,8 @@ fn web() -> Result<Vec<u8>> {
 /// Fails if the main loop or the gateway could panic.
 fn no_panic(elf: &Path) -> Result<()> {
     let sites = panic_sites::find(elf, &project::root().join("boards/machines"))?;
+    // Nothing asynchronous is without.
+    ensure!(!sites.is_empty(), "no lines were found");
     let sites = sites.iter().filter(|site| !site.is_awaited);
     let lines: Vec<&str> = sites.map(|site| site.line.as_str()).collect();
     ensure!(
