@@ -1,5 +1,7 @@
 //! Lines that are read together, whichever has something.
 
+use core::{future::poll_fn, pin::pin, task::Poll};
+
 use embassy_futures::select::select_array;
 use embassy_futures::yield_now;
 use embedded_io::ReadReady;
@@ -75,6 +77,10 @@ impl<R: embedded_io_async::Read, const PORTS: usize> Lines<R, PORTS> {
     /// Waits until there is a byte to take. It can be dropped at any time, if the future of the readers can.
     pub async fn wait(&mut self) {
         select_array(self.lines.each_mut().map(Line::wait)).await;
+        // The first that has something is asked no more than the others: none starves behind one that is never silent.
+        for line in &mut self.lines {
+            line.look().await;
+        }
         if self.lines.iter().any(|line| line.has_failed) {
             // A reader that fails again and again lets others work.
             yield_now().await;
@@ -98,5 +104,14 @@ impl<R: embedded_io_async::Read> Line<R> {
         // A line that ends is one that is broken: those of a board have no end.
         let read = self.input.read_async(&mut self.reader).await;
         self.has_failed |= !matches!(read, Ok(true));
+    }
+
+    /// Reads what there is, without waiting.
+    async fn look(&mut self) {
+        poll_fn(|context| {
+            let _ = pin!(self.wait()).poll(context);
+            Poll::Ready(())
+        })
+        .await;
     }
 }

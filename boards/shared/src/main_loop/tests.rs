@@ -175,6 +175,20 @@ fn an_error_of_a_line_damages_that_line_and_no_other() {
 }
 
 #[test]
+fn a_line_that_is_never_silent_starves_no_other() {
+    let mut gateway = Gateway::EMPTY;
+    let hunt = Hunt::new(&mut gateway, &CONFIG);
+    let lines = [Script::of(DRIVE), Script::of(QUERY)];
+    let mut main_loop = MainLoop::new(hunt, lines, Computer::default());
+    let mut desk = Desk::default();
+    for _turn in 0..3 {
+        block_on(main_loop.turn_async(&mut &mut desk));
+    }
+    let sent = String::from_utf8(main_loop.computer.sent).unwrap();
+    assert!(sent.contains("$PFOXS,"), "{sent}");
+}
+
+#[test]
 fn a_computer_that_takes_nothing_holds_up_nothing() {
     let bytes = [QUERY, QUERY].concat();
     let (sent, fed) = asynchronous([Script::of(&bytes)], true);

@@ -12,15 +12,17 @@ const MAP: &[u8] = include_bytes!("../../../../examples/data/tunnel.map");
 const PACKETS: &str = include_str!("../../../../examples/data/tunnel.packets");
 const QUERY: &[u8] = b"$PFOXQ*50\r\n";
 
-/// The time at which the packet arrives that is being pushed.
-static NOW_MS: core::sync::atomic::AtomicU32 = core::sync::atomic::AtomicU32::new(0);
+std::thread_local! {
+    /// The time at which the packet arrives that is being pushed: each test has its own.
+    static NOW_MS: core::cell::Cell<u32> = const { core::cell::Cell::new(0) };
+}
 
 fn now_ms() -> u32 {
-    NOW_MS.load(core::sync::atomic::Ordering::Relaxed)
+    NOW_MS.get()
 }
 
 fn set_now_ms(time_ms: u32) {
-    NOW_MS.store(time_ms, core::sync::atomic::Ordering::Relaxed);
+    NOW_MS.set(time_ms);
 }
 
 /// The packets of the recorded walk.
