@@ -143,9 +143,9 @@ impl<const N: usize, const B: usize, M: Moves<N>> Locate for Clean<N, B, M> {
         rng: &mut R,
     ) -> Result<Answer, PushError> {
         self.bearings.admit(observation)?;
+        self.bearings.note(observation, 1.0);
         let source = self.answer.fix().map(|fix| fix.position);
         let new = Entry::new(*observation, 1.0);
-        self.bearings.note(&new);
         self.bearings.add(new, &source);
         self.answer = if source.is_some() {
             let likelihood = BearingLikelihood::new(observation);

@@ -69,8 +69,8 @@ impl<const N: usize, const B: usize, M: Moves<N>> Stationary for Clean<N, B, M> 
     }
 
     fn recall(&mut self, observation: &Observation, _: &Config<M>) {
+        self.bearings.note(observation, 1.0);
         let new = Entry::new(*observation, 1.0);
-        self.bearings.note(&new);
         self.bearings.add(new, &None);
     }
 }

@@ -89,13 +89,13 @@ impl<const B: usize> Buffer<B> {
         Ok(())
     }
 
-    /// Counts a bearing, and remembers it if it is the latest.
-    pub(in crate::aoa) fn note(&mut self, new: &Entry) {
-        let is_latest = |latest: Observation| new.observation.since_ms(latest.time_ms()) >= 0;
+    /// Counts a bearing of so many readings, and remembers it if it is the latest.
+    pub(in crate::aoa) fn note(&mut self, observation: &Observation, readings: f32) {
+        let is_latest = |latest: Observation| observation.since_ms(latest.time_ms()) >= 0;
         if self.latest.is_none_or(is_latest) {
-            self.latest = Some(new.observation);
+            self.latest = Some(*observation);
         }
-        self.count += new.weight();
+        self.count += readings;
     }
 
     /// Takes the `wanted` bearings of another buffer, and its latest observation. Of more than there is room for, those that

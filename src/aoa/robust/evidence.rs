@@ -188,7 +188,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     /// Takes a bearing, that of several sources or of one, which is thought to be where it was last [set](Self::set_source).
     #[inline(never)]
     pub(super) fn push(&mut self, new: Entry, errors: &Errors, of_several: bool) -> Change<D> {
-        self.bearings.note(&new);
+        (self.bearings).note(&new.observation, new.weight());
         let likely = new.probability > 0.5;
         let lines = self.lines(errors, of_several);
         if let Some(place) = self.entry_to_join(&new, &lines)
