@@ -7,6 +7,7 @@ use foxhunt::{
     aoa::geodesy::Geodetic,
     gateway::{Counters, Event},
 };
+use foxhunt_decode::{self as decode, Decoded, Key, Part, Refusal, Stream};
 use foxhunt_host::archive::{Answered, Archive};
 
 use super::{
@@ -18,7 +19,6 @@ use super::{
     site::{Site, rounded},
     words,
 };
-use crate::decode::{self, Decoded, Key, Part, Refusal, Stream};
 
 /// What follows from a piece.
 pub enum Happened<'a> {
@@ -59,6 +59,8 @@ pub struct Engine {
     pub(super) marks: BTreeMap<u64, Mark>,
     pub(super) next_mark: u64,
     place: Option<Geodetic>,
+    /// The time of the newest bearing of the search, as the locator counts it.
+    newest_ms: u32,
 }
 
 pub(super) struct Input {
@@ -133,6 +135,7 @@ impl Engine {
             marks: BTreeMap::new(),
             next_mark: 1,
             place: None,
+            newest_ms: 0,
         })
     }
 
@@ -263,7 +266,7 @@ impl Engine {
         } = bearing;
         let is_known = key.id.is_some() && self.keys.contains_key(&key);
         if is_known {
-            return Err(Refusal::Field("id"));
+            return Err(Refusal::Known);
         }
         let port = (self.port_of(input, &key.station)).ok_or(Refusal::Field("station"))?;
         if let Some(time) = time_ms {
@@ -345,6 +348,7 @@ impl Engine {
         let count = self.hunt.bearings();
         if count == 1 {
             self.search += 1;
+            self.newest_ms = 0;
         }
         self.bearings.push(Taken {
             search: self.search,
@@ -359,7 +363,9 @@ impl Engine {
         let (Some(plane), Some(observation)) = (self.hunt.plane(), self.hunt.observation()) else {
             return;
         };
-        let time_ms = self.now_ms();
+        // One that has come late is older than the newest.
+        self.newest_ms = self.newest_ms.max(observation.time_ms());
+        let time_ms = self.now_ms() - i64::from(self.newest_ms - observation.time_ms());
         let place = foxhunt_host::archive::coordinates(&plane, observation.position());
         if let Some([lon, lat]) = place {
             if let Some(Key { station: name, .. }) = station {
