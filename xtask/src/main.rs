@@ -19,6 +19,7 @@ mod fuzz;
 mod house;
 mod kernels;
 mod llvm;
+mod load;
 mod machines;
 mod measure;
 mod monitor;
@@ -61,6 +62,8 @@ enum Task {
     Damage(damage::Options),
     /// Look for faults of the gateways and the map reader with random input.
     Fuzz(fuzz::Options),
+    /// Publish the tags of many gateways through a broker, faster and faster, until it is too much.
+    Load(load::Options),
     /// Simulate the drive of the demo again, from its seed, and write its file.
     Drive,
     /// Simulate the radio map and the packets of the tunnel's demo again, from their seed, and write their files.
@@ -90,6 +93,7 @@ fn run(task: Task) -> Result<()> {
         Task::Count => house::print_count(),
         Task::Cost(options) => cost::run(&options),
         Task::Demo(options) => demo::run(&options),
+        Task::Load(options) => load::run(&options),
         Task::Drive => drive::run(),
         Task::Tunnel => tunnel::run(),
         Task::Machines(options) => machines::run(&options),

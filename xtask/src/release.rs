@@ -3,7 +3,7 @@
 use anyhow::{Result, ensure};
 
 use crate::{
-    machines,
+    load, machines,
     project::{cargo, run},
     setup::{self, Need},
     steps::{self, Step},
@@ -28,6 +28,7 @@ const STEPS: &[Step] = &[
         run(deny.args(["licenses", "bans", "sources"]))
     }),
     ("the same bits on every machine", machines::check_all),
+    ("the load of many gateways on a broker", load::check),
 ];
 
 /// Runs every check.
