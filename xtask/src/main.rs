@@ -30,6 +30,7 @@ mod qemu;
 mod release;
 mod reports;
 mod reset;
+mod restarts;
 mod setup;
 mod steps;
 mod test;
@@ -64,6 +65,8 @@ enum Task {
     Fuzz(fuzz::Options),
     /// Publish the tags of many gateways through a broker, faster and faster, until it is too much.
     Load(load::Options),
+    /// Kill and restart sources and a broker at random while `foxhunt live` runs: nothing acknowledged is lost.
+    Restarts(restarts::Options),
     /// Simulate the drive of the demo again, from its seed, and write its file.
     Drive,
     /// Simulate the radio map and the packets of the tunnel's demo again, from their seed, and write their files.
@@ -94,6 +97,7 @@ fn run(task: Task) -> Result<()> {
         Task::Cost(options) => cost::run(&options),
         Task::Demo(options) => demo::run(&options),
         Task::Load(options) => load::run(&options),
+        Task::Restarts(options) => restarts::run(&options),
         Task::Drive => drive::run(),
         Task::Tunnel => tunnel::run(),
         Task::Machines(options) => machines::run(&options),

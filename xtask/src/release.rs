@@ -5,6 +5,7 @@ use anyhow::{Result, ensure};
 use crate::{
     load, machines,
     project::{cargo, run},
+    restarts,
     setup::{self, Need},
     steps::{self, Step},
 };
@@ -29,6 +30,7 @@ const STEPS: &[Step] = &[
     }),
     ("the same bits on every machine", machines::check_all),
     ("the load of many gateways on a broker", load::check),
+    ("ten minutes of random restarts", restarts::check),
 ];
 
 /// Runs every check.

@@ -15,10 +15,12 @@ use serde_json::{Value, json};
 
 use crate::program::{Folder, Live, PATIENCE, free_port, free_udp_port};
 
-struct Broker(Child);
+/// mosquitto.
+pub struct Broker(Child);
 
 impl Broker {
-    fn start(folder: &Folder, port: u16) -> Option<Self> {
+    /// One that keeps what it has in a folder; none, if it is not installed.
+    pub fn start(folder: &Folder, port: u16) -> Option<Self> {
         // It keeps what subscribers that are away have not got.
         let settings = format!(
             "listener {port} 127.0.0.1\nuser root\nallow_anonymous true\npersistence true\nautosave_interval 1\n\
@@ -38,6 +40,13 @@ impl Broker {
             thread::sleep(Duration::from_millis(50));
         }
         Some(Self(child))
+    }
+
+    /// Asks it to end, and waits until it has.
+    pub fn end(&mut self) {
+        let id = self.0.id().to_string();
+        assert!(Command::new("kill").arg(id).status().unwrap().success());
+        self.0.wait().unwrap();
     }
 }
 

@@ -264,7 +264,7 @@ fn gpsd_is_read() {
 
 /// The end of a pseudo-terminal that writes, and the name of the other.
 #[cfg(target_os = "linux")]
-fn terminal() -> (impl Write, String) {
+pub fn terminal() -> (impl Write, String) {
     use serialport::SerialPort;
     let (own, other) = serialport::TTYPort::pair().unwrap();
     let name = other.name().unwrap();

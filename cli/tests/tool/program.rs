@@ -130,6 +130,11 @@ impl Live {
         panic!("never said {text}: {all:?}");
     }
 
+    /// The lines of its errors that nobody has waited for yet.
+    pub fn all_said(&self) -> Vec<String> {
+        self.errors.try_iter().collect()
+    }
+
     pub fn stdin(&mut self) -> &mut impl Write {
         self.child.stdin.as_mut().unwrap()
     }
