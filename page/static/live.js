@@ -83,6 +83,7 @@ export class Live {
       this.actions,
       healthPanel(store.health),
       this.legend,
+      this.attribution,
     ];
   }
 
@@ -135,7 +136,7 @@ export class Live {
   // Tiles and shapes of features, as soon as it is known where the metres count from.
   #background() {
     const { plane } = this.store;
-    if (plane && this.hasTiles) this.tiles ??= new Tiles(plane, () => this.stage.view.request());
+    if (plane && this.map) this.tiles ??= new Tiles(plane, this.map, () => this.stage.view.request());
     if (plane && this.features) this.shapes ??= backgroundOf(this.features, plane);
     return this;
   }
@@ -229,10 +230,18 @@ export class Live {
   async #fetchBackground() {
     const response = await fetch("api/background.geojson").catch(() => null);
     if (response?.ok) this.features = await response.json().catch(() => null);
-    const tile = await fetch("api/tiles/0/0/0").catch(() => null);
-    this.hasTiles = Boolean(tile?.ok && tile.headers.get("Content-Type")?.startsWith("image/"));
+    const tiles = await fetch("api/tiles").catch(() => null);
+    if (tiles?.ok) this.map = await tiles.json().catch(() => null);
+    const whose = this.map?.attribution;
+    if (whose) this.attribution = make("p", { id: "attribution" }, `Map: ${textOf(whose)}`);
+    this.stage.render();
     this.stage.view.request();
   }
+}
+
+// The text of HTML.
+function textOf(html) {
+  return new DOMParser().parseFromString(html, "text/html").body.textContent;
 }
 
 // What became of a bearing.

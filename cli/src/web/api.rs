@@ -19,7 +19,7 @@ use futures_util::{
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::shared::Shared;
+use super::{shared::Shared, tiles};
 use crate::{engine::Command, live::hub::Reader};
 
 /// The most bytes of a request.
@@ -34,6 +34,8 @@ pub fn routes() -> Router<Arc<Shared>> {
         .route("/undo", post(undo))
         .route("/mark", post(mark))
         .route("/background.geojson", get(background))
+        .route("/tiles", get(tiles::about))
+        .route("/tiles/{zoom}/{column}/{row}", get(tiles::tile))
         .fallback(nothing)
         .layer(DefaultBodyLimit::max(LARGEST))
 }

@@ -16,6 +16,7 @@ fn the_page_comes_with_all_its_files() {
     assert!(status == 200 && page.contains("foxhunt"), "{page}");
     assert_eq!(get(&live.address, "/foxhunt.wasm", "").0, 200);
     assert_eq!(get(&live.address, "/../Cargo.toml", "").0, 404);
+    assert_eq!(get(&live.address, "/api/tiles", "").0, 404);
     assert_eq!(get(&live.address, "/api/tiles/1/2/3", "").0, 404);
     assert_eq!(get(&live.address, "/api/background.geojson", "").0, 404);
     // A name of another site that leads here.
