@@ -7,7 +7,7 @@ import { extent, ray } from "./draw.js";
 import { healthPanel } from "./health.js";
 import { Site } from "./site.js";
 import { Store } from "./store.js";
-import { answerPanel, degrees, legend, place } from "./words.js";
+import { answerPanel, clock, degrees, legend, place } from "./words.js";
 
 const NEAR_PX = 18;
 
@@ -81,7 +81,7 @@ export class Live {
       this.error && make("p", { className: "error", role: "alert" }, this.error),
       answerPanel({ answer: store.answer, bearings: [...store.bearings.values()], where }),
       this.actions,
-      healthPanel(store.health),
+      healthPanel(store.health, store.refused),
       this.legend,
       this.attribution,
     ];
@@ -249,10 +249,6 @@ function became({ retracted, used, outlier = 0, reason = "no reason given" }) {
   if (retracted) return "It was retracted.";
   if (!used) return `Not used: ${reason}.`;
   return `An outlier with ${Math.round(100 * outlier)} %.`;
-}
-
-function clock(milliseconds) {
-  return new Date(milliseconds).toISOString().slice(11, 19) + " UTC";
 }
 
 function distanceToLine([px, py], [ax, ay], [bx, by]) {

@@ -201,6 +201,10 @@ impl Core {
 fn add(hub: &Hub, happened: Happened<'_>) {
     match happened {
         Happened::Message(message) => {
+            if let Message::Refused(refused) = &message {
+                let (input, reason) = (&refused.input, &refused.reason);
+                eprintln!("{input}: not used: {reason}: {}", refused.text);
+            }
             hub.add(Out::Message(Box::new(message)));
         }
         Happened::Report(report) => {

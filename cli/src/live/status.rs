@@ -71,6 +71,7 @@ impl Status {
                 State::Open => "open",
                 State::Silent => "silent",
                 State::Lost => "lost",
+                State::Ended => "ended",
             };
             eprintln!("{}: {word}{why}", self.name);
         }
@@ -85,6 +86,11 @@ impl Status {
     /// It is not.
     pub fn lost(&self, why: impl std::fmt::Display) {
         self.set(State::Lost, &format!(": {why}"));
+    }
+
+    /// It has come to its end.
+    pub fn ended(&self) {
+        self.set(State::Ended, "");
     }
 
     /// Something has come.
