@@ -7,7 +7,7 @@
 //! | `input` | where bytes come from |
 //! | `engine` | the search: the library's gateway, and what follows from each piece that comes in |
 //! | `live` | a search as it happens: the thread of the search, and the hub of its results |
-//! | [`load`] | many gateways at once, for a study of what a broker bears |
+//! | [`load`] | many gateways at once, for a study of what a broker takes |
 //! | `log` | the raw log, and logs of others |
 //! | `output` | where results go |
 //! | `web` | the page |

@@ -1,4 +1,4 @@
-//! Many gateways at once, for a study of what a broker bears: tags, published by the code of `foxhunt live`.
+//! Many gateways at once, for a study of what a broker takes: tags, published by the code of `foxhunt live`.
 
 use std::{
     sync::{Arc, atomic::Ordering::Relaxed},

@@ -1,4 +1,4 @@
-//! The task `load`: how many tags a broker on this computer bears, and what gives way first.
+//! The task `load`: how many tags a broker on this computer takes, and what gives way first.
 
 use std::{
     fs::{self, File},

@@ -2,35 +2,25 @@
 
 use std::{
     path::Path,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Mutex, PoisonError},
 };
 
 use anyhow::{Context, Result, bail, ensure};
-use axum::{
-    Json,
-    extract::{Path as Asked, State},
-    http::{
-        StatusCode,
-        header::{CACHE_CONTROL, CONTENT_TYPE},
-    },
-    response::{IntoResponse, Response},
-};
 use rusqlite::{Connection, OpenFlags, OptionalExtension};
 use serde::Serialize;
-
-use super::shared::Shared;
 
 /// Tiles of pictures.
 pub struct Tiles {
     file: Mutex<Connection>,
     /// The media type of a tile.
-    kind: &'static str,
-    about: About,
+    pub kind: &'static str,
+    /// What a page is told of them.
+    pub about: About,
 }
 
 /// What a page is told of them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-struct About {
+pub struct About {
     min_zoom: u32,
     max_zoom: u32,
     /// Whose they are, as HTML.
@@ -86,7 +76,10 @@ impl Tiles {
     }
 
     /// A tile, if the file has it; rows count from the north.
-    fn tile(&self, [zoom, column, row]: [u32; 3]) -> Result<Option<Vec<u8>>> {
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn tile(&self, [zoom, column, row]: [u32; 3]) -> Result<Option<Vec<u8>>> {
         let side = 1_u64.checked_shl(zoom).unwrap_or(0);
         let Some(from_south) = side.checked_sub(1 + u64::from(row)) else {
             return Ok(None);
@@ -96,31 +89,6 @@ impl Tiles {
         let mut query = file.prepare_cached(query)?;
         let tile = query.query_row((zoom, column, from_south as i64), |row| row.get(0));
         Ok(tile.optional()?)
-    }
-}
-
-/// What tiles there are.
-pub async fn about(State(shared): State<Arc<Shared>>) -> Response {
-    match &shared.tiles {
-        Some(tiles) => Json(tiles.about.clone()).into_response(),
-        None => StatusCode::NOT_FOUND.into_response(),
-    }
-}
-
-/// A tile; no content where the map has none.
-pub async fn tile(State(shared): State<Arc<Shared>>, Asked(which): Asked<[u32; 3]>) -> Response {
-    let Some(tiles) = shared.tiles.clone() else {
-        return StatusCode::NOT_FOUND.into_response();
-    };
-    let kind = tiles.kind;
-    let found = tokio::task::spawn_blocking(move || tiles.tile(which)).await;
-    match found {
-        Ok(Ok(Some(tile))) => {
-            let headers = [(CONTENT_TYPE, kind), (CACHE_CONTROL, "max-age=3600")];
-            (headers, tile).into_response()
-        }
-        Ok(Ok(None)) => StatusCode::NO_CONTENT.into_response(),
-        _ => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
     }
 }
 
