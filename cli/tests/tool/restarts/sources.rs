@@ -131,6 +131,13 @@ pub fn tcp(plan: &Plan, port: u16) -> Sent {
     sent
 }
 
+/// The first bearing of all.
+pub fn first(plan: &Plan, port: u16) {
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let message = bearing(plan.time_ms(), "udp").to_string();
+    (socket.send_to(message.as_bytes(), ("127.0.0.1", port))).unwrap();
+}
+
 /// Datagrams.
 pub fn udp(plan: &Plan, port: u16) -> Sent {
     let (mut sent, mut dice) = (Sent::default(), plan.dice(2));
