@@ -3,8 +3,9 @@
 use anyhow::{Result, ensure};
 
 use crate::{
-    machines,
+    load, machines,
     project::{cargo, run},
+    restarts,
     setup::{self, Need},
     steps::{self, Step},
 };
@@ -28,6 +29,8 @@ const STEPS: &[Step] = &[
         run(deny.args(["licenses", "bans", "sources"]))
     }),
     ("the same bits on every machine", machines::check_all),
+    ("the load of many gateways on a broker", load::check),
+    ("ten minutes of random restarts", restarts::check),
 ];
 
 /// Runs every check.
