@@ -15,6 +15,7 @@ pages! {
     FirstFix: "../docs/src/first-fix.md",
     YourModel: "../docs/src/your-model.md",
     YourBoard: "../docs/src/your-board.md",
+    ChoosingN: "../docs/src/choosing-n.md",
     WhichLocator: "../docs/src/which-locator.md",
     Uncertainty: "../docs/src/uncertainty.md",
     Numerics: "../docs/src/numerics.md",

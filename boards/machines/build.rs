@@ -17,4 +17,7 @@ fn main() {
         println!("cargo::rustc-link-arg-bins=-Tmemory.x");
     }
     println!("cargo::rustc-link-arg-bins=-Tlink.x");
+    if env::var_os("CARGO_FEATURE_VEHICLE").is_some() {
+        println!("cargo::rustc-link-arg-bin=machines-vehicle=-Tdefmt.x");
+    }
 }

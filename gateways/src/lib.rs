@@ -5,13 +5,17 @@
 //! | module | firmware |
 //! |---|---|
 //! | [`plain`] | `vehicle` |
+//! | [`board`] | those of real boards in `boards` |
 //! | [`fish`], [`firefly`], [`evolution`] | `vehicle_fish` and so on: `vehicle` with a refinement |
 //! | [`robust`] | `vehicle_robust` |
 //! | [`kept`] | `vehicle_kept` |
+//! | [`corridor`] | that of a real board in a tunnel |
 //! | `tunnel` (a feature) | `beacon_gateway`, `beacon_gateway_frames` |
 
 #![no_std]
 
+pub mod board;
+pub mod corridor;
 pub mod evolution;
 pub mod firefly;
 pub mod fish;

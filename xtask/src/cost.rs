@@ -7,6 +7,7 @@ use foxhunt_host::figures::Figure;
 
 use crate::{
     board::{BEACON, BEACONS, PLAIN, ROBUST, VEHICLES},
+    choice,
     expected::Expected,
     figures, kernels,
     measure::{panics, regions, sections, stack},
@@ -27,6 +28,9 @@ pub struct Options {
     /// Only compare the elementary functions, and write their table into a page of the guide.
     #[arg(long, value_name = "FILE")]
     kernels: Option<PathBuf>,
+    /// Only measure few and many particles, and write their tables into a page of the guide.
+    #[arg(long, value_name = "FILE")]
+    choice: Option<PathBuf>,
     /// Leave out the other filters.
     #[arg(long)]
     no_peers: bool,
@@ -91,8 +95,16 @@ pub fn run(options: &Options) -> Result<()> {
         figures::print(&figures);
         return kernels::write(&figures, page);
     }
+    if let Some(page) = &options.choice {
+        let mut figures = counted("choose_n")?;
+        figures.extend(regions::measure(&project::firmware("cost")?)?);
+        figures.extend(choice::distances()?);
+        figures::print(&figures);
+        return choice::write(&figures, page);
+    }
     let firmware = firmware()?;
     let mut figures = firmware.clone();
+    figures.extend(choice::distances()?);
     figures.extend(kernels::errors()?);
     figures.extend(formats()?);
     figures.extend(host()?);
@@ -143,7 +155,8 @@ pub fn firmware() -> Result<Vec<Figure>> {
             "functions",
         ));
     }
-    figures.extend(updates()?);
+    figures.extend(counted("updates")?);
+    figures.extend(counted("choose_n")?);
     let milliseconds = worst_milliseconds(&figures)?;
     figures.push(milliseconds);
     Ok(with_limits(figures))
@@ -248,10 +261,10 @@ fn worst_milliseconds(figures: &[Figure]) -> Result<Figure> {
     ))
 }
 
-/// What the gateways of the firmwares take for the bearings of the recorded drive. They are too many instructions for a
-/// log; the firmware counts them itself, by a clock that ticks with them.
-fn updates() -> Result<Vec<Figure>> {
-    let elf = project::firmware("updates")?;
+/// What gateways take for recorded bearings and packets. They are too many instructions for a log; the firmware counts them
+/// itself, by a clock that ticks with them.
+fn counted(firmware: &str) -> Result<Vec<Figure>> {
+    let elf = project::firmware(firmware)?;
     let clock = ["-icount", "shift=6"];
     let mut machine = Machine::boot_with(&elf, Duration::from_secs(120), &clock)?;
     // The emulator writes the firmware's text where it writes the bytes of the UART, which this one does not use.

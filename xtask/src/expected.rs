@@ -41,6 +41,12 @@ impl Expected {
         Ok(serde_json::from_str(&text)?)
     }
 
+    /// The figure of this name.
+    pub fn figure(&self, name: &str) -> Result<f64> {
+        let figure = self.figures.get(name).copied();
+        figure.with_context(|| format!("no {name} is expected"))
+    }
+
     /// Makes these figures the checked-in ones.
     pub fn write(&self) -> Result<()> {
         let text = serde_json::to_string_pretty(self)? + "\n";

@@ -43,6 +43,8 @@ const CORE: [&str; 4] = [
     "-mfpu=fpv4-sp-d16",
 ];
 
+const NEEDS: &[Need] = &[Need::Target(BOARD), Need::Qemu, Need::Cxx, Need::ArmC];
+
 /// Longer than the drive takes on a busy machine.
 const LIMIT: Duration = Duration::from_secs(300);
 
@@ -50,7 +52,7 @@ const LIMIT: Duration = Duration::from_secs(300);
 pub fn run(options: &Options) -> Result<()> {
     audited()?;
     style()?;
-    setup::ensure(&[Need::Target(BOARD), Need::Qemu, Need::Cxx, Need::ArmC])?;
+    setup::ensure(NEEDS)?;
     let [board, host] = [library(Some(BOARD))?, library(None)?];
     let out = host.with_file_name("c");
     fs::create_dir_all(&out)?;
@@ -60,20 +62,13 @@ pub fn run(options: &Options) -> Result<()> {
     let drive = fs::read(project::root().join(EXAMPLE))?;
     let expected = Replay::of(&drive);
     let expected = expected.output();
-    let output = Command::new(on_host(&out, &host, &["examples/vehicle.c"])?).output()?;
-    ensure!(output.status.success(), "the example failed on the host");
-    ensure_same(&output.stdout, expected).context("the example in C on this computer")?;
-    let elf = on_board(&out, &board)?;
+    let on_host = replay_on_host(&out, &host)?;
+    ensure_same(&on_host, expected).context("the example in C on this computer")?;
+    let (elf, output) = replay_on_board(&out, &board)?;
     ensure!(
         panics::functions(&elf)? == 0,
         "the example can panic on the board"
     );
-    let mut machine = Machine::boot(&elf, LIMIT)?;
-    let mut output = Vec::new();
-    while let Some(bytes) = machine.receive() {
-        output.extend(bytes);
-    }
-    machine.finish()?;
     ensure_same(&output, expected).context("the example in C on the board")?;
     let occupied = sections::occupied(&elf)?;
     let drive = u64::try_from(drive.len())?;
@@ -87,6 +82,36 @@ pub fn run(options: &Options) -> Result<()> {
         occupied.ram
     );
     Ok(())
+}
+
+/// What the example sends, which holds the recorded drive, on the board and on this computer.
+pub fn replays() -> Result<[Vec<u8>; 2]> {
+    setup::ensure(NEEDS)?;
+    let [board, host] = [library(Some(BOARD))?, library(None)?];
+    let out = host.with_file_name("c");
+    fs::create_dir_all(&out)?;
+    Ok([
+        replay_on_board(&out, &board)?.1,
+        replay_on_host(&out, &host)?,
+    ])
+}
+
+fn replay_on_host(out: &Path, library: &Path) -> Result<Vec<u8>> {
+    let output = Command::new(on_host(out, library, &["examples/vehicle.c"])?).output()?;
+    ensure!(output.status.success(), "the example failed on the host");
+    Ok(output.stdout)
+}
+
+/// The file of the example, and what it sends.
+fn replay_on_board(out: &Path, library: &Path) -> Result<(PathBuf, Vec<u8>)> {
+    let elf = on_board(out, library)?;
+    let mut machine = Machine::boot(&elf, LIMIT)?;
+    let mut output = Vec::new();
+    while let Some(bytes) = machine.receive() {
+        output.extend(bytes);
+    }
+    machine.finish()?;
+    Ok((elf, output))
 }
 
 /// The same as a check.

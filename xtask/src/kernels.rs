@@ -2,7 +2,6 @@
 
 use std::{
     f64::consts::{PI, TAU},
-    fs,
     path::Path,
 };
 
@@ -13,6 +12,8 @@ use foxhunt_host::{
     figures::Figure,
 };
 use micromath::F32Ext;
+
+use crate::marks;
 
 /// The functions, with the one of [`ACCURACY`] whose range and measure hold for it.
 const FUNCTIONS: [(&str, &str); 5] = [
@@ -54,9 +55,6 @@ const LIBRARIES: [Library; 3] = [
     },
 ];
 
-const BEGIN: &str = "<!-- kernels -->\n";
-const END: &str = "<!-- /kernels -->";
-
 struct Library {
     name: &'static str,
     part: &'static str,
@@ -87,17 +85,7 @@ pub fn errors() -> Result<Vec<Figure>> {
 
 /// Writes a table of `figures` into the guide's page `file`, between its marks.
 pub fn write(figures: &[Figure], file: &Path) -> Result<()> {
-    let page =
-        fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
-    let page = insert(&page, &table(figures)?);
-    let page = page.with_context(|| format!("{} has no marks for the table", file.display()))?;
-    fs::write(file, page).with_context(|| format!("cannot write {}", file.display()))
-}
-
-fn insert(page: &str, table: &str) -> Option<String> {
-    let (before, rest) = page.split_once(BEGIN)?;
-    let (_, after) = rest.split_once(END)?;
-    Some(format!("{before}{BEGIN}{table}{END}{after}"))
+    marks::write(file, "kernels", &table(figures)?)
 }
 
 fn table(figures: &[Figure]) -> Result<String> {
@@ -204,16 +192,6 @@ mod tests {
                 .value
         };
         assert!(error("math.ln.micromath.error") > 1e3 * error("math.ln.error"));
-    }
-
-    #[test]
-    fn a_table_takes_the_place_of_the_last_one() {
-        let page = format!("a\n{BEGIN}old\n{END}\nb\n");
-        assert_eq!(
-            insert(&page, "new\n"),
-            Some(format!("a\n{BEGIN}new\n{END}\nb\n"))
-        );
-        assert_eq!(insert("a", "new"), None);
     }
 
     #[test]

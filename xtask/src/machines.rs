@@ -1,7 +1,7 @@
 //! The task `machines`: the portable tests, a whole drive and a whole walk on emulated machines of other cores.
 
 use std::{
-    path::PathBuf,
+    path::{Path, PathBuf},
     process::{Command, Stdio},
     time::{Duration, Instant},
 };
@@ -139,6 +139,30 @@ pub fn check_m33() -> Result<()> {
     run(&Options { words })
 }
 
+/// The vehicle's gateway on the machine of this name: its file, and what runs it. On one of Arm, UART0 is the standard input
+/// and output.
+pub fn vehicle(name: &str) -> Result<(PathBuf, Command)> {
+    let mut machines = MACHINES.iter();
+    let machine = machines.find(|machine| machine.name == name);
+    let machine = machine.with_context(|| format!("there is no machine {name}"))?;
+    setup::ensure(&machine.needs())?;
+    let elf = machine.build(&["--bin", "machines-vehicle", "--features", "vehicle"])?;
+    let command = match machine.runs {
+        Runs::WebAssembly => {
+            let mut node = Command::new("node");
+            node.arg(project::root().join("boards/machines/vehicle.mjs"));
+            node.arg(&elf);
+            node
+        }
+        Runs::Arm(..) | Runs::RiscV => {
+            let mut machine = machine.command(&elf);
+            machine.args(["-serial", "stdio"]);
+            machine
+        }
+    };
+    Ok((elf, command))
+}
+
 impl Machine {
     fn needs(&self) -> [Need; 2] {
         let runs = match self.runs {
@@ -151,7 +175,9 @@ impl Machine {
 
     /// Builds and runs the cases: how many there are, and how long they took.
     fn check(&self) -> Result<(usize, Duration)> {
-        let mut command = self.command(&self.build()?);
+        let elf = self.build(&["--bin", "foxhunt-machines"])?;
+        let mut command = self.command(&elf);
+        command.args(self.silent());
         let start = Instant::now();
         let output = command
             .stdin(Stdio::null())
@@ -169,7 +195,7 @@ impl Machine {
         Ok((cases, start.elapsed()))
     }
 
-    fn build(&self) -> Result<PathBuf> {
+    fn build(&self, what: &[&str]) -> Result<PathBuf> {
         let directory = project::root().join("boards/machines");
         let mut cargo = project::cargo();
         cargo
@@ -177,10 +203,19 @@ impl Machine {
             .env("FOXHUNT_MACHINE", self.memory)
             // In place of the flags of the emulated board, which has a linker script of its own.
             .env("RUSTFLAGS", self.flags);
-        project::executable_by(cargo, &["--release", "--locked", "--target", self.target])
+        let release = ["--release", "--locked", "--target", self.target];
+        project::executable_by(cargo, &[&release, what].concat())
     }
 
-    fn command(&self, file: &PathBuf) -> Command {
+    /// No UART is used, if it has any.
+    fn silent(&self) -> &[&str] {
+        match self.runs {
+            Runs::WebAssembly => &[],
+            Runs::Arm(..) | Runs::RiscV => &["-serial", "none"],
+        }
+    }
+
+    fn command(&self, file: &Path) -> Command {
         let mut command = match self.runs {
             Runs::Arm(board, core) => {
                 let mut qemu = Command::new("qemu-system-arm");
@@ -199,7 +234,7 @@ impl Machine {
                 return node;
             }
         };
-        command.args(["-display", "none", "-monitor", "none", "-serial", "none"]);
+        command.args(["-display", "none", "-monitor", "none"]);
         command.args(["-semihosting-config", "enable=on,target=native"]);
         command.arg("-kernel").arg(file);
         command

@@ -6,7 +6,10 @@ use anyhow::Result;
 use clap::Parser;
 
 mod board;
+mod boards;
 mod book;
+mod chapter;
+mod choice;
 mod constants;
 mod cost;
 mod damage;
@@ -21,6 +24,7 @@ mod kernels;
 mod llvm;
 mod load;
 mod machines;
+mod marks;
 mod measure;
 mod monitor;
 mod page;
@@ -28,6 +32,7 @@ mod papers;
 mod project;
 mod qemu;
 mod release;
+mod replay;
 mod reports;
 mod reset;
 mod restarts;
@@ -57,6 +62,10 @@ enum Task {
     Demo(demo::Options),
     /// Run the portable tests, a whole drive and a whole walk on emulated machines of other cores.
     Machines(machines::Options),
+    /// Measure the firmwares of real boards, and name what could panic in them.
+    Boards(boards::Options),
+    /// Send the recorded drive through every build of the vehicle's gateway: all must say the same.
+    Replay,
     /// Check the library for C and its header, with programs in C on this computer and on the emulated board.
     C(ffi::Options),
     /// Damage sentences of real receivers, and count the wrong positions that a vehicle's gateway believes.
@@ -101,6 +110,8 @@ fn run(task: Task) -> Result<()> {
         Task::Drive => drive::run(),
         Task::Tunnel => tunnel::run(),
         Task::Machines(options) => machines::run(&options),
+        Task::Boards(options) => boards::run(&options),
+        Task::Replay => replay::run(),
         Task::C(options) => ffi::run(&options),
         Task::Damage(options) => damage::run(&options),
         Task::Fuzz(options) => fuzz::run(&options),

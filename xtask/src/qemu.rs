@@ -56,6 +56,11 @@ impl Machine {
             .args(arguments)
             .arg("-kernel")
             .arg(elf);
+        Self::start(command, limit)
+    }
+
+    /// A machine by its command, whose standard input and output are a UART.
+    pub fn start(mut command: Command, limit: Duration) -> Result<Self> {
         command
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())

@@ -3,9 +3,9 @@
 use anyhow::{Result, ensure};
 
 use crate::{
-    load, machines,
+    boards, load, machines,
     project::{cargo, run},
-    restarts,
+    replay, restarts,
     setup::{self, Need},
     steps::{self, Step},
 };
@@ -31,6 +31,8 @@ const STEPS: &[Step] = &[
     ("the same bits on every machine", machines::check_all),
     ("the load of many gateways on a broker", load::check),
     ("ten minutes of random restarts", restarts::check),
+    ("firmwares of real boards", boards::check),
+    ("the same drive through every build", replay::run),
 ];
 
 /// Runs every check.

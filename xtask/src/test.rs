@@ -5,7 +5,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, ensure};
 
 use crate::{
-    book, constants, cost,
+    book, chapter, constants, cost,
     expected::Expected,
     ffi, figures, fuzz, house, machines, page,
     project::{self, BARE_METAL, BOARD, cargo, run},
@@ -68,6 +68,7 @@ const STEPS: &[Step] = &[
     }),
     ("every combination of features, on every target", features),
     ("the page's WebAssembly", page::check),
+    ("the chapter about your board", chapter::check),
     ("chapters and links of the guide", book::check),
     ("tuned constants of the guide", constants::check),
     ("documentation", || {

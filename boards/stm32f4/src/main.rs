@@ -11,8 +11,10 @@ use panic_probe as _;
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
     use cortex_m::peripheral::syst::SystClkSource;
-    use foxhunt::aoa::{Clean, clean};
-    use foxhunt::gateway::{Config, Event, ShortReport, Vehicle, formats::All};
+    use foxhunt_boards::lines::LOST;
+    use foxhunt_boards::queue::{Received, ToSend};
+    use foxhunt_boards::{MainLoop, vehicle::Hunt};
+    use foxhunt_gateways::board::{CONFIG, Gateway};
     use heapless::spsc::{Consumer, Producer, Queue};
     use stm32f4xx_hal::pac::{Interrupt, USART1, USART2, USART6};
     use stm32f4xx_hal::rcc;
@@ -34,13 +36,8 @@ mod app {
     const RECEIVED_BYTES: usize = 4_096;
     const SENT_BYTES: usize = 1_024;
 
-    /// Stands for bytes that were lost or damaged. No line has it.
-    const LOST: u8 = 0;
-
-    /// Two hundred particles, a memory of 64 bearings, a port for each line.
-    type Gateway = Vehicle<Clean<200, 64>, All, ShortReport, 3>;
-
-    const CONFIG: Config<clean::Config> = Config::new(clean::Config::DEFAULT);
+    /// The emulator has no clocks to set up.
+    const IS_EMULATED: bool = cfg!(feature = "emulated");
 
     #[shared]
     struct Shared {}
@@ -52,8 +49,8 @@ mod app {
         computer: Port<USART2>,
         transmitter: Tx<USART2>,
         to_transmit: Consumer<'static, u8>,
-        ports: [Consumer<'static, u8>; 3],
-        to_send: Producer<'static, u8>,
+        readers: [Received<'static>; 3],
+        writer: ToSend<'static, fn()>,
         watchdog: IndependentWatchdog,
     }
 
@@ -72,7 +69,10 @@ mod app {
 
         // On a NUCLEO the debugger drives the clock input. A Black Pill has a crystal: `rcc::Config::hse(25.MHz())`.
         let clocks = rcc::Config::hse(8.MHz()).bypass_hse_oscillator();
-        let mut rcc = device.RCC.freeze(clocks.sysclk(CLOCK_HZ.Hz()));
+        let mut rcc = match IS_EMULATED {
+            false => device.RCC.freeze(clocks.sysclk(CLOCK_HZ.Hz())),
+            true => device.RCC.constrain(),
+        };
 
         let a = device.GPIOA.split(&mut rcc);
         let c = device.GPIOC.split(&mut rcc);
@@ -84,10 +84,10 @@ mod app {
         let receiver = uart1.rx(receiver_pin, RECEIVER_BAUD.bps(), &mut rcc);
         let finder = uart6.rx(finder_pin, FINDER_BAUD.bps(), &mut rcc);
         let computer = uart2.serial((a.pa2, computer_pin), COMPUTER_BAUD.bps(), &mut rcc);
-        let (transmitter, computer) = computer.unwrap().split();
+        let (transmitter, computer) = or_reset(computer).split();
 
-        let (receiver, from_receiver) = connect(receiver.unwrap(), context.local.from_receiver);
-        let (finder, from_finder) = connect(finder.unwrap(), context.local.from_finder);
+        let (receiver, from_receiver) = connect(or_reset(receiver), context.local.from_receiver);
+        let (finder, from_finder) = connect(or_reset(finder), context.local.from_finder);
         let (computer, from_computer) = connect(computer, context.local.from_computer);
         let (to_send, to_transmit) = context.local.to_computer.split();
 
@@ -105,47 +105,37 @@ mod app {
             computer,
             transmitter,
             to_transmit,
-            ports: [from_receiver, from_finder, from_computer],
-            to_send,
+            readers: [from_receiver, from_finder, from_computer],
+            writer: ToSend::new(to_send, || rtic::pend(Interrupt::USART2)),
             watchdog,
         };
         (Shared {}, local)
     }
 
-    // A byte of every port a turn: the work between two feedings of the watchdog is bounded.
     #[idle(local = [
-        ports, to_send, watchdog,
+        readers, writer, watchdog,
         gateway: Gateway = Gateway::EMPTY,
     ])]
     fn idle(context: idle::Context) -> ! {
         let idle::LocalResources {
-            ports,
-            to_send,
+            readers,
+            writer,
             watchdog,
             gateway,
             ..
         } = context.local;
-        loop {
-            watchdog.feed();
-            let mut is_idle = true;
-            for (number, port) in ports.iter_mut().enumerate() {
-                // A byte is taken when there is room for all that it can lead to: reports are never cut.
-                if to_send.capacity() - to_send.len() < ShortReport::BYTES {
-                    break;
-                }
-                let Some(byte) = port.dequeue() else {
-                    continue;
-                };
-                is_idle = false;
-                if let Some(event) = gateway.push(number, byte, &CONFIG) {
-                    send(gateway.report(), to_send);
-                    log(&event);
-                }
-            }
-            if is_idle {
-                // Returns at once if there was an interrupt since the last time: none is slept through.
+        // `wfe` returns at once if there was an interrupt since the last time: none is slept through.
+        MainLoop::new(Hunt::new(gateway, &CONFIG), readers.each_mut(), writer)
+            .run(|| watchdog.feed(), cortex_m::asm::wfe)
+    }
+
+    /// What the chip can do; else its watchdog starts it again, until somebody looks.
+    fn or_reset<T, E>(result: Result<T, E>) -> T {
+        match result {
+            Ok(value) => value,
+            Err(_) => loop {
                 cortex_m::asm::wfe();
-            }
+            },
         }
     }
 
@@ -208,7 +198,7 @@ mod app {
     fn connect<U: Instance>(
         mut uart: Rx<U>,
         queue: &'static mut Queue<u8, RECEIVED_BYTES>,
-    ) -> (Port<U>, Consumer<'static, u8>) {
+    ) -> (Port<U>, Received<'static>) {
         uart.listen();
         let (sender, received) = queue.split();
         let port = Port {
@@ -216,22 +206,6 @@ mod app {
             received: sender,
             has_lost: false,
         };
-        (port, received)
-    }
-
-    fn send(report: &str, to_send: &mut Producer<'static, u8>) {
-        for byte in report.bytes() {
-            // There is room: this was checked.
-            let _ = to_send.enqueue(byte);
-        }
-        // The transmitter may be idle: let its interrupt take the first byte.
-        rtic::pend(Interrupt::USART2);
-    }
-
-    fn log(event: &Event) {
-        match event {
-            Event::Rejected(reason) => defmt::debug!("rejected: {}", reason),
-            event => defmt::info!("{}", event),
-        }
+        (port, Received(received))
     }
 }

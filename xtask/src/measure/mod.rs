@@ -2,6 +2,7 @@
 
 pub mod cortex_m4;
 pub mod disassembly;
+pub mod panic_sites;
 pub mod panics;
 pub mod regions;
 pub mod sections;
