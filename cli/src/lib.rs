@@ -5,19 +5,18 @@
 //! | `command` | a file for each command |
 //! | `settings`, `reading` | what it is told, in a file and on the command line |
 //! | `input` | where bytes come from |
-//! | [`decode`] | messages that are no lines |
 //! | `engine` | the search: the library's gateway, and what follows from each piece that comes in |
 //! | `live` | a search as it happens: the thread of the search, and the hub of its results |
+//! | [`load`] | many gateways at once, for a study of what a broker takes |
 //! | `log` | the raw log, and logs of others |
 //! | `output` | where results go |
 //! | `web` | the page |
 
 mod command;
-#[allow(missing_docs)]
-pub mod decode;
 mod engine;
 mod input;
 mod live;
+pub mod load;
 mod log;
 mod output;
 mod reading;

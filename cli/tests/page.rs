@@ -30,7 +30,9 @@ fn what_comes_in_is_seen_on_the_page() {
     let port = free_port();
     let live = Live::start(&directory, &port);
     socket.connect(&port).unwrap();
-    let send = |line: &str| socket.send(format!("{line}\r\n").as_bytes()).unwrap();
+    let send = |line: &str| {
+        socket.send(format!("{line}\r\n").as_bytes()).unwrap();
+    };
 
     let drive = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/data/drive.nmea");
     let drive = fs::read_to_string(drive).unwrap();
@@ -45,6 +47,9 @@ fn what_comes_in_is_seen_on_the_page() {
     browser.open(&live.address);
     browser.wait("foxhunt.live?.store.answer?.sources.length > 0");
     thread::sleep(Duration::from_millis(1_500));
+
+    tiles_are_drawn(&mut browser);
+    refusals_are_told(&mut browser, &send);
 
     let before = state(&mut browser);
     let start = Instant::now();
@@ -124,6 +129,58 @@ fn retract(browser: &mut Browser) {
     ));
 }
 
+/// A map of fields and roads round the drive, of the levels 10 to 15.
+fn map(file: &Path) {
+    let _ = fs::remove_file(file);
+    let tile = "<svg xmlns='http://www.w3.org/2000/svg' width='256' height='256'><rect width='256' height='256' \
+                fill='#f2e3a0'/><path d='M0 90H256M150 0V256' stroke='#b9a24c' stroke-width='9'/></svg>";
+    let picture = file.with_file_name("tile");
+    foxhunt_host::picture::save(tile, &picture).unwrap();
+    let tile = fs::read(picture.with_extension("png")).unwrap();
+    let mut tiles = rusqlite::Connection::open(file).unwrap();
+    let open = tiles.transaction().unwrap();
+    open.execute_batch(
+        "CREATE TABLE metadata (name TEXT, value TEXT);
+         INSERT INTO metadata VALUES ('format', 'png'), ('attribution', '<a href=\"#\">Nobody</a>');
+         CREATE TABLE tiles (zoom_level INTEGER, tile_column INTEGER, tile_row INTEGER, tile_data BLOB);",
+    )
+    .unwrap();
+    for zoom in 10..=15 {
+        let side = f64::from(1 << zoom);
+        let column = |longitude: f64| ((longitude + 180.0) / 360.0 * side) as u32;
+        let row = |latitude: f64| {
+            let up = latitude.to_radians().tan().asinh() / std::f64::consts::PI;
+            ((1.0 + up) / 2.0 * side) as u32
+        };
+        for column in column(20.8)..=column(21.3) {
+            for row in row(52.1)..=row(52.4) {
+                let values = (zoom, column, row, &tile);
+                open.execute("INSERT INTO tiles VALUES (?1, ?2, ?3, ?4)", values)
+                    .unwrap();
+            }
+        }
+    }
+    open.commit().unwrap();
+}
+
+/// The fields of the map are nearly everywhere.
+fn tiles_are_drawn(browser: &mut Browser) {
+    browser.wait(
+        "(() => { const c = document.querySelector('#canvas');
+         const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
+         let fields = 0;
+         for (let i = 0; i < d.length; i += 4) fields += d[i] - d[i + 2] > 30 && d[i] > 200;
+         return fields > 0.5 * (d.length / 4); })()",
+    );
+    browser.wait("document.querySelector('#attribution').textContent === 'Map: Nobody'");
+}
+
+/// A line that is of no use is told, and why.
+fn refusals_are_told(browser: &mut Browser, send: &dyn Fn(&str)) {
+    send("$GPRMC,this is,no sentence*00");
+    browser.wait("document.querySelector('#refused')?.textContent.includes('this is,no sentence')");
+}
+
 fn state(browser: &mut Browser) -> [f64; 3] {
     let state = browser.value(STATE);
     [0, 1, 2].map(|index| state[index].as_f64().unwrap())
@@ -145,7 +202,10 @@ impl Live {
     /// With lines that come by UDP.
     fn start(directory: &Path, input: &str) -> Self {
         let settings = directory.join("foxhunt.toml");
-        let text = format!("[[input]]\nname = \"lines\"\nudp = \"{input}\"\n");
+        map(&directory.join("map.mbtiles"));
+        let text = format!(
+            "[[input]]\nname = \"lines\"\nudp = \"{input}\"\n[web]\ntiles = \"map.mbtiles\"\n"
+        );
         fs::write(&settings, text).unwrap();
         let settings = settings.to_str().unwrap();
         let mut live = Self::run(directory, &["live", "--listen", "127.0.0.1:0", settings]);

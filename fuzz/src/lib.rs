@@ -4,6 +4,8 @@
 //! cargo xtask fuzz --seconds 600
 //! ```
 
+pub mod messages;
+
 use crc::{CRC_32_ISO_HDLC, Crc};
 use foxhunt::{
     aoa::{

@@ -60,21 +60,21 @@ function drawShape(context, view, kind, rings) {
   context.stroke();
 }
 
-const DEEPEST = 18;
 const TILE_PX = 256;
 const MOST_KEPT = 400;
 
 // Tiles that a server has, fetched as they come into view. `changed` is called when one has arrived.
 export class Tiles {
-  constructor(plane, changed) {
-    Object.assign(this, { plane, changed, kept: new Map() });
+  constructor(plane, { min_zoom, max_zoom }, changed) {
+    Object.assign(this, { plane, min_zoom, max_zoom, changed, kept: new Map() });
   }
 
   draw(context, view) {
     const [north, west] = this.plane.degrees(view.place([0, 0]));
     const [south, east] = this.plane.degrees(view.place([view.width, view.height]));
     const metresOfTurn = 360 * this.plane.east;
-    const zoom = Math.min(Math.max(Math.round(Math.log2((metresOfTurn * view.scale) / TILE_PX)), 0), DEEPEST);
+    const best = Math.round(Math.log2((metresOfTurn * view.scale) / TILE_PX));
+    const zoom = Math.min(Math.max(best, this.min_zoom), this.max_zoom);
     const count = 2 ** zoom;
     const [left, right] = [west, east].map((degrees) => Math.floor(((degrees + 180) / 360) * count));
     const [top, bottom] = [north, south].map((degrees) => Math.floor(mercator(degrees) * count));

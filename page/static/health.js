@@ -1,16 +1,18 @@
 // Which inputs and outputs work, and what became of what came in.
 
 import { make } from "./dom.js";
-import { seconds } from "./words.js";
+import { clock, seconds } from "./words.js";
 
-const SIGNS = { open: "●", silent: "◐", lost: "○" };
+const SIGNS = { open: "●", silent: "◐", lost: "○", ended: "■" };
 
-export function healthPanel({ inputs, outputs }) {
+export function healthPanel({ inputs, outputs }, refused) {
   return make("section", { id: "health" },
     make("h2", {}, "Inputs"),
     inputs.length > 0
       ? make("ul", { className: "list" }, inputs.map(inputItem))
       : make("p", { className: "faint" }, "Nothing was heard of yet."),
+    refused.length > 0 ? make("h2", {}, "Not used lately") : null,
+    refused.length > 0 ? make("ul", { className: "list", id: "refused" }, refused.toReversed().map(refusedItem)) : null,
     outputs.length > 0 ? make("h2", {}, "Outputs") : null,
     outputs.length > 0 ? make("ul", { className: "list" }, outputs.map(outputItem)) : null,
   );
@@ -25,6 +27,14 @@ function inputItem({ name, state, since_ms, lines = 0, used = 0, refused = {} })
     stateLine(name, state, since),
     make("div", { className: "faint" }, `${lines} lines, ${used} used`),
     why ? make("div", { className: "faint" }, `Not used: ${why}`) : null,
+  );
+}
+
+function refusedItem({ input, reason, text, time_ms }) {
+  const when = time_ms > 0 ? `${clock(time_ms)}, ` : "";
+  return make("li", {},
+    `${when}${input}: ${reason}`,
+    make("div", { className: "faint" }, text),
   );
 }
 

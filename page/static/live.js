@@ -7,7 +7,7 @@ import { extent, ray } from "./draw.js";
 import { healthPanel } from "./health.js";
 import { Site } from "./site.js";
 import { Store } from "./store.js";
-import { answerPanel, degrees, legend, place } from "./words.js";
+import { answerPanel, clock, degrees, legend, place } from "./words.js";
 
 const NEAR_PX = 18;
 
@@ -81,8 +81,9 @@ export class Live {
       this.error && make("p", { className: "error", role: "alert" }, this.error),
       answerPanel({ answer: store.answer, bearings: [...store.bearings.values()], where }),
       this.actions,
-      healthPanel(store.health),
+      healthPanel(store.health, store.refused),
       this.legend,
+      this.attribution,
     ];
   }
 
@@ -135,7 +136,7 @@ export class Live {
   // Tiles and shapes of features, as soon as it is known where the metres count from.
   #background() {
     const { plane } = this.store;
-    if (plane && this.hasTiles) this.tiles ??= new Tiles(plane, () => this.stage.view.request());
+    if (plane && this.map) this.tiles ??= new Tiles(plane, this.map, () => this.stage.view.request());
     if (plane && this.features) this.shapes ??= backgroundOf(this.features, plane);
     return this;
   }
@@ -229,10 +230,18 @@ export class Live {
   async #fetchBackground() {
     const response = await fetch("api/background.geojson").catch(() => null);
     if (response?.ok) this.features = await response.json().catch(() => null);
-    const tile = await fetch("api/tiles/0/0/0").catch(() => null);
-    this.hasTiles = Boolean(tile?.ok && tile.headers.get("Content-Type")?.startsWith("image/"));
+    const tiles = await fetch("api/tiles").catch(() => null);
+    if (tiles?.ok) this.map = await tiles.json().catch(() => null);
+    const whose = this.map?.attribution;
+    if (whose) this.attribution = make("p", { id: "attribution" }, `Map: ${textOf(whose)}`);
+    this.stage.render();
     this.stage.view.request();
   }
+}
+
+// The text of HTML.
+function textOf(html) {
+  return new DOMParser().parseFromString(html, "text/html").body.textContent;
 }
 
 // What became of a bearing.
@@ -240,10 +249,6 @@ function became({ retracted, used, outlier = 0, reason = "no reason given" }) {
   if (retracted) return "It was retracted.";
   if (!used) return `Not used: ${reason}.`;
   return `An outlier with ${Math.round(100 * outlier)} %.`;
-}
-
-function clock(milliseconds) {
-  return new Date(milliseconds).toISOString().slice(11, 19) + " UTC";
 }
 
 function distanceToLine([px, py], [ax, ay], [bx, by]) {

@@ -4,6 +4,7 @@ import { Plane } from "./geo.js";
 
 const MOST_TRACK = 5000;
 const TRACK_STEP_M = 2;
+const MOST_REFUSED = 3;
 
 export class Store {
   constructor() {
@@ -16,6 +17,7 @@ export class Store {
     this.answer = null;
     this.site = null;
     this.health = { inputs: [], outputs: [] };
+    this.refused = [];
     this.time_ms = 0;
   }
 
@@ -80,6 +82,17 @@ export class Store {
 
   on_health({ inputs, outputs }) {
     this.health = { inputs: inputs ?? [], outputs: outputs ?? [] };
+  }
+
+  on_refused(message) {
+    this.refused = [...this.refused, message].slice(-MOST_REFUSED);
+  }
+
+  on_outliers({ changed }) {
+    for (const [id, outlier] of changed) {
+      const bearing = this.bearings.get(id);
+      if (bearing) bearing.outlier = outlier;
+    }
   }
 
   on_mark(message) {

@@ -27,6 +27,11 @@ export function seconds(value) {
   return `${Math.round(value / 3600)} h`;
 }
 
+// The time of day of milliseconds after 1970.
+export function clock(milliseconds) {
+  return new Date(milliseconds).toISOString().slice(11, 19) + " UTC";
+}
+
 // Degrees with the letters of their hemispheres.
 export function place(latitude, longitude) {
   const ns = latitude < 0 ? "S" : "N";
@@ -42,7 +47,7 @@ export function answerPanel({ answer, bearings = [], where = () => null, extra =
     for (const source of sources) parts.push(...sourceLines(source, sources.length, where(source)));
   } else {
     parts.push(make("p", { className: "headline" }, "No fix yet"));
-    parts.push(make("p", { className: "say" }, answer?.reason?.text ?? "There is no bearing yet."));
+    parts.push(make("p", { className: "say" }, why(answer?.reason)));
   }
   if (answer?.advice) parts.push(make("p", { className: "say advice" }, answer.advice.text));
   const used = bearings.filter((bearing) => bearing.used !== false && !bearing.retracted);
@@ -73,6 +78,13 @@ function sourceLines(source, count, where) {
     isSure ? null : make("p", { className: "say" }, `There is such a source with ${percent(source.probability)}.`),
     source.moving > 0.05 ? make("p", { className: "say" }, `It moves now with ${percent(source.moving)}.`) : null,
   ].filter(Boolean);
+}
+
+// Why there is no fix, and what helps.
+function why(reason) {
+  if (!reason) return "There is no bearing yet.";
+  const text = reason.text[0].toUpperCase() + reason.text.slice(1);
+  return `${text}. To get a fix, ${reason.help}.`;
 }
 
 function percent(value) {

@@ -200,7 +200,8 @@ impl Way {
         Path::along(&self.corners, self.speed_m_s, self.start_s)
     }
 
-    fn is_valid(&self) -> bool {
+    /// Whether it has corners, and a start and a speed in range.
+    pub fn is_valid(&self) -> bool {
         let is_place = |corner: &[f64; 2]| corner.iter().all(|metres| metres.is_finite());
         let moves = self.corners.len() > 1;
         !self.corners.is_empty()

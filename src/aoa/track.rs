@@ -2,6 +2,7 @@
 
 use heapless::Vec;
 
+use super::core::Entry;
 use super::robust::outside::read;
 use super::robust::{self, Candidate, Errors, Learned, Shared};
 use super::{Alternative, Answer, Locate, Observation, PushError};
@@ -43,6 +44,12 @@ pub trait Track: Locate {
     fn assume(&mut self, _others: &Shared, _next: &Observation) -> Result<(), PushError> {
         Ok(())
     }
+
+    /// Whether it takes bearings that came earlier.
+    const RECLAIMS: bool = false;
+
+    /// Takes a bearing of this source that came earlier, and was not known to be one: for tracks that have a fix.
+    fn reclaim(&mut self, _earlier: &Entry, _config: &Self::Config) {}
 
     /// States how many outliers were removed upstream for each bearing that the track gets: they count for its rates, if it
     /// learns any. To be stated before each push.

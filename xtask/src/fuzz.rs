@@ -28,13 +28,14 @@ pub struct Options {
 }
 
 /// All that comes from outside.
-const FORMATS: [&str; 8] = [
+const FORMATS: [&str; 9] = [
     "nmea",
     "ubx",
     "finders",
     "spectra",
     "beacon_lines",
     "beacon_frames",
+    "messages",
     "radio_map",
     "snapshot",
 ];

@@ -22,6 +22,7 @@ mod fuzz;
 mod house;
 mod kernels;
 mod llvm;
+mod load;
 mod machines;
 mod marks;
 mod measure;
@@ -34,6 +35,7 @@ mod release;
 mod replay;
 mod reports;
 mod reset;
+mod restarts;
 mod setup;
 mod steps;
 mod test;
@@ -70,6 +72,10 @@ enum Task {
     Damage(damage::Options),
     /// Look for faults of the gateways and the map reader with random input.
     Fuzz(fuzz::Options),
+    /// Publish the tags of many gateways through a broker, faster and faster, until it is too much.
+    Load(load::Options),
+    /// Kill and restart sources and a broker at random while `foxhunt live` runs: nothing acknowledged is lost.
+    Restarts(restarts::Options),
     /// Simulate the drive of the demo again, from its seed, and write its file.
     Drive,
     /// Simulate the radio map and the packets of the tunnel's demo again, from their seed, and write their files.
@@ -99,6 +105,8 @@ fn run(task: Task) -> Result<()> {
         Task::Count => house::print_count(),
         Task::Cost(options) => cost::run(&options),
         Task::Demo(options) => demo::run(&options),
+        Task::Load(options) => load::run(&options),
+        Task::Restarts(options) => restarts::run(&options),
         Task::Drive => drive::run(),
         Task::Tunnel => tunnel::run(),
         Task::Machines(options) => machines::run(&options),

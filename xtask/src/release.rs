@@ -3,9 +3,9 @@
 use anyhow::{Result, ensure};
 
 use crate::{
-    boards, machines,
+    boards, load, machines,
     project::{cargo, run},
-    replay,
+    replay, restarts,
     setup::{self, Need},
     steps::{self, Step},
 };
@@ -29,6 +29,8 @@ const STEPS: &[Step] = &[
         run(deny.args(["licenses", "bans", "sources"]))
     }),
     ("the same bits on every machine", machines::check_all),
+    ("the load of many gateways on a broker", load::check),
+    ("ten minutes of random restarts", restarts::check),
     ("firmwares of real boards", boards::check),
     ("the same drive through every build", replay::run),
 ];

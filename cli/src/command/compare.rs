@@ -1,11 +1,12 @@
-//! `foxhunt compare`: several configurations on one log.
+//! `foxhunt compare`: several configurations on one log or scenario.
 
 use std::{
+    fs,
     path::{Path, PathBuf},
     time::Instant,
 };
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use clap::Parser;
 use comfy_table::{Table, presets::ASCII_MARKDOWN};
 use foxhunt_host::{
@@ -18,19 +19,24 @@ use serde::Serialize;
 use super::{
     failure::NothingUsed,
     replay::{self, Told},
+    scenario,
 };
 use crate::screen;
 
-/// Compare configurations on one log: a table, and a picture of each
+/// Compare configurations on one log or scenario: a table, and a picture of each
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example:\n  foxhunt compare two.nmea --with \"--locator single\" --with \"--locator robust --bias-sigma 6\"\n\n\
+    after_help = "Example:\n  foxhunt compare two.nmea --with \"--locator single\" --with \"--locator robust --bias-sigma 6\"\n  \
+                  foxhunt compare scenario.toml\n\n\
                   Every --with holds options of `foxhunt replay`. Without any, the locators are compared."
 )]
 pub struct Options {
-    /// The logs, or one raw log.
+    /// The logs, one raw log, or a scenario of a drive as of `foxhunt simulate`: a TOML file.
     #[arg(required = true)]
     files: Vec<PathBuf>,
+    /// The seed of a scenario, in place of its own.
+    #[arg(long, value_name = "SEED")]
+    scenario_seed: Option<u64>,
     /// Several logs are of one line.
     #[arg(long)]
     one_line: bool,
@@ -86,11 +92,12 @@ pub fn run(options: &Options) -> Result<()> {
         })
         .collect::<Result<_>>()?;
     let directory = options.output.clone().unwrap_or_else(|| "compare".into());
+    let files = logs(options, &directory)?;
     let bar = screen::percent("replaying");
     let mut rows = Vec::new();
     for (index, (text, told)) in with.iter().zip(&told).enumerate() {
         let picture = directory.join(format!("{}", index + 1));
-        rows.push(row(options, text, told, &picture)?);
+        rows.push(row(&files, options.one_line, text, told, &picture)?);
         bar.set_position((100 * (index + 1) / with.len()) as u64);
     }
     bar.finish_and_clear();
@@ -110,9 +117,34 @@ pub fn run(options: &Options) -> Result<()> {
     Ok(())
 }
 
-fn row(options: &Options, text: &str, told: &Told, picture: &Path) -> Result<Row> {
+/// The logs; that of a scenario is written beside the pictures.
+fn logs(options: &Options, directory: &Path) -> Result<Vec<PathBuf>> {
+    let log = |file: &PathBuf| -> Result<PathBuf> {
+        if !scenario::is_scenario(file) {
+            return Ok(file.clone());
+        }
+        let name = file.display().to_string();
+        let scenario::Told::Drive(mut drive) = scenario::read(&name)? else {
+            bail!("{name} is no drive: only bearings can be compared");
+        };
+        drive.seed = options.scenario_seed.unwrap_or(drive.seed);
+        let bytes = scenario::log(&drive).with_context(|| name.clone())?;
+        let stem = file.file_stem().unwrap_or_default();
+        let log = directory.join(stem).with_extension("log");
+        fs::create_dir_all(directory)
+            .and_then(|()| fs::write(&log, bytes))
+            .with_context(|| format!("cannot write {}", log.display()))?;
+        Ok(log)
+    };
+    let files: Vec<PathBuf> = options.files.iter().map(log).collect::<Result<_>>()?;
+    let is_told = options.scenario_seed.is_none() || files != options.files;
+    ensure!(is_told, "--scenario-seed is of no use without a scenario");
+    Ok(files)
+}
+
+fn row(files: &[PathBuf], one_line: bool, text: &str, told: &Told, picture: &Path) -> Result<Row> {
     let begin = Instant::now();
-    let (engine, _) = replay::read(&options.files, options.one_line, told, &mut |_, _| Ok(()))
+    let (engine, _) = replay::read(files, one_line, told, &mut |_, _| Ok(()))
         .with_context(|| format!("with {text}"))?;
     let mut row = Row {
         options: text.to_owned(),

@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, path::PathBuf};
 
 use anyhow::{Result, bail};
 use foxhunt::{
-    aoa::{Answer, NotObservable},
+    aoa::Answer,
     gateway::{Event, Rejected},
 };
 use foxhunt_host::archive::{Answered, Kind, times::time};
@@ -16,7 +16,7 @@ use super::{
     summary,
 };
 use crate::{
-    engine::{Engine, Happened, why},
+    engine::{Engine, Happened, code, legible},
     log, screen,
 };
 
@@ -111,18 +111,6 @@ pub fn run(options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// A line that can be printed, not too long.
-fn legible(line: &[u8]) -> String {
-    const LONGEST: usize = 90;
-    let text = String::from_utf8_lossy(line);
-    let plain = |c: char| if c.is_control() { '\u{b7}' } else { c };
-    let mut shown: String = text.chars().take(LONGEST).map(plain).collect();
-    if text.chars().nth(LONGEST).is_some() {
-        shown.push_str("...");
-    }
-    shown
-}
-
 fn print(story: &Story, engine: &Engine) -> Result<()> {
     screen::line(summary::table(engine.counters()))?;
     for one in &story.refused {
@@ -190,8 +178,8 @@ fn story(engine: &Engine, refused: Vec<Refused>) -> Story {
     let answers = engine.answers();
     let archive = engine.archive().ok();
     let mut help = Vec::new();
-    if let Some(last) = answers.last() {
-        help.extend(missing(last).map(str::to_owned));
+    if let Some(Answer::NotObservable(reason)) = answers.last().map(|last| last.answer) {
+        help.push(format!("to {}", reason.help()));
     }
     if let Some(archive) = &archive {
         let of = |kind| {
@@ -220,39 +208,13 @@ fn story(engine: &Engine, refused: Vec<Refused>) -> Story {
     }
 }
 
-/// What would have helped where there is no fix.
-fn missing(last: &Answered) -> Option<&'static str> {
-    let Answer::NotObservable(reason) = last.answer else {
-        return None;
-    };
-    Some(match reason {
-        NotObservable::TooFewBearings { .. } => "more bearings",
-        NotObservable::CrossingAngle { .. } => {
-            "to drive across the bearings: from one place, or towards the source, they are too nearly parallel"
-        }
-        NotObservable::NoIntersection => {
-            "to look at the finder: its bearings do not meet, as if they were mirrored or grew the other way"
-        }
-        NotObservable::SeveralPlaces { .. } => {
-            "to drive so that the places that fit lie in different directions"
-        }
-        NotObservable::WideRange { .. } => {
-            "to drive nearer, or across the line of sight, or to state how far the source can be (`--range`)"
-        }
-        NotObservable::Contradiction { .. } => {
-            "to look at the heading and at the sense of the bearings: most contradict the best place"
-        }
-        _ => return None,
-    })
-}
-
 /// Fixes that came and went, and reasons that changed.
 fn events(answers: &[Answered]) -> Vec<String> {
     let mut events = Vec::new();
     let mut last: Option<(u32, usize, &'static str)> = None;
     for known in answers {
         let (code, text) = match known.answer {
-            Answer::NotObservable(reason) => why(reason),
+            Answer::NotObservable(reason) => (code(reason), reason.to_string()),
             Answer::Fix(_) => ("", String::new()),
         };
         let now = (known.search, known.sources.len(), code);

@@ -6,6 +6,7 @@ mod failure;
 mod init;
 mod live;
 mod replay;
+mod scenario;
 mod simulate;
 mod summary;
 mod survey;

@@ -1,30 +1,27 @@
 //! `foxhunt simulate`: logs of drives that nobody has driven.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::{fs, path::PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
-use foxhunt_host::{
-    drive::{self, Drive},
-    geodesy::Place,
-    packets,
-    scripts::Script,
-};
-use foxhunt_simulation::{people, scenario::Scenario};
+use anyhow::{Context, Result};
+use foxhunt_host::{drive, packets, scripts::Script};
+use foxhunt_simulation::people;
 use serde_json::json;
 
+use super::scenario::{self, Told};
 use crate::screen;
 
-/// Simulate a drive, or people in a tunnel, and write what a receiver, a direction finder or radios would have sent
+/// Simulate a drive, or people in a tunnel or a building, and write what a receiver, a direction finder or radios would have sent
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  foxhunt simulate two-sources --output two.nmea\n  foxhunt replay two.nmea\n\n\
                   A scenario of your own, scenario.toml:\n  seed = 1\n  interval_s = 3.0\n  sigma_rad = 0.05\n  \
                   outlier_rate = 0.05\n  mirrored_rate = 0.0\n  bias_rad = 0.0\n  [vehicle]\n  \
                   corners = [[0.0, 0.0], [1500.0, 0.0], [1500.0, 1500.0]]\n  speed_m_s = 12.0\n  start_s = 0.0\n  \
-                  [[sources]]\n  corners = [[900.0, 1000.0]]\n  speed_m_s = 1.0\n  start_s = 0.0"
+                  [[sources]]\n  corners = [[900.0, 1000.0]]\n  speed_m_s = 1.0\n  start_s = 0.0\n\n\
+                  People in a tunnel, each on a way of their own:\n  [tunnel]\n  seed = 1\n  [[tunnel.people]]\n  \
+                  tag = 7\n  way = { corners = [[2.0, 1.2], [74.0, 1.2]], speed_m_s = 1.2, start_s = 0.0 }\n\n\
+                  People who go from room to room in a building of three floors:\n  [building]\n  seed = 1\n  \
+                  people = 3\n  seconds = 300.0"
 )]
 pub struct Options {
     /// What happens: drive, tunnel, outage, frozen-course, departure, two-sources; or a scenario in a TOML file.
@@ -33,7 +30,8 @@ pub struct Options {
     /// own].
     #[arg(long, allow_negative_numbers = true)]
     seed: Option<u64>,
-    /// The file to write it to; overwritten if there is one. Of a tunnel, the radio map is written beside it, as .map.
+    /// The file to write it to; overwritten if there is one. Beside it are written, of a tunnel the radio
+    /// map, as .map, and of a building the survey, as .csv.
     #[arg(long, short)]
     output: PathBuf,
     /// Print JSON.
@@ -64,12 +62,7 @@ pub fn run(options: &Options) -> Result<()> {
             let bytes = script.scene(seed).drive.bytes().to_vec();
             (seed, vec![(output, bytes)])
         }
-        (file, None) => {
-            let mut scenario = read(file)?;
-            scenario.seed = options.seed.unwrap_or(scenario.seed);
-            let bytes = log(&scenario).with_context(|| file.to_owned())?;
-            (scenario.seed, vec![(output, bytes)])
-        }
+        (file, None) => of_file(file, options.seed, output).with_context(|| file.to_owned())?,
     };
     for (file, bytes) in &files {
         let name = file.display();
@@ -87,68 +80,29 @@ pub fn run(options: &Options) -> Result<()> {
     Ok(())
 }
 
-fn read(file: &str) -> Result<Scenario> {
-    ensure!(
-        Path::new(file)
-            .extension()
-            .is_some_and(|ending| ending == "toml"),
-        "there is no scenario {file}; one of your own is a .toml file"
-    );
-    let text = fs::read_to_string(file).with_context(|| format!("cannot read {file}"))?;
-    match toml::from_str(&text) {
-        Ok(scenario) => Ok(scenario),
-        Err(error) => {
-            let before = error.span().and_then(|span| text.get(..span.start));
-            let line = before.map_or(1, |before| 1 + before.matches('\n').count());
-            bail!("{file}:{line}: {}", error.message())
-        }
-    }
-}
+/// What is written, and where.
+type Files = Vec<(PathBuf, Vec<u8>)>;
 
-/// The log of a scenario: the receiver's sentences, and bearings as JSON, in the order of time.
-fn log(scenario: &Scenario) -> Result<Vec<u8>> {
-    const ORIGIN: Place = Place {
-        latitude: 52.229_675_6,
-        longitude: 21.012_228_7,
-    };
-    /// Seconds after midnight, and midnight of the day of all simulated drives in seconds after 1970.
-    const DEPARTURE: f64 = 9.0 * 3600.0;
-    const MIDNIGHT: f64 = 1_795_305_600.0;
-    let readings = scenario.readings()?;
-    let end = readings
-        .last()
-        .map_or(0.0, |last| f64::from(last.sight.time_ms) * 1e-3);
-    let mut bytes = Vec::new();
-    let mut add = |write: &dyn Fn(&mut Drive)| {
-        let mut drive = Drive::default();
-        write(&mut drive);
-        bytes.extend_from_slice(drive.bytes());
-    };
-    for place in scenario.places(end) {
-        add(&|drive| drive.truth(ORIGIN.offset(place)));
-    }
-    // A receiver that has been on for two seconds is believed.
-    if let Some(first) = readings.first() {
-        for early in [2.0, 1.0] {
-            let time = DEPARTURE + f64::from(first.sight.time_ms) * 1e-3 - early;
-            add(&|drive| drive.position(time, ORIGIN.offset(first.sight.position), 0.0, 0.0));
+/// The seed and the files of a scenario in a file.
+fn of_file(file: &str, seed: Option<u64>, output: PathBuf) -> Result<(u64, Files)> {
+    Ok(match scenario::read(file)? {
+        Told::Drive(mut drive) => {
+            drive.seed = seed.unwrap_or(drive.seed);
+            (drive.seed, vec![(output, scenario::log(&drive)?)])
         }
-    }
-    let mut log = bytes;
-    for reading in &readings {
-        let sight = reading.sight;
-        let time = DEPARTURE + f64::from(sight.time_ms) * 1e-3;
-        let place = ORIGIN.offset(sight.position);
-        let compass = |radians: f64| (90.0 - radians.to_degrees()).rem_euclid(360.0);
-        let mut drive = Drive::default();
-        let speed = scenario.vehicle.speed_m_s;
-        drive.position(time, place, speed, compass(reading.heading));
-        log.extend_from_slice(drive.bytes());
-        let bearing = json!({
-            "type": "BEARING", "bearing_type": "absolute", "latitude": place.latitude, "longitude": place.longitude,
-            "bearing": compass(sight.bearing), "sigma_deg": sight.sigma.to_degrees(), "timestamp": MIDNIGHT + time,
-        });
-        log.extend_from_slice(format!("{bearing}\n").as_bytes());
-    }
-    Ok(log)
+        Told::Tunnel(mut tunnel) => {
+            tunnel.seed = seed.unwrap_or(tunnel.seed);
+            let scene = tunnel.scene()?;
+            let map = (output.with_extension("map"), scene.map);
+            let lines = scene.recording.line_bytes();
+            (tunnel.seed, vec![(output, lines), map])
+        }
+        Told::Building(mut building) => {
+            building.seed = seed.unwrap_or(building.seed);
+            let floors = building.floors()?;
+            let survey = (output.with_extension("csv"), floors.survey.into_bytes());
+            let lines = floors.recording.line_bytes();
+            (building.seed, vec![(output, lines), survey])
+        }
+    })
 }

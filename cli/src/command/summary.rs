@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use crate::engine::why;
 use comfy_table::{Cell, CellAlignment, Table, presets::ASCII_MARKDOWN};
 use foxhunt::{
     aoa::Answer,
@@ -100,7 +99,7 @@ pub fn answer(archive: &Archive) -> String {
         }
     }
     if let Answer::NotObservable(reason) = last.answer {
-        line(format_args!("no fix: {}", why(reason).1));
+        line(format_args!("no fix: {}", reason));
     }
     let likely = archive.hypotheses.iter().filter(|h| h.probability >= 0.01);
     if last.sources.is_empty() || likely.clone().count() > 1 {

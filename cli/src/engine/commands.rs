@@ -1,11 +1,11 @@
 //! Commands: bearings that are taken back, and marks.
 
 use anyhow::{Context, Result, bail, ensure};
+use foxhunt_decode::{Key, Refusal};
 
 use super::message::{By, Mark, Message};
 use super::piece::Command;
 use super::search::{Engine, Happened, Say, Taken};
-use crate::decode::{Key, Refusal};
 
 /// For so many milliseconds, a retract is what people mean by the last thing, even if bearings have come in since.
 const FRESH_MS: i64 = 30_000;

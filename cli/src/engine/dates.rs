@@ -1,5 +1,7 @@
 //! Times of the day as dates.
 
+use foxhunt_decode::time_and_date;
+
 /// Milliseconds of a day.
 pub const DAY: i64 = 86_400_000;
 
@@ -22,7 +24,7 @@ impl Dates {
 
     /// Looks for a date in a line.
     pub fn line(&mut self, line: &[u8]) {
-        if let Some(time_ms) = stated(line) {
+        if let Some(time_ms) = time_and_date(line) {
             self.stated(time_ms);
         }
     }
@@ -45,50 +47,9 @@ impl Dates {
     }
 }
 
-/// The date and time of a line, if it has both: RMC, or the time of a KrakenSDR.
-fn stated(line: &[u8]) -> Option<i64> {
-    let line = std::str::from_utf8(line.get(..line.len().min(120))?).ok()?;
-    if line.len() > 14 && line.as_bytes().first()?.is_ascii_digit() {
-        let (time, _) = line.split_once(',')?;
-        let is_time = time.len() == 13 && time.bytes().all(|b| b.is_ascii_digit());
-        return time.parse().ok().filter(|_| is_time);
-    }
-    let mut fields = line.split(',');
-    let is_rmc = fields.next().is_some_and(|name| name.ends_with("RMC"));
-    let time = fields.next().filter(|_| is_rmc)?;
-    let date = fields.nth(7)?;
-    let two = |text: &str, at: usize| text.get(at..at + 2)?.parse::<i64>().ok();
-    let [hours, minutes, seconds] = [two(time, 0)?, two(time, 2)?, two(time, 4)?];
-    let [day, month, year] = [two(date, 0)?, two(date, 2)?, two(date, 4)?];
-    // The Gregorian calendar, in years that begin in March.
-    let year = year + if year < 80 { 2000 } else { 1900 };
-    let shifted = year - i64::from(month <= 2);
-    let of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
-    let days = 365 * shifted + shifted / 4 - shifted / 100 + shifted / 400 + of_year - 719_468;
-    Some(days * DAY + 1_000 * ((hours * 60 + minutes) * 60 + seconds))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn dates_of_lines() {
-        let rmc = b"$GPRMC,093000.00,A,4807.038,N,01131.000,E,50.0,090.0,221126,,,A*00";
-        assert_eq!(stated(rmc), Some(1_795_339_800_000));
-        assert_eq!(
-            stated(b"1756823719250, 297.0, 7.35"),
-            Some(1_756_823_719_250)
-        );
-        for none in [
-            "",
-            "$GPRMC",
-            "$GPGGA,093000,,,,,,,,,,",
-            "$GPRMC,09,A,,,,,,,2a",
-        ] {
-            assert_eq!(stated(none.as_bytes()), None, "{none}");
-        }
-    }
 
     #[test]
     fn a_time_is_of_the_nearest_day() {

@@ -35,6 +35,13 @@ pub enum Message {
     Health(Health),
     /// A place that somebody has marked.
     Mark(Mark),
+    /// A line or a message of an input was not used.
+    Refused(Refused),
+    /// Bearings are taken for outliers with other probabilities than before.
+    Outliers {
+        /// Their numbers, and the probabilities.
+        changed: Vec<(u64, f64)>,
+    },
 }
 
 /// Who takes a bearing back.
@@ -130,6 +137,19 @@ pub struct Ellipse {
     pub angle_deg: f64,
 }
 
+/// See [`Message::Refused`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Refused {
+    pub input: String,
+    /// When it came in; 0 if that is not known.
+    pub time_ms: i64,
+    pub reason: String,
+    /// Its beginning.
+    pub text: String,
+    /// How many of the input were refused for this reason so far.
+    pub count: u64,
+}
+
 /// A place where the source may be.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Hypothesis {
@@ -145,6 +165,8 @@ pub struct Reason {
     /// As in `$PFOXN`.
     pub code: String,
     pub text: String,
+    /// What helps.
+    pub help: String,
 }
 
 /// Where to drive.
@@ -217,6 +239,8 @@ pub enum State {
     Open,
     Silent,
     Lost,
+    /// It has come to its end.
+    Ended,
 }
 
 /// See [`Message::Mark`].

@@ -6,14 +6,17 @@ mod health;
 mod hunt;
 mod kept;
 pub mod message;
+mod outliers;
 mod piece;
+mod refused;
 mod search;
 mod setup;
 mod site;
 mod words;
 
 pub use piece::{Command, Piece, What};
+pub use refused::legible;
 pub use search::{Engine, Happened};
 pub use setup::Setup;
 pub use site::DEMO_MAP;
-pub use words::why;
+pub use words::code;

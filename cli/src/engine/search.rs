@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use anyhow::{Result, ensure};
 use foxhunt::{
-    aoa::geodesy::Geodetic,
-    gateway::{Counters, Event},
+    aoa::{Observation, geodesy::Geodetic},
+    gateway::{Counters, Event, Rejected},
 };
+use foxhunt_decode::{self as decode, Decoded, Key, Part, Refusal, Stream};
 use foxhunt_host::archive::{Answered, Archive};
 
 use super::{
@@ -14,11 +15,11 @@ use super::{
     hunt::{self, Hunt, PORTS},
     message::{self, Mark, Message},
     piece::{Piece, What},
+    refused::Refusals,
     setup::Setup,
     site::{Site, rounded},
     words,
 };
-use crate::decode::{self, Decoded, Key, Part, Refusal, Stream};
 
 /// What follows from a piece.
 pub enum Happened<'a> {
@@ -59,6 +60,11 @@ pub struct Engine {
     pub(super) marks: BTreeMap<u64, Mark>,
     pub(super) next_mark: u64,
     place: Option<Geodetic>,
+    /// The time of the newest bearing of the search, as the locator counts it.
+    newest_ms: u32,
+    /// When the piece that is taken came in.
+    arrived_ms: i64,
+    refusals: Refusals,
 }
 
 pub(super) struct Input {
@@ -80,6 +86,8 @@ pub(super) struct Taken {
     pub search: u32,
     pub index: usize,
     pub is_retracted: bool,
+    /// The observation, and its probability of being an outlier as it was told last.
+    pub told: Option<(Observation, Option<f64>)>,
 }
 
 /// Retracts by people, which they can undo: when, and of which bearing.
@@ -133,6 +141,9 @@ impl Engine {
             marks: BTreeMap::new(),
             next_mark: 1,
             place: None,
+            newest_ms: 0,
+            arrived_ms: 0,
+            refusals: Refusals::default(),
         })
     }
 
@@ -151,6 +162,7 @@ impl Engine {
     /// Why a command cannot be done.
     pub fn take(&mut self, piece: &Piece, say: Say) -> Result<()> {
         self.dates.arrived(piece.time_ms);
+        self.arrived_ms = piece.time_ms;
         match &piece.what {
             What::Bytes {
                 input,
@@ -162,7 +174,7 @@ impl Engine {
             }
             What::End { input } => {
                 if *input < self.inputs.len() {
-                    self.stream(*input, piece.time_ms, say, |stream, take| stream.end(take));
+                    self.stream(*input, say, |stream, take| stream.end(take));
                     self.push(*input, b"\n", say);
                 }
             }
@@ -186,10 +198,10 @@ impl Engine {
                 }
             }
         } else if is_message {
-            self.decoded(input, decode::message(bytes), time_ms, say);
+            self.decoded(input, bytes, decode::message(bytes), say);
         } else {
             self.hunt.announce(bytes);
-            self.stream(input, time_ms, say, |stream, take| stream.push(bytes, take));
+            self.stream(input, say, |stream, take| stream.push(bytes, take));
         }
     }
 
@@ -197,7 +209,6 @@ impl Engine {
     fn stream(
         &mut self,
         input: usize,
-        time_ms: i64,
         say: Say,
         part: impl FnOnce(&mut Stream, &mut dyn FnMut(Part<'_>)),
     ) {
@@ -205,21 +216,21 @@ impl Engine {
         part(&mut stream, &mut |part| match part {
             Part::Bytes(bytes) => self.push(input, bytes, say),
             Part::Object(object) => {
-                self.decoded(input, decode::json(object), time_ms, say);
+                self.decoded(input, object, decode::json(object), say);
                 self.inputs[input].lines += 1;
             }
         });
         self.inputs[input].stream = stream;
     }
 
-    fn decoded(&mut self, input: usize, decoded: Result<Decoded, Refusal>, time_ms: i64, say: Say) {
+    fn decoded(&mut self, input: usize, text: &[u8], decoded: Result<Decoded, Refusal>, say: Say) {
         let done = match decoded {
             Ok(Decoded::Lines(lines)) => {
                 self.hunt.announce(&lines);
                 self.push(input, &lines, say);
                 Ok(())
             }
-            Ok(Decoded::Bearing(bearing)) => self.bearing(input, bearing, time_ms, say),
+            Ok(Decoded::Bearing(bearing)) => self.bearing(input, bearing, say),
             Ok(Decoded::Delete(key)) => self.delete(&key, say),
             Ok(Decoded::Nothing) => Ok(()),
             Err(reason) => Err(reason),
@@ -232,6 +243,9 @@ impl Engine {
                 number,
                 reason,
             });
+            if reason != Refusal::Known {
+                self.refused(input, reason.to_string(), text, say);
+            }
         }
     }
 
@@ -248,13 +262,7 @@ impl Engine {
     }
 
     /// A bearing that did not come as a line.
-    fn bearing(
-        &mut self,
-        input: usize,
-        bearing: decode::Bearing,
-        arrived_ms: i64,
-        say: Say,
-    ) -> Result<(), Refusal> {
+    fn bearing(&mut self, input: usize, bearing: decode::Bearing, say: Say) -> Result<(), Refusal> {
         let decode::Bearing {
             key,
             time_ms,
@@ -263,14 +271,14 @@ impl Engine {
         } = bearing;
         let is_known = key.id.is_some() && self.keys.contains_key(&key);
         if is_known {
-            return Err(Refusal::Field("id"));
+            return Err(Refusal::Known);
         }
         let port = (self.port_of(input, &key.station)).ok_or(Refusal::Field("station"))?;
         if let Some(time) = time_ms {
             self.dates.stated(time);
         }
         // What states a place but no time was taken now.
-        let now = Some(arrived_ms).filter(|time| record.place.is_some() && *time > 0);
+        let now = Some(self.arrived_ms).filter(|time| record.place.is_some() && *time > 0);
         record.time_ms = (time_ms.or(now)).map(|time| time.rem_euclid(DAY) as u32);
         let event = self.hunt.record(port, &record);
         self.happened(port, &event, Some((key, is_of_others)), say);
@@ -306,9 +314,20 @@ impl Engine {
             line,
             event,
         });
+        // What is read twice, as the page of a finder, does no harm.
+        let is_harmless = matches!(
+            event,
+            Event::Rejected(Rejected::Duplicate | Rejected::Frozen)
+        );
+        if let Event::Rejected(reason) = event
+            && !is_harmless
+        {
+            let line = line.to_vec();
+            self.refused(port, reason.to_string(), &line, say);
+        }
         let is_bearing = matches!(event, Event::Fix(_) | Event::NotObservable(_));
         if key.is_none() && (is_bearing || *event == Event::Used) {
-            self.dates.line(line);
+            self.dates.line(self.hunt.line(port));
         }
         if !self.hunt.report().is_empty() {
             say(Happened::Report(self.hunt.report()));
@@ -345,11 +364,13 @@ impl Engine {
         let count = self.hunt.bearings();
         if count == 1 {
             self.search += 1;
+            self.newest_ms = 0;
         }
         self.bearings.push(Taken {
             search: self.search,
             index: count.saturating_sub(1),
             is_retracted: false,
+            told: None,
         });
         let id = self.bearings.len() as u64;
         let station = key.as_ref().filter(|key| !key.station.is_empty()).cloned();
@@ -359,7 +380,9 @@ impl Engine {
         let (Some(plane), Some(observation)) = (self.hunt.plane(), self.hunt.observation()) else {
             return;
         };
-        let time_ms = self.now_ms();
+        // One that has come late is older than the newest.
+        self.newest_ms = self.newest_ms.max(observation.time_ms());
+        let time_ms = self.now_ms() - i64::from(self.newest_ms - observation.time_ms());
         let place = foxhunt_host::archive::coordinates(&plane, observation.position());
         if let Some([lon, lat]) = place {
             if let Some(Key { station: name, .. }) = station {
@@ -373,6 +396,10 @@ impl Engine {
                 })));
             }
             let chances = self.hunt.classify(&observation);
+            let outlier = chances.map(|chances| rounded(chances.outlier.into(), 3));
+            if let Some(taken) = self.bearings.last_mut() {
+                taken.told = Some((observation, outlier));
+            }
             say(Happened::Message(Message::Bearing(message::Bearing {
                 id,
                 receiver: (self.ports.get(port)).map_or(String::new(), |port| port.name.clone()),
@@ -383,16 +410,26 @@ impl Engine {
                 sigma_deg: rounded(observation.sigma_rad().to_degrees().into(), 2),
                 used: true,
                 reason: None,
-                outlier: chances.map(|chances| rounded(chances.outlier.into(), 3)),
+                outlier,
                 is_of_others,
             })));
         }
         self.answer(say);
     }
 
-    pub(super) fn answer(&self, say: Say) {
+    pub(super) fn answer(&mut self, say: Say) {
         let answer = words::answer(&*self.hunt, self.now_ms());
         say(Happened::Message(Message::Answer(answer)));
+        self.classify_again(say);
+    }
+
+    /// Tells of a line or message of a port that was not used.
+    fn refused(&mut self, port: usize, reason: String, text: &[u8], say: Say) {
+        let name = self.ports.get(port).map_or("", |port| &port.name);
+        let told = (self.refusals).take(name, reason, text, self.arrived_ms);
+        if let Some(told) = told {
+            say(Happened::Message(Message::Refused(told)));
+        }
     }
 
     fn now_ms(&self) -> i64 {

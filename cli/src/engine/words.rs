@@ -1,7 +1,5 @@
 //! What is known, as messages.
 
-use std::f32::consts::FRAC_PI_2;
-
 use foxhunt::aoa::{self, NotObservable, geodesy::LocalPlane};
 use foxhunt::estimate;
 use foxhunt_host::archive::coordinates;
@@ -16,28 +14,18 @@ const PARTICLES: usize = 300;
 /// What a search knows at a time.
 pub fn answer(hunt: &dyn Hunt, time_ms: i64) -> Answer {
     let Some(plane) = hunt.plane() else {
-        let (code, text) = why(NotObservable::TooFewBearings { have: 0 });
         return Answer {
             time_ms,
             sources: Vec::new(),
             hypotheses: Vec::new(),
-            reason: Some(Reason {
-                code: code.into(),
-                text,
-            }),
+            reason: Some(why(NotObservable::TooFewBearings { have: 0 })),
             advice: None,
             particles: Vec::new(),
         };
     };
     let reason = match hunt.answer() {
         aoa::Answer::Fix(_) => None,
-        aoa::Answer::NotObservable(reason) => {
-            let (code, text) = why(reason);
-            Some(Reason {
-                code: code.into(),
-                text,
-            })
-        }
+        aoa::Answer::NotObservable(reason) => Some(why(reason)),
     };
     let sources = hunt.sources();
     Answer {
@@ -115,55 +103,24 @@ fn advice(hunt: &dyn Hunt, plane: &LocalPlane, advice: &aoa::Advice) -> Option<A
     Some(Advice { lat, lon, text })
 }
 
-/// Why there is no fix: the word of `$PFOXN`, and in words.
-pub fn why(reason: NotObservable) -> (&'static str, String) {
+/// Why there is no fix.
+fn why(reason: NotObservable) -> Reason {
+    Reason {
+        code: code(reason).into(),
+        text: reason.to_string(),
+        help: reason.help().into(),
+    }
+}
+
+/// The word of `$PFOXN`.
+pub fn code(reason: NotObservable) -> &'static str {
     match reason {
-        NotObservable::TooFewBearings { have } => {
-            ("FEW", format!("too few bearings: {have} so far"))
-        }
-        // No angle is enough: their errors ask for more of them.
-        NotObservable::CrossingAngle { needed_rad, .. } if needed_rad > FRAC_PI_2 => (
-            "ANGLE",
-            "by their errors, so few bearings do not tell yet where they cross".into(),
-        ),
-        NotObservable::CrossingAngle {
-            have_rad,
-            needed_rad,
-        } => (
-            "ANGLE",
-            format!(
-                "the bearings cross at {:.1} degrees, {:.1} are needed",
-                have_rad.to_degrees(),
-                needed_rad.to_degrees(),
-            ),
-        ),
-        NotObservable::NoIntersection => (
-            "APART",
-            "the bearings do not meet in front of their receivers".into(),
-        ),
-        NotObservable::SeveralPlaces { have: 0 | 1 } => (
-            "PLACES",
-            "one place fits, but chance explains the bearings nearly as well".into(),
-        ),
-        NotObservable::SeveralPlaces { have } => ("PLACES", format!("{have} places fit")),
-        NotObservable::WideRange { have, needed } => (
-            "WIDE",
-            format!(
-                "the range is known to {:.1} %, {:.1} % are needed",
-                100.0 * have,
-                100.0 * needed,
-            ),
-        ),
-        NotObservable::Contradiction { outliers } => (
-            "CONTRARY",
-            format!(
-                "{:.0} % of the bearings do not agree with the best place",
-                100.0 * outliers,
-            ),
-        ),
-        _ => (
-            "OTHER",
-            "the bearings do not say where the source is".into(),
-        ),
+        NotObservable::TooFewBearings { .. } => "FEW",
+        NotObservable::CrossingAngle { .. } => "ANGLE",
+        NotObservable::NoIntersection => "APART",
+        NotObservable::SeveralPlaces { .. } => "PLACES",
+        NotObservable::WideRange { .. } => "WIDE",
+        NotObservable::Contradiction { .. } => "CONTRARY",
+        _ => "OTHER",
     }
 }

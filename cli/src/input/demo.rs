@@ -89,5 +89,5 @@ async fn play(feed: Feed, lines: Vec<(f64, Vec<u8>)>, begin: Instant, speed: f64
         }
     }
     feed.end().await;
-    feed.status.lost("the demo is over");
+    feed.status.ended();
 }

@@ -26,5 +26,5 @@ pub async fn run(feed: Feed) {
     });
     let _ = read.await;
     feed.end().await;
-    feed.status.lost("at its end");
+    feed.status.ended();
 }

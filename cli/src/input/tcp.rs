@@ -24,6 +24,10 @@ pub async fn connect(address: String, hello: &[u8], feed: Feed) {
 async fn read(address: &str, hello: &[u8], feed: &Feed) -> Result<Never, Failure> {
     let cannot = |error| Failure::closed(format!("{address}: {error}"));
     let mut stream = TcpStream::connect(address).await.map_err(cannot)?;
+    // Where nobody listens, the system may choose that port for this end, too.
+    if stream.local_addr().ok() == stream.peer_addr().ok() {
+        return Err(Failure::closed(format!("{address}: nobody listens")));
+    }
     stream.write_all(hello).await.map_err(cannot)?;
     feed.status.opened();
     let mut bytes = vec![0; PIECE];

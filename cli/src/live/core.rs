@@ -4,6 +4,7 @@ use std::sync::{Arc, atomic::Ordering::Relaxed};
 
 use anyhow::Result;
 use foxhunt::gateway::Event;
+use foxhunt_decode::Refusal;
 use tokio::sync::{mpsc, oneshot};
 
 use super::{
@@ -138,6 +139,11 @@ impl Core {
         let mut refused = None;
         let done = self.engine.take(piece, &mut |happened| {
             match &happened {
+                // Who did not hear that it was taken says it again.
+                Happened::Refused {
+                    reason: Refusal::Known,
+                    ..
+                } => {}
                 Happened::Refused { reason, .. } => refused = Some(reason.to_string()),
                 Happened::Line {
                     event: Event::Rejected(reason),
@@ -195,6 +201,10 @@ impl Core {
 fn add(hub: &Hub, happened: Happened<'_>) {
     match happened {
         Happened::Message(message) => {
+            if let Message::Refused(refused) = &message {
+                let (input, reason) = (&refused.input, &refused.reason);
+                eprintln!("{input}: not used: {reason}: {}", refused.text);
+            }
             hub.add(Out::Message(Box::new(message)));
         }
         Happened::Report(report) => {

@@ -15,6 +15,8 @@ pub struct Status {
     pub name: String,
     /// Milliseconds after which it is called silent; 0 for never.
     silent_ms: i64,
+    /// Changes are not printed.
+    is_quiet: bool,
     state: Mutex<(Option<State>, i64)>,
     /// When something came last, in milliseconds after 1970.
     heard_ms: AtomicU64,
@@ -34,12 +36,21 @@ impl Status {
         Self {
             name: name.to_owned(),
             silent_ms: 1_000 * silent_s as i64,
+            is_quiet: false,
             state: Mutex::new((None, now_ms())),
             heard_ms: AtomicU64::new(0),
             read: AtomicU64::new(0),
             queued: AtomicU64::new(0),
             sent: AtomicU64::new(0),
             lost: AtomicU64::new(0),
+        }
+    }
+
+    /// One that prints nothing.
+    pub fn quiet(name: &str) -> Self {
+        Self {
+            is_quiet: true,
+            ..Self::new(name, 0)
         }
     }
 
@@ -53,10 +64,14 @@ impl Status {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         if state.0 != Some(new) {
             *state = (Some(new), now_ms());
+            if self.is_quiet {
+                return;
+            }
             let word = match new {
                 State::Open => "open",
                 State::Silent => "silent",
                 State::Lost => "lost",
+                State::Ended => "ended",
             };
             eprintln!("{}: {word}{why}", self.name);
         }
@@ -71,6 +86,11 @@ impl Status {
     /// It is not.
     pub fn lost(&self, why: impl std::fmt::Display) {
         self.set(State::Lost, &format!(": {why}"));
+    }
+
+    /// It has come to its end.
+    pub fn ended(&self) {
+        self.set(State::Ended, "");
     }
 
     /// Something has come.

@@ -1,11 +1,16 @@
 //! What a page needs to be told when it is opened.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 
-use crate::engine::message::{Answer, Bearing, By, Health, Mark, Message, Receiver, Site, Tag};
+use crate::engine::message::{
+    Answer, Bearing, By, Health, Mark, Message, Receiver, Refused, Site, Tag,
+};
 
 /// Bearings that are told.
 const BEARINGS: usize = 2_000;
+
+/// Refusals that are told.
+const REFUSED: usize = 20;
 
 /// All that is known.
 #[derive(Debug, Default)]
@@ -17,6 +22,7 @@ pub struct View {
     tags: BTreeMap<(String, u32), Tag>,
     health: Option<Health>,
     marks: BTreeMap<u64, Mark>,
+    refused: VecDeque<Refused>,
 }
 
 impl View {
@@ -49,6 +55,19 @@ impl View {
             Message::Mark(one) => {
                 self.marks.insert(one.id, one.clone());
             }
+            Message::Refused(one) => {
+                self.refused.push_back(one.clone());
+                if self.refused.len() > REFUSED {
+                    self.refused.pop_front();
+                }
+            }
+            Message::Outliers { changed } => {
+                for (id, outlier) in changed {
+                    if let Some((bearing, _)) = self.bearings.get_mut(id) {
+                        bearing.outlier = Some(*outlier);
+                    }
+                }
+            }
         }
     }
 
@@ -71,6 +90,7 @@ impl View {
         messages.extend(self.answer.iter().cloned().map(Message::Answer));
         messages.extend(self.tags.values().cloned().map(Message::Tag));
         messages.extend(self.marks.values().cloned().map(Message::Mark));
+        messages.extend(self.refused.iter().cloned().map(Message::Refused));
         messages.extend(self.health.iter().cloned().map(Message::Health));
         messages
     }

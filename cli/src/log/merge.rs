@@ -1,5 +1,7 @@
 //! Several logs as one, by the times that their lines state.
 
+use foxhunt_decode::time_of_day;
+
 use crate::engine::{Piece, What};
 
 /// Milliseconds of a day.
@@ -58,27 +60,6 @@ pub fn merged(logs: &[Vec<u8>], is_one: bool) -> Vec<Piece> {
             Piece { time_ms: 0, what }
         })
         .collect()
-}
-
-/// Milliseconds after midnight, if the line states a time.
-fn time_of_day(line: &[u8]) -> Option<i64> {
-    let line = std::str::from_utf8(line.get(..line.len().min(200))?.trim_ascii()).ok()?;
-    let (first, rest) = line.split_once(',')?;
-    if first.len() == 13 && first.bytes().all(|byte| byte.is_ascii_digit()) {
-        return Some(first.parse::<i64>().ok()?.rem_euclid(DAY));
-    }
-    let kind = first.strip_prefix('$').and_then(|name| name.get(2..))?;
-    if !matches!(kind, "RMC" | "GGA" | "GNS" | "ZDA") {
-        return None;
-    }
-    let time = rest.split(',').next()?;
-    let two = |at: usize| time.get(at..at + 2)?.parse::<i64>().ok();
-    let fraction: f64 = time
-        .get(6..)
-        .filter(|rest| rest.starts_with('.'))
-        .map_or(Some(0.0), |rest| format!("0{rest}").parse().ok())?;
-    let seconds = (two(0)? * 60 + two(2)?) * 60 + two(4)?;
-    Some((1_000 * seconds + (1e3 * fraction).round() as i64).rem_euclid(DAY))
 }
 
 #[cfg(test)]

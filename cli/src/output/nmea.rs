@@ -1,9 +1,8 @@
 //! Sources as waypoints that chart plotters show.
 
-use crate::{
-    decode::{coordinate, sentence},
-    engine::message::Message,
-};
+use foxhunt_decode::{coordinate, sentence};
+
+use crate::engine::message::Message;
 
 /// `$GPWPL` for each source.
 pub fn waypoints(message: &Message) -> Vec<String> {

@@ -115,6 +115,9 @@ pub struct Web {
     /// A GeoJSON file that is drawn below everything.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub background: Option<PathBuf>,
+    /// An MBTiles file of a map, of pictures, that is drawn below that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tiles: Option<PathBuf>,
 }
 
 impl Default for Web {
@@ -124,6 +127,7 @@ impl Default for Web {
             listen: "127.0.0.1:8073".into(),
             token: None,
             background: None,
+            tiles: None,
         }
     }
 }
@@ -227,6 +231,7 @@ mod tests {
         let settings = Settings::of_text(&all).unwrap();
         assert!(settings.input.len() >= 10 && settings.output.len() >= 5);
         assert!(settings.log.is_some() && settings.web.background.is_some());
+        assert!(settings.web.tiles.is_some());
         assert_eq!(
             Settings::of_text(&settings.text().unwrap()).unwrap(),
             settings

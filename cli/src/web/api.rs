@@ -4,8 +4,11 @@ use std::{convert::Infallible, sync::Arc, time::Duration};
 
 use axum::{
     Json, Router,
-    extract::{DefaultBodyLimit, Query, State, rejection::JsonRejection},
-    http::{HeaderMap, StatusCode, header::CONTENT_TYPE},
+    extract::{DefaultBodyLimit, Path, Query, State, rejection::JsonRejection},
+    http::{
+        HeaderMap, StatusCode,
+        header::{CACHE_CONTROL, CONTENT_TYPE},
+    },
     response::{
         IntoResponse, Response,
         sse::{Event, KeepAlive, Sse},
@@ -34,6 +37,8 @@ pub fn routes() -> Router<Arc<Shared>> {
         .route("/undo", post(undo))
         .route("/mark", post(mark))
         .route("/background.geojson", get(background))
+        .route("/tiles", get(tiles))
+        .route("/tiles/{zoom}/{column}/{row}", get(tile))
         .fallback(nothing)
         .layer(DefaultBodyLimit::max(LARGEST))
 }
@@ -154,5 +159,33 @@ async fn background(State(shared): State<Arc<Shared>>) -> Response {
     match tokio::fs::read(file).await {
         Ok(bytes) => ([(CONTENT_TYPE, "application/geo+json")], bytes).into_response(),
         Err(_) => refused(StatusCode::NOT_FOUND, "the background cannot be read"),
+    }
+}
+
+/// What tiles there are.
+async fn tiles(State(shared): State<Arc<Shared>>) -> Response {
+    match &shared.tiles {
+        Some(tiles) => Json(tiles.about.clone()).into_response(),
+        None => nothing().await,
+    }
+}
+
+/// A tile; no content where the map has none.
+async fn tile(State(shared): State<Arc<Shared>>, Path(which): Path<[u32; 3]>) -> Response {
+    let Some(tiles) = shared.tiles.clone() else {
+        return nothing().await;
+    };
+    let kind = tiles.kind;
+    let found = tokio::task::spawn_blocking(move || tiles.tile(which)).await;
+    match found {
+        Ok(Ok(Some(tile))) => {
+            let headers = [(CONTENT_TYPE, kind), (CACHE_CONTROL, "max-age=3600")];
+            (headers, tile).into_response()
+        }
+        Ok(Ok(None)) => StatusCode::NO_CONTENT.into_response(),
+        _ => refused(
+            StatusCode::INTERNAL_SERVER_ERROR,
+            "the tiles cannot be read",
+        ),
     }
 }

@@ -6,5 +6,6 @@ mod files;
 mod guard;
 mod shared;
 mod start;
+mod tiles;
 
 pub use start::start;

@@ -2,6 +2,7 @@
 
 use std::{path::PathBuf, sync::Arc};
 
+use super::tiles::Tiles;
 use crate::live::{Search, hub::Hub};
 
 /// What handlers share.
@@ -9,4 +10,5 @@ pub struct Shared {
     pub hub: Arc<Hub>,
     pub search: Search,
     pub background: Option<PathBuf>,
+    pub tiles: Option<Arc<Tiles>>,
 }

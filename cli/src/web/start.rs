@@ -10,6 +10,7 @@ use super::{
     api, connections, files,
     guard::{self, Guard},
     shared::Shared,
+    tiles::Tiles,
 };
 use crate::{
     live::{Search, hub::Hub},
@@ -19,8 +20,9 @@ use crate::{
 /// Begins to serve the page; says where.
 ///
 /// # Errors
-/// If the address cannot be listened at.
+/// If the address cannot be listened at, or tiles cannot be read.
 pub async fn start(told: &settings::Web, hub: Arc<Hub>, search: Search) -> Result<SocketAddr> {
+    let tiles = told.tiles.as_deref().map(Tiles::open).transpose()?;
     let listener = TcpListener::bind(&told.listen)
         .await
         .with_context(|| format!("cannot serve the page at {}", told.listen))?;
@@ -34,6 +36,7 @@ pub async fn start(told: &settings::Web, hub: Arc<Hub>, search: Search) -> Resul
         hub,
         search,
         background: told.background.clone(),
+        tiles: tiles.map(Arc::new),
     };
     let app = Router::new()
         .nest("/api", api::routes())

@@ -15,13 +15,20 @@ use serde_json::{Value, json};
 
 use crate::program::{Folder, Live, PATIENCE, free_port, free_udp_port};
 
-struct Broker(Child);
+/// mosquitto.
+pub struct Broker(Child);
 
 impl Broker {
-    fn start(folder: &Folder, port: u16) -> Option<Self> {
+    /// One that keeps what it has in a folder; none, if it is not installed.
+    pub fn start(folder: &Folder, port: u16) -> Option<Self> {
+        Self::with(folder, port, "allow_anonymous true\n")
+    }
+
+    /// The same with settings of who may connect, and how.
+    fn with(folder: &Folder, port: u16, access: &str) -> Option<Self> {
         // It keeps what subscribers that are away have not got.
         let settings = format!(
-            "listener {port} 127.0.0.1\nuser root\nallow_anonymous true\npersistence true\nautosave_interval 1\n\
+            "listener {port} 127.0.0.1\n{access}user root\npersistence true\nautosave_interval 1\n\
              autosave_on_changes true\nmax_queued_messages 0\npersistence_location {}/\n",
             folder.0.display()
         );
@@ -39,6 +46,13 @@ impl Broker {
         }
         Some(Self(child))
     }
+
+    /// Asks it to end, and waits until it has.
+    pub fn end(&mut self) {
+        let id = self.0.id().to_string();
+        assert!(Command::new("kill").arg(id).status().unwrap().success());
+        self.0.wait().unwrap();
+    }
 }
 
 impl Drop for Broker {
@@ -53,6 +67,10 @@ struct Client(Child, mpsc::Receiver<(String, Value)>);
 
 impl Client {
     fn start(port: u16, topic: &str) -> Self {
+        Self::with(port, topic, &[])
+    }
+
+    fn with(port: u16, topic: &str, more: &[&str]) -> Self {
         let mut child = Command::new("mosquitto_sub")
             .args([
                 "-V",
@@ -65,6 +83,7 @@ impl Client {
                 "-t",
                 topic,
             ])
+            .args(more)
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
@@ -186,4 +205,54 @@ fn vehicles_meet_at_a_broker() {
     drop(one);
     client.until("lost", |_, message| message["state"] == "lost");
     assert!(fs::metadata(north.0.join("queue/broker.jsonl")).is_ok());
+}
+
+/// A broker that wants a password, over TLS.
+#[test]
+fn a_broker_is_reached_by_tls_and_password() {
+    let folder = Folder::new();
+    let own = rcgen::generate_simple_self_signed(["localhost".to_owned()]).unwrap();
+    let certificate = folder.file("certificate.pem", own.cert.pem());
+    let key = folder.file("key.pem", own.signing_key.serialize_pem());
+    let passwords = folder.file("passwords", "");
+    let made = Command::new("mosquitto_passwd")
+        .args(["-b", passwords.to_str().unwrap(), "fox", "secret"])
+        .status();
+    if made.is_err() {
+        eprintln!("skipped: mosquitto is not installed");
+        return;
+    }
+    let port = free_port();
+    let [certificate, key, passwords] =
+        [certificate, key, passwords].map(|file| file.display().to_string());
+    let access = format!(
+        "certfile {certificate}\nkeyfile {key}\npassword_file {passwords}\nallow_anonymous false\n"
+    );
+    let _broker = Broker::with(&folder, port, &access).unwrap();
+    let live = |password: &str| {
+        let own = Folder::new();
+        own.file("password.txt", format!("{password}\n"));
+        let settings = format!(
+            "name = \"safe\"\n[[input]]\nname = \"a\"\nstdin = true\n[[output]]\nname = \"broker\"\n\
+             mqtt = {{ broker = \"localhost:{port}\", user = \"fox\", password-file = \"password.txt\", \
+             tls = true, certificates = \"{certificate}\" }}\n"
+        );
+        (Live::start(&own, &settings, &[]), own)
+    };
+    let (refused, _folder) = live("wrong");
+    refused.said("broker: lost");
+    let more = [
+        "-h",
+        "localhost",
+        "--cafile",
+        &certificate,
+        "-u",
+        "fox",
+        "-P",
+        "secret",
+    ];
+    let client = Client::with(port, "foxhunt/safe/health", &more);
+    let (right, _folder) = live("secret");
+    right.said("broker: open");
+    client.until("open", |_, message| message["state"] == "open");
 }

@@ -93,8 +93,7 @@ fn a_bearing_by_udp_is_a_fix_and_can_be_taken_back() {
             .iter()
             .any(|one| one["properties"]["kind"] == "fix")
     );
-    let cot = fs::read_to_string(folder.0.join("cot.xml")).unwrap();
-    assert!(cot.contains("type=\"a-u-G\"") && cot.contains("uid=\"foxhunt.vehicle.0\""));
+    another_library_reads_the_events(&folder, &last["sources"][0]);
 
     // The raw log leads to the same.
     let replayed = run(&folder, &["replay", "raw.jsonl", "--json"]);
@@ -102,6 +101,27 @@ fn a_bearing_by_udp_is_a_fix_and_can_be_taken_back() {
     assert_eq!(replayed["bearings"], 9);
     let row = replayed["fixes"].as_array().unwrap().last().unwrap();
     assert_eq!(row["latitude"], last["sources"][0]["lat"], "{row}");
+}
+
+/// Events of Cursor on Target, by a parser of others.
+fn another_library_reads_the_events(folder: &Folder, source: &Value) {
+    let cot = fs::read_to_string(folder.0.join("cot.xml")).unwrap();
+    let cot = cot_proto::detail::parse(cot.lines().last().unwrap()).unwrap();
+    assert_eq!((&*cot.uid, &*cot.cot_type), ("foxhunt.vehicle.0", "a-u-G"));
+    assert_eq!(
+        [cot.point.lat, cot.point.lon].map(Value::from),
+        [&source["lat"], &source["lon"]].map(Value::clone)
+    );
+    assert!(
+        (f64::from(cot.point.ce) - source["ellipse"]["semi_major_m"].as_f64().unwrap()).abs()
+            < 0.06
+    );
+    assert_eq!((cot.stale - cot.time).num_seconds(), 120);
+    assert!(
+        cot.detail
+            .iter()
+            .any(|one| one == "<contact callsign=\"vehicle fox 0\"/>")
+    );
 }
 
 #[test]
@@ -224,6 +244,74 @@ fn the_demo_shows_both_kinds() {
     assert_eq!(live.messages("site").len(), 1);
 }
 
+/// What a bearing is taken for changes as more is known.
+#[test]
+fn an_outlier_is_known_when_more_is_known() {
+    let folder = Folder::new();
+    let port = free_udp_port();
+    let settings = format!("[[input]]\nname = \"horus\"\nudp = \"127.0.0.1:{port}\"\n");
+    let live = Live::start(&folder, &settings, &[]);
+    live.said("horus: open");
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let outlier = |live: &Live| live.messages("bearing")[1]["outlier"].as_f64();
+    for k in 0..3 {
+        let mut one = bearing(k);
+        if k == 1 {
+            one["bearing"] = 100.into();
+        }
+        send(&socket, port, &one);
+    }
+    live.until("three", |live| (live.bearings() == 3).then_some(()));
+    let early = outlier(&live).unwrap_or(0.0);
+    for k in 3..10 {
+        send(&socket, port, &bearing(k));
+    }
+    live.until("ten", |live| (live.bearings() == 10).then_some(()));
+    let late = outlier(&live).unwrap();
+    assert!(early < 0.9 && late > 0.9, "{early} {late}");
+}
+
+/// A KrakenSDR's WebSocket, which is closed and opened again.
+#[test]
+fn a_websocket_is_read() {
+    use tokio_tungstenite::tungstenite::{Message, accept};
+
+    let folder = Folder::new();
+    let server = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = server.local_addr().unwrap().port();
+    let settings =
+        format!("[[input]]\nname = \"kraken\"\nwebsocket = \"ws://127.0.0.1:{port}/\"\n");
+    let live = Live::start(&folder, &settings, &[]);
+    for k in 0..2 {
+        let (stream, _) = server.accept().unwrap();
+        let mut socket = accept(stream).unwrap();
+        socket.send(Message::Ping(Vec::new().into())).unwrap();
+        let [text, bytes] = [2 * k, 2 * k + 1].map(|k| bearing(k).to_string());
+        socket.send(Message::text(text)).unwrap();
+        socket.send(Message::binary(bytes.into_bytes())).unwrap();
+        let all = 2 * k as usize + 2;
+        live.until("both", |live| (live.bearings() == all).then_some(()));
+        drop(socket);
+        live.said("kraken: lost");
+    }
+}
+
+/// A serial port, at the other end of which a receiver and a direction finder speak.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_serial_port_is_read() {
+    let folder = Folder::new();
+    let (mut line, name) = terminal();
+    let settings = format!("[[input]]\nname = \"receiver\"\nserial = \"{name}\"\nbaud = 115200\n");
+    let live = Live::start(&folder, &settings, &[]);
+    live.said("receiver: open");
+    for piece in fs::read(drive()).unwrap().chunks(512) {
+        line.write_all(piece).unwrap();
+        line.flush().unwrap();
+    }
+    live.until("all bearings", |live| (live.bearings() == 55).then_some(()));
+}
+
 /// gpsd reads a pseudo-terminal, and tells where it is.
 #[test]
 #[cfg(target_os = "linux")]
@@ -264,11 +352,20 @@ fn gpsd_is_read() {
 
 /// The end of a pseudo-terminal that writes, and the name of the other.
 #[cfg(target_os = "linux")]
-fn terminal() -> (impl Write, String) {
+pub fn terminal() -> (impl Write, String) {
+    use std::os::unix::fs::OpenOptionsExt;
+
     use serialport::SerialPort;
+
+    /// It is not to be the terminal of this program.
+    const NOCTTY: i32 = 0o400;
     let (own, other) = serialport::TTYPort::pair().unwrap();
     let name = other.name().unwrap();
-    // It must stay open.
-    std::mem::forget(other);
+    // It must stay open, but not locked.
+    let open = fs::OpenOptions::new()
+        .read(true)
+        .custom_flags(NOCTTY)
+        .open(&name);
+    std::mem::forget(open.unwrap());
     (own, name)
 }

@@ -4,4 +4,6 @@ mod broker;
 mod live;
 mod program;
 mod replay;
+#[cfg(target_os = "linux")]
+mod restarts;
 mod web;

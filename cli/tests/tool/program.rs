@@ -83,7 +83,7 @@ impl Live {
         let file = folder.file("foxhunt.toml", settings);
         let mut arguments = vec!["live", file.to_str().unwrap()];
         arguments.extend(more);
-        if !settings.contains("listen =") {
+        if !settings.contains("\nlisten =") {
             arguments.extend(["--listen", "127.0.0.1:0"]);
         }
         let mut child = command(folder, &arguments)
@@ -128,6 +128,11 @@ impl Live {
             }
         }
         panic!("never said {text}: {all:?}");
+    }
+
+    /// The lines of its errors that nobody has waited for yet.
+    pub fn all_said(&self) -> Vec<String> {
+        self.errors.try_iter().collect()
     }
 
     pub fn stdin(&mut self) -> &mut impl Write {

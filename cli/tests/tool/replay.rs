@@ -124,6 +124,64 @@ fn simulated_logs_are_replayed() {
     assert!(folder.0.join("tunnel.map").is_file());
 }
 
+/// A drive, a tunnel and a building, as files tell.
+#[test]
+fn scenarios_are_simulated_and_compared() {
+    const DRIVE: &str = "seed = 1\ninterval_s = 3.0\nsigma_rad = 0.05\noutlier_rate = 0.1\nmirrored_rate = 0.0\n\
+        bias_rad = 0.0\n[vehicle]\ncorners = [[0.0, 0.0], [1500.0, 0.0], [1500.0, 1500.0]]\nspeed_m_s = 12.0\n\
+        start_s = 0.0\n[[sources]]\ncorners = [[900.0, 1000.0]]\nspeed_m_s = 1.0\nstart_s = 0.0\n";
+    let folder = Folder::new();
+    folder.file("drive.toml", DRIVE);
+    let output = run(&folder, &["compare", "drive.toml", "--json"]);
+    let rows: Value = serde_json::from_str(&printed(&output)).unwrap();
+    let robust = &rows[3];
+    assert_eq!(robust["options"], "--locator robust");
+    // Within three times the ellipse of 95 %, as all but one of many millions are.
+    let (error, semi) = (robust["error_m"].as_f64(), robust["semi_major_m"].as_f64());
+    assert!(error.unwrap() < 3.0 * semi.unwrap(), "{robust}");
+    let other = ["compare", "drive.toml", "--scenario-seed", "2", "--json"];
+    let others: Value = serde_json::from_str(&printed(&run(&folder, &other))).unwrap();
+    assert_ne!(others[3]["error_m"], robust["error_m"]);
+
+    folder.file(
+        "tunnel.toml",
+        "[tunnel]\nseed = 1\n[[tunnel.people]]\ntag = 7\n\
+         way = { corners = [[2.0, 1.2], [74.0, 1.2]], speed_m_s = 1.2, start_s = 0.0 }\n",
+    );
+    printed(&run(
+        &folder,
+        &["simulate", "tunnel.toml", "-o", "tunnel.packets"],
+    ));
+    let packets = fs::read_to_string(folder.0.join("tunnel.packets")).unwrap();
+    assert!(packets.contains("$PFOXB,") && packets.contains("$PFOXG,0,7,2.000,1.200"));
+    assert!(folder.0.join("tunnel.map").is_file());
+
+    folder.file(
+        "building.toml",
+        "[building]\nseed = 1\npeople = 2\nseconds = 60.0\n",
+    );
+    printed(&run(
+        &folder,
+        &["simulate", "building.toml", "-o", "building.packets"],
+    ));
+    let check = printed(&run(
+        &folder,
+        &["survey", "check", "building.csv", "--json"],
+    ));
+    assert_eq!(check.lines().count(), 3, "{check}");
+
+    folder.file(
+        "wrong.toml",
+        "[building]\nseed = 1\npeople = 2\nsecond = 60.0\n",
+    );
+    let wrong = run(&folder, &["simulate", "wrong.toml", "-o", "x"]);
+    let error = String::from_utf8_lossy(&wrong.stderr).into_owned();
+    assert!(
+        !wrong.status.success() && error.contains("wrong.toml:4:"),
+        "{error}"
+    );
+}
+
 /// Whatever a log holds, it is read to its end.
 #[test]
 fn logs_of_real_receivers_are_read() {

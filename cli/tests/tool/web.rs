@@ -6,7 +6,7 @@ use std::{
     time::Duration,
 };
 
-use crate::program::{Folder, Live, PATIENCE, ask, get, post};
+use crate::program::{Folder, Live, PATIENCE, ask, free_port, get, post};
 
 #[test]
 fn the_page_comes_with_all_its_files() {
@@ -16,6 +16,7 @@ fn the_page_comes_with_all_its_files() {
     assert!(status == 200 && page.contains("foxhunt"), "{page}");
     assert_eq!(get(&live.address, "/foxhunt.wasm", "").0, 200);
     assert_eq!(get(&live.address, "/../Cargo.toml", "").0, 404);
+    assert_eq!(get(&live.address, "/api/tiles", "").0, 404);
     assert_eq!(get(&live.address, "/api/tiles/1/2/3", "").0, 404);
     assert_eq!(get(&live.address, "/api/background.geojson", "").0, 404);
     // A name of another site that leads here.
@@ -77,11 +78,15 @@ fn beyond_this_machine_a_token_is_needed() {
 #[test]
 fn rubbish_and_idlers_keep_nobody_out() {
     let folder = Folder::new();
-    let live = Live::start(&folder, "[[input]]\nname = \"a\"\nstdin = true\n", &[]);
+    let posts = format!("127.0.0.1:{}", free_port());
+    let settings = format!("[[input]]\nname = \"posts\"\nhttp-listen = \"{posts}\"\n");
+    let live = Live::start(&folder, &settings, &[]);
+    live.said("posts: open");
     let mut idle = Vec::new();
     for k in 0..1_000 {
         // This test may not open as many files itself.
-        match TcpStream::connect(&live.address) {
+        let address = if k % 2 == 0 { &live.address } else { &posts };
+        match TcpStream::connect(address) {
             Ok(stream) => idle.push(stream),
             Err(error) => panic!("{k}: {error}"),
         }
@@ -97,10 +102,19 @@ fn rubbish_and_idlers_keep_nobody_out() {
         b"GET / HTTP/9.9\r\n\r\n",
         &[b'x'; 100_000],
     ] {
-        let mut stream = TcpStream::connect(&live.address).unwrap();
-        let _ = stream.write_all(rubbish);
+        for address in [&live.address, &posts] {
+            let mut stream = TcpStream::connect(address).unwrap();
+            let _ = stream.write_all(rubbish);
+        }
     }
     assert_eq!(get(&live.address, "/api/state", "").0, 200);
+    for body in ["", "{", "[1]", "<DATA>", "\u{0}", "a=%zz"] {
+        let status = post(&posts, "/", body).0;
+        assert!(matches!(status, 200 | 400), "{body}: {status}");
+    }
+    let bearing = "{\"type\":\"BEARING\",\"bearing_type\":\"absolute\",\"latitude\":48.1,\"longitude\":11.5,\
+                   \"bearing\":10,\"timestamp\":1795339800}";
+    assert_eq!(post(&posts, "/", bearing).0, 200);
 }
 
 #[test]

@@ -32,7 +32,7 @@ pub fn example(seed: u64) -> Scene {
 }
 
 /// What was recorded in the tunnel, in the order of time.
-fn scene(map: Vec<u8>, mut recording: Recording, site: Site) -> Scene {
+pub(super) fn scene(map: Vec<u8>, mut recording: Recording, site: Site) -> Scene {
     recording.packets.sort_by_key(|packet| packet.time_ms);
     Scene {
         map,
@@ -43,7 +43,7 @@ fn scene(map: Vec<u8>, mut recording: Recording, site: Site) -> Scene {
 }
 
 /// The tunnel, and its radio map.
-fn surveyed(rng: &mut impl Rng) -> (Site, Vec<u8>) {
+pub(super) fn surveyed(rng: &mut impl Rng) -> (Site, Vec<u8>) {
     let site = Tunnel::default().draw(rng);
     let places: Vec<[f64; 2]> = (0..=80).map(|x| [f64::from(x), SURVEYED]).collect();
     let survey = site.survey(&places, SAMPLES, &Radio::new(people::RADIO.noise), rng);

@@ -3,10 +3,12 @@
 mod example;
 mod measured;
 mod replay;
+mod scenarios;
 
 pub use example::{crowd, example};
 pub use measured::measured;
 pub use replay::{Gateway, Replay};
+pub use scenarios::{Floors, building, tunnel};
 
 use std::collections::BTreeMap;
 

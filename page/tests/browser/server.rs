@@ -89,6 +89,10 @@ fn answer(stream: TcpStream, live: &Live) -> std::io::Result<()> {
             "application/geo+json",
             BACKGROUND.as_bytes(),
         ),
+        ("api/tiles", Some(_)) => {
+            let zooms = b"{\"min_zoom\": 0, \"max_zoom\": 18}";
+            respond(stream, "200 OK", "application/json", zooms)
+        }
         // Every tile is the same picture.
         (path, Some(_)) if path.starts_with("api/tiles/") => {
             respond(stream, "200 OK", "image/svg+xml", TILE.as_bytes())

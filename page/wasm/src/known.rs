@@ -2,10 +2,7 @@
 
 use foxhunt::aoa::{self, Bearing, FARTHEST_M, Locate, Observation};
 
-use crate::{
-    messages::{Advice, Answer, Ellipse, Hypothesis, Source, Taken},
-    reasons::reason,
-};
+use crate::messages::{Advice, Answer, Ellipse, Hypothesis, Reason, Source, Taken};
 
 /// The most sources, and the most hypotheses, that are asked for.
 const MOST: usize = 16;
@@ -32,7 +29,7 @@ pub fn answer<L: Locate>(locator: &L, config: &L::Config, here: [f32; 2]) -> Ans
             .map(of_source)
             .collect(),
         hypotheses,
-        reason: not_observable.map(reason),
+        reason: not_observable.map(Reason::of),
         advice: locator
             .advice(config)
             .map(|advice| of_advice(&advice, here)),

@@ -13,7 +13,6 @@ mod known;
 mod locators;
 mod log;
 pub mod messages;
-mod reasons;
 mod walkers;
 
 pub use hunt::{Hunt, Options as HuntOptions};

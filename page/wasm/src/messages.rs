@@ -1,7 +1,7 @@
 //! What the page is told. Places are in metres east and north, angles in degrees clockwise from north.
 
 use foxhunt::{
-    aoa::Bearing,
+    aoa::{Bearing, NotObservable},
     estimate::{self, Symmetric2},
 };
 use serde::Serialize;
@@ -82,10 +82,20 @@ pub struct Hypothesis {
 /// Why there is no fix.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reason {
-    /// A name for it.
-    pub code: &'static str,
     /// In plain words.
     pub text: String,
+    /// What helps.
+    pub help: &'static str,
+}
+
+impl Reason {
+    /// The reason, for a person.
+    pub fn of(reason: NotObservable) -> Self {
+        Self {
+            text: reason.to_string(),
+            help: reason.help(),
+        }
+    }
 }
 
 /// Where to drive.

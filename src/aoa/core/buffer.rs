@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use crate::aoa::triangulation::linearise;
-use crate::aoa::{Bearing, Observation, PushError, Retract, Retracted};
+use crate::aoa::{Alternative, Bearing, Observation, PushError, Retract, Retracted};
 use crate::math::{atan2, sqrt, wrap};
 use crate::persist;
 use crate::snapshot::value;
@@ -89,13 +89,13 @@ impl<const B: usize> Buffer<B> {
         Ok(())
     }
 
-    /// Counts a bearing, and remembers it if it is the latest.
-    pub(in crate::aoa) fn note(&mut self, observation: &Observation, probability: f32) {
+    /// Counts a bearing of so many readings, and remembers it if it is the latest.
+    pub(in crate::aoa) fn note(&mut self, observation: &Observation, readings: f32) {
         let is_latest = |latest: Observation| observation.since_ms(latest.time_ms()) >= 0;
         if self.latest.is_none_or(is_latest) {
             self.latest = Some(*observation);
         }
-        self.count += probability;
+        self.count += readings;
     }
 
     /// Takes the `wanted` bearings of another buffer, and its latest observation. Of more than there is room for, those that
@@ -233,7 +233,7 @@ impl<const B: usize> Buffer<B> {
 
 /// One bearing, or the mean of several of one station.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::aoa) struct Entry {
+pub struct Entry {
     /// The bearing, with the time of the last reading.
     pub(in crate::aoa) observation: Observation,
     /// The probability, beside others of the same reading, that it is the one if any is.
@@ -296,6 +296,12 @@ pub(in crate::aoa) trait Comparison {
 impl Comparison for Option<[f32; 2]> {
     fn source(&self) -> Option<[f32; 2]> {
         *self
+    }
+}
+
+impl From<&Alternative> for Entry {
+    fn from(bearing: &Alternative) -> Self {
+        Self::new(*bearing.observation(), bearing.probability())
     }
 }
 

@@ -32,7 +32,7 @@ impl<C> Config<C> {
     pub const fn new(track: C) -> Self {
         Self {
             track,
-            false_initiation: 1e-3,
+            false_initiation: 1e-4,
             false_deletion: 1e-4,
         }
     }

@@ -11,9 +11,10 @@
 //!   likely (a cumulative sum test: Page 1954), or when it turns out to be that of another track. The track of a silent source
 //!   is kept while there is room, so that the source has its number when it is heard again.
 //!
-//! A bearing is associated once, when it comes. The scale of the errors and the bias of the array are those of all sources:
+//! A bearing is associated when it comes, or later with a track that has learned to explain it. The scale of the errors and the bias of the array are those of all sources:
 //! each track is told what the bearings of the others say of them (expectation propagation: Minka 2001).
 
+mod association;
 mod config;
 mod slot;
 
@@ -91,58 +92,6 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
         let all = self.slots.iter().zip(&self.tracks);
         let live = all.filter(|(slot, _)| slot.is_live());
         live.filter_map(|(slot, track)| Some((slot.identity?, track)))
-    }
-
-    /// The track that explains a reading best, if any does; and the probability that the reading is of no other source.
-    fn associate(
-        &self,
-        reading: &[Alternative],
-        odds: &[f32; K],
-        beliefs: &robust::Config,
-    ) -> Option<(usize, f32)> {
-        let (mut best, mut most) = (None, 1.0);
-        let mut sum = mean(reading, |one| self.candidates.odds(one, beliefs));
-        if sum > most {
-            most = sum;
-        }
-        for (place, odds) in odds.iter().enumerate() {
-            sum += odds;
-            if *odds > most {
-                (best, most) = (Some(place), *odds);
-            }
-        }
-        Some((best?, 1.0 / (1.0 + (sum - most))))
-    }
-
-    /// For each track, the odds that a reading is of its source rather than an outlier.
-    fn odds(&self, reading: &[Alternative], config: &Config<L::Config>) -> [f32; K] {
-        let mut all = [0.0; K];
-        let tracks = self.slots.iter().zip(&self.tracks);
-        for (odds, (slot, track)) in all.iter_mut().zip(tracks) {
-            if slot.identity.is_some() {
-                *odds = mean(reading, |one| track.odds(one, &config.track));
-            }
-        }
-        all
-    }
-
-    /// Counts a bearing, of which these are the odds, for what it says of how many sources there are.
-    fn weigh(&mut self, odds: &[f32; K], config: &Config<L::Config>) {
-        /// The least part of the bearings that are of no source: less makes one outlier say more.
-        const LEAST: f32 = 0.01;
-        let mut fits = [0.0; K];
-        let (mut others, mut total) = (1.0, 0.0);
-        let tracks = self.slots.iter().zip(&self.tracks).zip(odds);
-        for (fit, ((slot, track), odds)) in fits.iter_mut().zip(tracks) {
-            let outlier = track.errors(&config.track).rates.outlier;
-            *fit = slot.rate() * odds * outlier / (1.0 - outlier);
-            others -= slot.rate();
-            total += *fit;
-        }
-        total += if others > LEAST { others } else { LEAST };
-        for (slot, fit) in self.slots.iter_mut().zip(fits) {
-            slot.weigh(ln(total / (total - fit + slot.rate())));
-        }
     }
 
     /// Starts a track, if there is a free one and a source among the unassociated bearings.
@@ -371,6 +320,9 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
             self.outliers += 1.0;
             self.initiate(config, &beliefs, rng);
         }
+        if L::RECLAIMS {
+            self.reassociate(config, &beliefs);
+        }
         Ok(self.answer())
     }
 
@@ -467,13 +419,6 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
     fn cloud(&self, index: usize) -> Option<Cloud<'_>> {
         self.tracks.get(self.place(index)?)?.cloud(0)
     }
-}
-
-/// The mean of something over the bearings of a reading, by their probabilities.
-fn mean(reading: &[Alternative], of: impl Fn(&Observation) -> f32) -> f32 {
-    let all = reading.iter();
-    all.map(|one| one.probability() * of(one.observation()))
-        .sum()
 }
 
 /// Whether two sources are at the same place as far as can be told.

@@ -8,7 +8,7 @@ use super::mode::{MODES, Mode, Modes, best, hypotheses, plane, position};
 use super::search::search;
 use super::shared::Shared;
 use super::term::{PLAIN, Term, Width, without_scale};
-use crate::aoa::core::is_narrow;
+use crate::aoa::core::{Entry, is_narrow};
 use crate::aoa::track::odds_by_moments;
 use crate::aoa::words::Belief;
 use crate::aoa::{
@@ -68,7 +68,7 @@ impl<const B: usize> Candidates<B> {
         self.evidence.bearings.admit(first.observation())?;
         self.evidence.shared = *shared;
         for alternative in alternatives {
-            self.evidence.push(alternative, errors, true);
+            self.evidence.push(alternative.into(), errors, true);
         }
         if self.evidence.entries().len() > 1 {
             let mut terms = self.evidence.terms_of_several(errors);
@@ -211,6 +211,19 @@ impl<const B: usize> Candidates<B> {
         let latest = self.evidence.bearings.latest()?;
         let belief = Belief::of_hypotheses(self.hypotheses(), latest, config.range_m);
         belief.advice(latest, Answer::NotObservable(reason).missing_angle())
+    }
+
+    /// The bearings.
+    pub(in crate::aoa) fn entries(&self) -> &[Entry] {
+        self.evidence.entries()
+    }
+
+    /// Takes the bearing at an index away.
+    pub(in crate::aoa) fn take(&mut self, index: usize) -> Option<Entry> {
+        let taken = self.entries().get(index).copied();
+        let mut indices = 0..;
+        (self.evidence.bearings).retain(|_| indices.next() != Some(index));
+        taken
     }
 
     /// Why there is no fix yet.

@@ -10,7 +10,7 @@ use super::mode::{MODES, Mode, Modes, best, plane, position};
 use super::shared::Shared;
 use super::term::{PLAIN, State, Term, Width, fold_angle};
 use crate::aoa::core::{Buffer, Comparison, Crossing, Entry, square_of_distance};
-use crate::aoa::{Alternative, Mixture, NotObservable, Observation};
+use crate::aoa::{Mixture, NotObservable, Observation};
 use crate::math::sqrt;
 use crate::persist;
 
@@ -187,16 +187,9 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
 
     /// Takes a bearing, that of several sources or of one, which is thought to be where it was last [set](Self::set_source).
     #[inline(never)]
-    pub(super) fn push(
-        &mut self,
-        bearing: &Alternative,
-        errors: &Errors,
-        of_several: bool,
-    ) -> Change<D> {
-        let (observation, probability) = (*bearing.observation(), bearing.probability());
-        self.bearings.note(&observation, probability);
-        let likely = probability > 0.5;
-        let new = Entry::new(observation, probability);
+    pub(super) fn push(&mut self, new: Entry, errors: &Errors, of_several: bool) -> Change<D> {
+        (self.bearings).note(&new.observation, new.weight());
+        let likely = new.probability > 0.5;
         let lines = self.lines(errors, of_several);
         if let Some(place) = self.entry_to_join(&new, &lines)
             && let Some(before) = self.entries().get(place).copied()

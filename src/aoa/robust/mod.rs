@@ -164,7 +164,7 @@ impl<const N: usize, const B: usize, const D: usize> Locate for Robust<N, B, D> 
         let fixed = matches!(self.answer, Answer::Fix(_));
         let mut surprising = false;
         for alternative in alternatives {
-            let change = self.evidence.push(alternative, &believed.errors, false);
+            let change = (self.evidence).push(alternative.into(), &believed.errors, false);
             if fixed {
                 surprising |= self.weigh(&change, believed.errors.scale_sigma);
             }

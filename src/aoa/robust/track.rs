@@ -8,11 +8,14 @@ use super::mode::weigh;
 use super::search::climb_again;
 use super::shared::Shared;
 use super::term::{PLAIN, State, without_scale};
+use crate::aoa::core::Entry;
 use crate::aoa::track::{Stationary, Track, odds_by_moments};
 use crate::aoa::{Answer, Locate, Observation, PushError};
 use crate::random::Rng;
 
 impl<const N: usize, const B: usize> Track for Robust<N, B, PLAIN> {
+    const RECLAIMS: bool = true;
+
     fn beliefs(config: &Config) -> Config {
         *config
     }
@@ -79,6 +82,14 @@ impl<const N: usize, const B: usize> Track for Robust<N, B, PLAIN> {
         Ok(())
     }
 
+    /// Weighs the particles, which the next bearing moves.
+    fn reclaim(&mut self, earlier: &Entry, config: &Config) {
+        let believed = self.believed(config);
+        let change = (self.evidence).push(*earlier, &believed.errors, false);
+        self.weigh(&change, believed.errors.scale_sigma);
+        self.answer = self.credible_fix(2.0, config).into();
+    }
+
     fn set_outliers_removed(&mut self, per_bearing: f32) {
         if (0.0..=1e3).contains(&per_bearing) {
             self.outliers_removed = per_bearing;
@@ -106,6 +117,6 @@ impl<const N: usize, const B: usize> Stationary for Robust<N, B, PLAIN> {
 
     fn recall(&mut self, observation: &Observation, config: &Config) {
         let errors = self.errors(config);
-        self.evidence.push(&(*observation).into(), &errors, false);
+        (self.evidence).push(Entry::new(*observation, 1.0), &errors, false);
     }
 }

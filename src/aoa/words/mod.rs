@@ -4,6 +4,7 @@ mod advice;
 mod answer;
 mod locate;
 mod observation;
+mod reasons;
 mod retract;
 
 pub(in crate::aoa) use advice::Belief;

@@ -26,6 +26,30 @@ fn four_sources_are_found_from_stops() {
     assert!(found >= 19, "{found}");
 }
 
+/// A bearing of the source that was not known to be one when it came.
+#[test]
+fn a_track_takes_the_bearings_that_it_can_explain_now() {
+    let mut sources = MultiTarget::<3, One>::EMPTY;
+    let mut rng = generator(1);
+    let places = (0..21).map(stop);
+    let sights = bearings(places, &ROOM[..1], |_, _| Some(0), 1);
+    let (before, [missed, last]) = sights.split_last_chunk().unwrap();
+    for sight in before {
+        sources.push(sight, &Config::DEFAULT, &mut rng).unwrap();
+    }
+    let held = |sources: &MultiTarget<3, One>| sources.source(0).unwrap().fix.bearings;
+    let [left, had] = [sources.candidates.entries().len() as u32, held(&sources)];
+    let beliefs = One::beliefs(&Config::DEFAULT.track);
+    let missed = [(*missed).into()];
+    (sources.candidates)
+        .push(&missed, &robust::Shared::NOTHING, 7.0, &beliefs, &mut rng)
+        .unwrap();
+    assert_eq!(sources.candidates.entries().len() as u32, left + 1);
+    sources.push(last, &Config::DEFAULT, &mut rng).unwrap();
+    assert_eq!(sources.candidates.entries().len() as u32, left);
+    assert_eq!(held(&sources), had + 2);
+}
+
 #[test]
 fn a_source_that_pauses_keeps_its_number() {
     let truths = [[900.0, 900.0], [2300.0, 500.0]];

@@ -140,8 +140,8 @@ fn merged_alternatives_have_the_mean_of_their_probabilities() {
     let one = towards([0.0, 0.0], SOURCE, 0.0, SIGMA);
     let other = towards([0.0, 0.0], [-400.0, 900.0], 0.0, SIGMA);
     for probability in [0.2, 0.4, 0.9] {
-        evidence.push(&part(one, probability), &errors, false);
-        evidence.push(&part(other, 1.0 - probability), &errors, false);
+        evidence.push((&part(one, probability)).into(), &errors, false);
+        evidence.push((&part(other, 1.0 - probability)).into(), &errors, false);
     }
     let rates: Vec<f32> = evidence
         .entries()
@@ -153,7 +153,7 @@ fn merged_alternatives_have_the_mean_of_their_probabilities() {
     assert_eq!(evidence.bearings.count(), 3);
     // One from a little further is worth less, not less likely.
     let further = towards([15.0, 0.0], SOURCE, 0.0, SIGMA);
-    evidence.push(&part(further, 0.7), &errors, false);
+    evidence.push((&part(further, 0.7)).into(), &errors, false);
     let last = evidence.entries().last().unwrap();
     assert_eq!(last.probability, 0.7);
     let term: Term<PLAIN> = evidence.term_of(last, &errors, Some(2));

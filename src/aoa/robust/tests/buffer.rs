@@ -99,7 +99,7 @@ fn correlation_may_end_with_time() {
         let mut evidence = Evidence::<8, PLAIN>::EMPTY;
         for i in 0..100 {
             let observation = at(i * ms, &towards([0.0, 0.0], SOURCE, 0.0, SIGMA));
-            evidence.push(&observation.into(), &errors, false);
+            evidence.push(Entry::new(observation, 1.0), &errors, false);
         }
         worth(&evidence, &errors)
     };
@@ -194,7 +194,7 @@ fn a_late_bearing_is_joined_with_the_readings_of_its_time() {
         let mut evidence = Evidence::<8, PLAIN>::EMPTY;
         for time_ms in times {
             let observation = at(time_ms, &towards([0.0, 0.0], SOURCE, 0.0, SIGMA));
-            evidence.push(&observation.into(), &errors, false);
+            evidence.push(Entry::new(observation, 1.0), &errors, false);
         }
         assert_eq!(evidence.bearings.latest().unwrap().time_ms(), 60_000);
         worth(&evidence, &errors)

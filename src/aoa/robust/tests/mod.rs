@@ -5,6 +5,7 @@ extern crate std;
 use super::density::Density;
 use super::term::Term;
 use super::*;
+use crate::aoa::core::Entry;
 use crate::aoa::testing::{Clocked, Track, at, simulate};
 use crate::aoa::{Bearing, Locator};
 use crate::estimate::Symmetric2;
@@ -81,7 +82,7 @@ fn push<const B: usize>(
     if let Some([x, y]) = source {
         evidence.set_source(&[x, y, 0.0, 0.0], errors.scale_sigma);
     }
-    evidence.push(&at(time_ms, &observation).into(), errors, false)
+    evidence.push(Entry::new(at(time_ms, &observation), 1.0), errors, false)
 }
 
 /// The default with other errors.
@@ -96,7 +97,7 @@ fn with(errors: Errors) -> Config {
 fn evidence(errors: &Errors, observations: &[Observation]) -> Evidence<64, PLAIN> {
     let mut evidence = Evidence::EMPTY;
     for observation in observations {
-        evidence.push(&(*observation).into(), errors, false);
+        evidence.push(Entry::new(*observation, 1.0), errors, false);
     }
     evidence
 }

@@ -44,6 +44,8 @@ pub enum Refusal {
     Malformed,
     /// It is of no known kind.
     Unknown,
+    /// It has come before, and was used.
+    Known,
     /// A field is missing or has no sense.
     Field(&'static str),
 }
@@ -53,6 +55,7 @@ impl std::fmt::Display for Refusal {
         match self {
             Self::Malformed => f.write_str("message is neither JSON nor XML"),
             Self::Unknown => f.write_str("message is of no known kind"),
+            Self::Known => f.write_str("message has come before"),
             Self::Field(name) => write!(f, "{name} is missing or out of range"),
         }
     }

@@ -1,19 +1,24 @@
-//! Messages that are no lines: from bytes to bearings, and to lines that the gateway reads.
+//! Messages that are no lines: from bytes to bearings, and to lines that the gateway reads. And what lines themselves say of
+//! the time.
 
 mod feature;
+mod form;
 mod gpsd;
 mod horus;
 mod kraken;
 mod number;
 mod sentence;
 mod stream;
+mod times;
 mod words;
 mod xml;
 
 use serde_json::{Map, Value};
 
+pub use form::form;
 pub use sentence::{Navigation, coordinate, sentence};
 pub use stream::{Part, Stream};
+pub use times::{time_and_date, time_of_day};
 pub use words::{Bearing, Decoded, Key, Refusal};
 
 /// Reads a whole message, such as a datagram or the body of a request: JSON of a known kind, `doa.xml`, or lines.

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use chrono::DateTime;
+
 /// What a receiver says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Navigation {
@@ -22,22 +24,22 @@ pub struct Navigation {
 impl Navigation {
     /// RMC, and HDT if there is a heading.
     pub fn lines(&self) -> Vec<u8> {
-        let [year, month, day, hour, minute, milliseconds] = parts(self.time_ms);
-        let (seconds, centiseconds) = (milliseconds / 1000, milliseconds % 1000 / 10);
+        let time = DateTime::from_timestamp_millis(self.time_ms).unwrap_or_default();
+        let (clock, date) = (time.format("%H%M%S"), time.format("%d%m%y"));
+        let centiseconds = time.timestamp_subsec_millis() / 10;
         let side =
             |degrees: f64, [plus, minus]: [char; 2]| if degrees < 0.0 { minus } else { plus };
         let optional = |value: Option<f64>| value.map_or(String::new(), |v| format!("{v:.3}"));
         let knots = self.speed_m_s.map(|speed| speed.max(0.0) * 3600.0 / 1852.0);
         let course = self.course_deg.map(|course| course.rem_euclid(360.0));
         let mut lines = sentence(&format!(
-            "GPRMC,{hour:02}{minute:02}{seconds:02}.{centiseconds:02},A,{},{},{},{},{},{},{day:02}{month:02}{:02},,,A",
+            "GPRMC,{clock}.{centiseconds:02},A,{},{},{},{},{},{},{date},,,A",
             coordinate(self.latitude, 2),
             side(self.latitude, ['N', 'S']),
             coordinate(self.longitude, 3),
             side(self.longitude, ['E', 'W']),
             optional(knots),
             optional(course),
-            year % 100,
         ));
         if let Some(heading) = self.heading_deg {
             let heading = heading.rem_euclid(360.0);
@@ -45,21 +47,6 @@ impl Navigation {
         }
         lines.into_bytes()
     }
-}
-
-/// Year, month, day, hour, minute, milliseconds.
-fn parts(time_ms: i64) -> [i64; 6] {
-    let text = foxhunt_host::archive::times::date(time_ms);
-    let number = |from: usize, to: usize| text.get(from..to).and_then(|t| t.parse().ok());
-    let part = |from, to| number(from, to).unwrap_or(0);
-    [
-        part(0, 4),
-        part(5, 7),
-        part(8, 10),
-        part(11, 13),
-        part(14, 16),
-        1_000 * part(17, 19) + part(20, 23),
-    ]
 }
 
 /// Degrees and minutes, the degrees of so many digits, without the sign.

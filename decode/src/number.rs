@@ -1,5 +1,6 @@
 //! Numbers in messages, which some programs write as text.
 
+use chrono::NaiveDateTime;
 use serde_json::{Map, Value};
 
 use super::Refusal;
@@ -76,39 +77,9 @@ pub fn time_ms(value: &Value) -> Option<i64> {
             .contains(&milliseconds)
             .then(|| milliseconds.round() as i64);
     }
-    date_ms(value.as_str()?)
-}
-
-/// Milliseconds after 1970 of a date and time in UTC.
-pub fn date_ms(text: &str) -> Option<i64> {
-    let part = |from: usize, to: usize| -> Option<i64> {
-        let digits = text.get(from..to)?;
-        let are_digits = digits.bytes().all(|byte| byte.is_ascii_digit());
-        digits.parse().ok().filter(|_| are_digits)
-    };
-    let (year, month, day) = (part(0, 4)?, part(5, 7)?, part(8, 10)?);
-    let (hour, minute, second) = (part(11, 13)?, part(14, 16)?, part(17, 19)?);
-    if !(1970..=9999).contains(&year)
-        || !(1..=12).contains(&month)
-        || !(1..=31).contains(&day)
-        || hour > 23
-        || minute > 59
-        || second > 60
-    {
-        return None;
-    }
-    let rest = text.get(19..)?.trim_end_matches('Z');
-    let rest = rest.strip_suffix("+00:00").unwrap_or(rest);
-    let fraction: f64 = if rest.is_empty() {
-        0.0
-    } else if rest.starts_with('.') && rest.len() > 1 {
-        format!("0{rest}").parse().ok()?
-    } else {
-        return None;
-    };
-    let shifted = year - i64::from(month <= 2);
-    let of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
-    let days = 365 * shifted + shifted / 4 - shifted / 100 + shifted / 400 + of_year - 719_468;
-    let seconds = ((24 * days + hour) * 60 + minute) * 60 + second;
-    Some(1_000 * seconds + (1e3 * fraction).round() as i64)
+    // A date in UTC, with or without saying so.
+    let text = value.as_str()?.trim_end_matches('Z');
+    let text = text.strip_suffix("+00:00").unwrap_or(text);
+    let date: NaiveDateTime = text.parse().ok()?;
+    Some(date.and_utc().timestamp_millis()).filter(|time| (0..9_000_000_000_000_000).contains(time))
 }
