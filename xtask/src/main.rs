@@ -27,6 +27,7 @@ mod machines;
 mod marks;
 mod measure;
 mod monitor;
+mod mutants;
 mod page;
 mod papers;
 mod project;
@@ -72,6 +73,8 @@ enum Task {
     Damage(damage::Options),
     /// Look for faults of the gateways and the map reader with random input.
     Fuzz(fuzz::Options),
+    /// Put small faults into the library, one at a time, and count those that its tests do not notice.
+    Mutants(mutants::Options),
     /// Publish the tags of many gateways through a broker, faster and faster, until it is too much.
     Load(load::Options),
     /// Kill and restart sources and a broker at random while `foxhunt live` runs: nothing acknowledged is lost.
@@ -105,6 +108,7 @@ fn run(task: Task) -> Result<()> {
         Task::Count => house::print_count(),
         Task::Cost(options) => cost::run(&options),
         Task::Demo(options) => demo::run(&options),
+        Task::Mutants(options) => mutants::run(&options),
         Task::Load(options) => load::run(&options),
         Task::Restarts(options) => restarts::run(&options),
         Task::Drive => drive::run(),

@@ -34,6 +34,8 @@ pub enum Need {
     CargoFuzz,
     /// `cargo deny`.
     CargoDeny,
+    /// `cargo mutants`.
+    CargoMutants,
     /// A broker of MQTT, and its clients.
     Mosquitto,
     /// gpsd.
@@ -110,6 +112,7 @@ impl Need {
             Self::Cxx => works(Command::new("c++").arg("--version")),
             Self::ArmC => works(Command::new("arm-none-eabi-gcc").arg("--version")),
             Self::CargoDeny => works(project::cargo().args(["deny", "--version"])),
+            Self::CargoMutants => works(project::cargo().args(["mutants", "--version"])),
             Self::CargoFuzz => works(project::cargo().args(["fuzz", "--version"])),
             Self::Mosquitto => runs("mosquitto", "-h") && runs("mosquitto_sub", "--version"),
             Self::Gpsd => runs("gpsd", "-V"),
@@ -138,6 +141,9 @@ impl Need {
             }
             Self::CargoDeny => {
                 announce(project::cargo().args(["install", "--locked", "cargo-deny"]))
+            }
+            Self::CargoMutants => {
+                announce(project::cargo().args(["install", "--locked", "cargo-mutants"]))
             }
         }
     }
