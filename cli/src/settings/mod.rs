@@ -215,19 +215,25 @@ impl Settings {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
-    #[test]
-    fn the_example_is_read_with_and_without_its_comments() {
-        Settings::of_text(EXAMPLE).unwrap();
-        // Every setting that is commented out is one.
-        let all: String = EXAMPLE
+    /// The example, with every setting that is commented out.
+    fn all_of_the_example() -> String {
+        EXAMPLE
             .lines()
             .map(|line| match line.strip_prefix("#") {
                 Some(setting) if !setting.starts_with(' ') => format!("{setting}\n"),
                 _ => format!("{line}\n"),
             })
-            .collect();
+            .collect()
+    }
+
+    #[test]
+    fn the_example_is_read_with_and_without_its_comments() {
+        Settings::of_text(EXAMPLE).unwrap();
+        let all = all_of_the_example();
         let settings = Settings::of_text(&all).unwrap();
         assert!(settings.input.len() >= 10 && settings.output.len() >= 5);
         assert!(settings.log.is_some() && settings.web.background.is_some());
@@ -236,6 +242,21 @@ mod tests {
             Settings::of_text(&settings.text().unwrap()).unwrap(),
             settings
         );
+    }
+
+    proptest! {
+        #[test]
+        fn damaged_settings_are_read_or_refused(
+            at in any::<prop::sample::Index>(), length in 0usize..40, with in ".{0,9}",
+        ) {
+            let all: Vec<char> = all_of_the_example().chars().collect();
+            let (before, rest) = all.split_at(at.index(all.len()));
+            let after = &rest[length.min(rest.len())..];
+            let text: String = [before, &with.chars().collect::<Vec<_>>(), after].concat().iter().collect();
+            if let Ok(settings) = Settings::of_text(&text) {
+                prop_assert!(Settings::of_text(&settings.text().unwrap()).is_ok());
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The program as its users run it.
 
 mod broker;
+mod damage;
 mod live;
 mod program;
 mod replay;
