@@ -61,7 +61,7 @@ pub struct Build {
     #[command(flatten)]
     survey: Check,
     /// Where the map is written: as Rust if it ends in .rs, otherwise as the bytes themselves. Beside it a picture of what
-    /// the map promises.
+    /// the map promises. A survey of several floors makes a map of each: tunnel-0.map and so on.
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
     /// Name of the Rust constant.
