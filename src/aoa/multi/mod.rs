@@ -11,8 +11,8 @@
 //!   likely (a cumulative sum test: Page 1954), or when it turns out to be that of another track. The track of a silent source
 //!   is kept while there is room, so that the source has its number when it is heard again.
 //!
-//! A bearing is associated when it comes, or later with a track that has learned to explain it. The scale of the errors and the bias of the array are those of all sources:
-//! each track is told what the bearings of the others say of them (expectation propagation: Minka 2001).
+//! A bearing is associated when it comes, or later, when a track explains it. All sources have the scale of the errors and
+//! the bias of the array in common: each track is told what the others say of them (expectation propagation: Minka 2001).
 
 mod association;
 mod config;
