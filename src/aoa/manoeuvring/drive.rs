@@ -17,6 +17,15 @@ const DRAWN: f32 = 0.8;
 /// components for a car.
 const SLOW: f32 = 0.25;
 
+/// Among stations, time for which a pause may be over at any moment, in seconds: whoever has stood for longer is thought to
+/// stand for about as long again, up to the configured mean. More is sure of a place sooner, and notices later that somebody
+/// walks on.
+const PAUSE_S: f32 = 5.0;
+
+/// Among stations, departures are drawn as if there was one in so many seconds, and count for less: fewer seconds leave less
+/// of the cloud to the source at rest, more are late to follow one that hardly ever departs.
+const DRAWN_EVERY_S: f32 = 15.0;
+
 /// A velocity that follows an Ornstein-Uhlenbeck process, and the way meanwhile: exact for any time.
 #[derive(Clone, Copy)]
 struct Leg {
@@ -68,13 +77,28 @@ impl Leg {
 struct Event {
     mean_s: f32,
     probability: f32,
+    /// The probability by which it is drawn.
+    drawn: f32,
 }
 
 impl Event {
     fn new(seconds: f32, mean_s: f32) -> Self {
+        let probability = one_minus_exp(seconds / mean_s);
         Self {
             mean_s,
-            probability: one_minus_exp(seconds / mean_s),
+            probability,
+            drawn: probability,
+        }
+    }
+
+    /// Logarithm of what a draw counts for, because others are drawn more or less often than they happen.
+    fn log_weight(&self, happens: bool) -> f32 {
+        if self.drawn == self.probability {
+            0.0
+        } else if happens {
+            ln(self.probability / self.drawn)
+        } else {
+            ln((1.0 - self.probability) / (1.0 - self.drawn))
         }
     }
 
@@ -116,6 +140,24 @@ impl Drive {
         self.departure.probability
     }
 
+    /// The departure of a stationary one.
+    fn departure_of<const K: usize>(&self, component: &Component<K>) -> Event {
+        let pause_s = PAUSE_S + component.stationary_s;
+        if K == 0 {
+            return self.departure;
+        }
+        let mut event = if pause_s < self.departure.mean_s {
+            Event::new(self.seconds, pause_s)
+        } else {
+            self.departure
+        };
+        let drawn = one_minus_exp(self.seconds / DRAWN_EVERY_S);
+        if event.drawn < drawn {
+            event.drawn = drawn;
+        }
+        event
+    }
+
     /// Gives it any velocity: drawn for the most part, because what has any velocity is soon anywhere, where a bearing is
     /// no linear measurement. Whether it is a slow one is drawn, too.
     ///
@@ -150,8 +192,9 @@ impl Drive {
         component: &mut Component<K>,
         rng: &mut R,
     ) {
+        let departure = self.departure_of(component);
         self.accelerate(component, rng);
-        let left = self.seconds - self.departure.after(rng);
+        let left = self.seconds - departure.after(rng);
         let way = -self.stop.mean_s * ln(uniform_open(rng));
         if way < left {
             component.travel(way, 1.0);
@@ -161,31 +204,33 @@ impl Drive {
         }
     }
 
-    /// Lets the time pass. What happens meanwhile is decided by a number that is evenly distributed from 0 to 1.
+    /// Lets the time pass, and returns the logarithm of what the component counts for then, if it counted for one before. What
+    /// happens meanwhile is decided by a number that is evenly distributed from 0 to 1.
     pub(super) fn step<const K: usize, R: Rng + ?Sized>(
         &self,
         component: &mut Component<K>,
         chance: f32,
         rng: &mut R,
-    ) {
+    ) -> f32 {
         let stationary = component.is_stationary();
         let event = if stationary {
-            &self.departure
+            self.departure_of(component)
         } else {
-            &self.stop
+            self.stop
         };
-        let happens = chance < event.probability;
+        let happens = chance < event.drawn;
         if stationary {
-            component.stationary_s += self.seconds;
             if happens {
                 self.depart(component, rng);
+            } else {
+                component.stationary_s += self.seconds;
             }
         } else if happens {
             let way = event.after(rng);
             component.travel(way, 1.0);
             let left = self.seconds - way;
             component.stop(if left > 0.0 { left } else { 0.0 });
-        } else if chance < event.probability + (1.0 - event.probability) * self.turn.probability {
+        } else if chance < event.drawn + (1.0 - event.drawn) * self.turn.probability {
             // Half of the time with the former velocity, half of it with the new one.
             component.travel(0.5 * self.seconds, 1.0);
             self.accelerate(component, rng);
@@ -193,5 +238,6 @@ impl Drive {
         } else {
             self.straight.apply(component);
         }
+        event.log_weight(happens)
     }
 }

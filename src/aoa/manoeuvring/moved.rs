@@ -114,11 +114,15 @@ impl<const K: usize> Moved<K> {
         }
         // Evenly over neighbours, too, which are copies after a resampling: of these as many turn and stop as should.
         let mut chance = uniform(rng);
-        for component in &mut self.components {
+        let log_weights = self.weights.log_weights_mut();
+        for (component, log_weight) in self.components.iter_mut().zip(log_weights) {
             chance += GOLDEN;
             chance -= if chance < 1.0 { 0.0 } else { 1.0 };
-            drive.step(component, chance, rng);
+            *log_weight += drive.step(component, chance, rng);
             component.divide(from, rng);
+        }
+        if K > 0 {
+            let _ = self.weights.normalise();
         }
     }
 
