@@ -95,6 +95,9 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
             }
             let reading = [entry.observation.into()];
             let all = self.odds(&reading, config);
+            if !all.iter().any(|odds| *odds > most) {
+                continue;
+            }
             if let Some((place, alone)) = self.associate(&reading, &all, beliefs)
                 && let Some(odds) = all.get(place)
                 && odds * alone > most
