@@ -136,6 +136,13 @@ pub fn buildings(rng: &mut Xoshiro128PlusPlus) {
         });
     }
     black_box((tracker.floor(), tracker.floor_probability(any(0))));
+    let config = gateway::beacon::Config::new(building);
+    _ = black_box(config.check());
+    let mut gateway = any(gateway::beacon::BuildingGateway::<3, 50, 64, 8>::EMPTY);
+    for _ in 0..any(100) {
+        black_box(gateway.push(any(0), &config));
+        black_box((gateway.report(), gateway.tags().count()));
+    }
 }
 
 pub fn fingerprints() {

@@ -1,6 +1,7 @@
 //! The gateway of a tunnel: reports of its radios in, the places of tags out.
 
 use foxhunt::ConfigError;
+use foxhunt::fingerprint::tracker::Site;
 use foxhunt::gateway::beacon::{Config, Event, Framing, Rejected};
 
 use crate::door::{self, Out, opaque, plain};
@@ -11,7 +12,7 @@ use crate::types::Beacon;
 
 opaque!(
     /// Gateway of a tunnel.
-    FoxhuntBeacon = b"fxBe": Config<'static>, Beacon = Beacon::EMPTY
+    FoxhuntBeacon = b"fxBe": Config<Site<'static>>, Beacon = Beacon::EMPTY
 );
 
 /// Messages are `$PFOXB` sentences: a value of `framing`.
@@ -67,7 +68,7 @@ plain!(FoxhuntBeaconConfig);
 
 impl FoxhuntBeaconConfig {
     /// In the library's words, on a site.
-    fn to_rust(self, site: *const FoxhuntSite) -> Result<Config<'static>, FoxhuntResult> {
+    fn to_rust(self, site: *const FoxhuntSite) -> Result<Config<Site<'static>>, FoxhuntResult> {
         Ok(Config {
             framing: match self.framing {
                 FOXHUNT_FRAMING_LINES => Framing::Lines,

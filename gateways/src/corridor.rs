@@ -34,7 +34,7 @@ pub const EXAMPLE: RadioMap<'static> =
 pub const MAP_BYTES: usize = 2 * RADIOS * POINTS + 4_096;
 
 /// The configuration with a map.
-pub const fn config(map: RadioMap<'_>) -> Config<'_> {
+pub const fn config(map: RadioMap<'_>) -> Config<Site<'_>> {
     Config::new(Site {
         map,
         config: WALKS,

@@ -22,14 +22,14 @@ pub type Gateway =
     BeaconGateway<64, 300, { MAP.lattice().points() }, { MAP.beacons() }, { MAP.lattice().axes() }>;
 
 /// With packets as sentences.
-pub const LINES: Config<'static> = foxhunt::config!(Config::new(Site {
+pub const LINES: Config<Site<'static>> = foxhunt::config!(Config::new(Site {
     map: MAP,
     config: walks(),
     walls: Walls::None,
 }));
 
 /// With packets as binary frames.
-pub const FRAMES: Config<'static> = Config {
+pub const FRAMES: Config<Site<'static>> = Config {
     framing: Framing::Frames,
     ..LINES
 };

@@ -2,6 +2,7 @@
 
 use core::fmt::Write;
 
+use foxhunt::fingerprint::tracker::Site;
 use foxhunt::gateway::beacon::{BeaconGateway, Config, Event, MapPiece, Packet};
 use foxhunt::snapshot::Persist;
 use heapless::{String, Vec};
@@ -21,7 +22,7 @@ const LINE: usize = 128;
 /// A tunnel's gateway, of any size.
 pub trait Gateway: Persist {
     /// Takes the next byte.
-    fn push(&mut self, byte: u8, config: &Config<'_>) -> Option<Event>;
+    fn push(&mut self, byte: u8, config: &Config<Site<'_>>) -> Option<Event>;
 
     /// What to send for the last message.
     fn report(&self) -> &str;
@@ -33,7 +34,7 @@ pub trait Gateway: Persist {
 impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: usize> Gateway
     for BeaconGateway<T, N, P, B, D>
 {
-    fn push(&mut self, byte: u8, config: &Config<'_>) -> Option<Event> {
+    fn push(&mut self, byte: u8, config: &Config<Site<'_>>) -> Option<Event> {
         self.push(byte, config)
     }
 
@@ -72,7 +73,7 @@ foxhunt::persist!(impl[G: Persist] State<G> as "Tunnel"() { gateway, time_ms });
 #[derive(Debug)]
 pub struct Tunnel<'a, G, const PORTS: usize> {
     state: &'a mut State<G>,
-    config: Config<'a>,
+    config: Config<Site<'a>>,
     /// Milliseconds since the board was started; they may overflow.
     clock: fn() -> u32,
     /// What it said last.
@@ -88,7 +89,7 @@ impl<'a, G: Gateway, const PORTS: usize> Tunnel<'a, G, PORTS> {
     /// The gateway, by this configuration from now on, with room for a new map.
     pub fn new(
         state: &'a mut State<G>,
-        config: Config<'a>,
+        config: Config<Site<'a>>,
         clock: fn() -> u32,
         new_map: &'a mut [u8],
     ) -> Self {

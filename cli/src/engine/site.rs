@@ -37,7 +37,7 @@ enum ForMap {
 pub struct Site {
     name: String,
     gateway: ForMap,
-    config: Config<'static>,
+    config: Config<tracker::Site<'static>>,
     plane: Option<(LocalPlane, f32)>,
     /// Messages that were read, used, and refused by their reasons.
     pub lines: u64,

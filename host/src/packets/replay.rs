@@ -22,7 +22,7 @@ enum ForMap {
 #[derive(Debug)]
 pub struct Replay<'a> {
     gateway: ForMap,
-    config: Config<'a>,
+    config: Config<Site<'a>>,
     output: Vec<u8>,
     events: Vec<Event>,
 }

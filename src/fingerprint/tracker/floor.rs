@@ -3,7 +3,7 @@
 use crate::snapshot::{Persist, by_value, value_as};
 
 /// What a particle knows of its floor: [`OneFloor`], which takes no memory, or a number. Nobody else implements it.
-pub trait Floor: Copy + PartialEq + Persist {
+pub trait Floor: Copy + PartialEq + core::fmt::Debug + Persist {
     /// The lowest, in bits that are all zero.
     #[doc(hidden)]
     const LOWEST: Self;

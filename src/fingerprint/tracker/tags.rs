@@ -1,10 +1,11 @@
 //! Many tags on one gateway.
 
-use super::Tracker;
 use super::present::Present;
+use super::{Packed, Stored, Tracker};
 use crate::persist;
 
-/// Trackers for up to `T` tags at once: T times a [`Tracker`] and 12 bytes, and 12 bytes more.
+/// Trackers for up to `T` tags at once: T times a [`Tracker`] and 12 bytes, and 12 bytes more. In a
+/// [`Building`](super::Building), `S` is that of a [`BuildingTracker`](super::BuildingTracker).
 ///
 /// A tag that comes when all are taken gets the tracker of the tag that was silent for longest, if that was silent for
 /// [`Trackers::ABSENT_MS`]; otherwise there is none for it: were one taken from a tag that is heard, one tag too many would
@@ -29,19 +30,27 @@ use crate::persist;
 /// assert!(trackers.iter().all(|(tag, _)| tag != 2));
 /// ```
 #[derive(Debug, Clone)]
-pub struct Trackers<const T: usize, const N: usize, const B: usize = 16, const D: usize = 2> {
-    slots: [Slot<N, B, D>; T],
+pub struct Trackers<
+    const T: usize,
+    const N: usize,
+    const B: usize = 16,
+    const D: usize = 2,
+    S: Stored = Packed<D>,
+> {
+    slots: [Slot<N, B, D, S>; T],
     present: Present,
 }
 
 #[derive(Debug, Clone)]
-struct Slot<const N: usize, const B: usize, const D: usize> {
+struct Slot<const N: usize, const B: usize, const D: usize, S: Stored> {
     /// Whose it is, and when that was heard last.
     owner: Option<(u32, u32)>,
-    tracker: Tracker<N, B, D>,
+    tracker: Tracker<N, B, D, S>,
 }
 
-impl<const T: usize, const N: usize, const B: usize, const D: usize> Trackers<T, N, B, D> {
+impl<const T: usize, const N: usize, const B: usize, const D: usize, S: Stored>
+    Trackers<T, N, B, D, S>
+{
     /// A tag that was silent for so many milliseconds gives its tracker to another. Less would take those of people behind
     /// a steel door; more lets newcomers wait.
     pub const ABSENT_MS: u32 = 30_000;
@@ -62,7 +71,11 @@ impl<const T: usize, const N: usize, const B: usize, const D: usize> Trackers<T,
 
     /// The tracker of a tag of which a packet came that states a time in milliseconds, and the tag that lost it, if one did;
     /// none if all are taken by tags that are still heard.
-    pub fn of(&mut self, tag: u32, time_ms: u32) -> Option<(&mut Tracker<N, B, D>, Option<u32>)> {
+    pub fn of(
+        &mut self,
+        tag: u32,
+        time_ms: u32,
+    ) -> Option<(&mut Tracker<N, B, D, S>, Option<u32>)> {
         let now_ms = self.present.hear(time_ms);
         let place = self.place_of(tag, now_ms)?;
         let Slot { owner, tracker } = self.slots.get_mut(place)?;
@@ -111,26 +124,26 @@ impl<const T: usize, const N: usize, const B: usize, const D: usize> Trackers<T,
     }
 
     /// All tags that are tracked, and their trackers.
-    pub fn iter(&self) -> impl Iterator<Item = (u32, &Tracker<N, B, D>)> {
+    pub fn iter(&self) -> impl Iterator<Item = (u32, &Tracker<N, B, D, S>)> {
         self.slots
             .iter()
             .filter_map(|slot| slot.owner.map(|(tag, _)| (tag, &slot.tracker)))
     }
 
     /// All tags that are tracked, and their trackers.
-    pub fn iter_mut(&mut self) -> impl Iterator<Item = (u32, &mut Tracker<N, B, D>)> {
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = (u32, &mut Tracker<N, B, D, S>)> {
         let slots = self.slots.iter_mut();
         slots.filter_map(|slot| slot.owner.map(|(tag, _)| (tag, &mut slot.tracker)))
     }
 }
 
 persist!(
-    impl[const N: usize, const B: usize, const D: usize] Slot<N, B, D> as "Slot"(N, B)
+    impl[const N: usize, const B: usize, const D: usize, S: Stored] Slot<N, B, D, S> as "Slot"(N, B)
     { owner, tracker }
 );
 persist!(
-    impl[const T: usize, const N: usize, const B: usize, const D: usize]
-    Trackers<T, N, B, D> as "Trackers"(T)
+    impl[const T: usize, const N: usize, const B: usize, const D: usize, S: Stored]
+    Trackers<T, N, B, D, S> as "Trackers"(T)
     { slots, present }
 );
 

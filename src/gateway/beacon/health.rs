@@ -5,7 +5,8 @@
 //! however long it stays. And of the radios in reach of a tag, the one that the map says is the loudest should hear it at
 //! least as often as the others do.
 
-use crate::fingerprint::tracker::{Fix, Site, State};
+use crate::fingerprint::RadioMap;
+use crate::fingerprint::tracker::{Fix, Ground, State};
 use crate::math::sqrt;
 use crate::persist;
 use crate::snapshot::value;
@@ -170,8 +171,8 @@ impl<const B: usize> Health<B> {
         &mut self,
         (radio, rssi_dbm): (usize, f32),
         time_ms: u32,
-        fix: &Fix,
-        site: &Site<'_>,
+        (fix, floor): (&Fix, u8),
+        site: &impl Ground,
         mut tell: impl FnMut(usize, Finding),
     ) {
         let since = time_ms.wrapping_sub(fix.time_ms);
@@ -179,11 +180,12 @@ impl<const B: usize> Health<B> {
             return;
         }
         let place = fix.position_at(time_ms);
-        let map = &site.map;
-        let points = map.lattice().points();
+        let map = site.map(floor);
         let point = map.lattice().nearest(place);
-        let region = (point * REGIONS).checked_div(points).unwrap_or(0);
-        if let Some(difference) = difference(radio, rssi_dbm, place, fix, site)
+        let number = usize::from(floor) * map.lattice().points() + point;
+        let region = (number * REGIONS).checked_div(site.points()).unwrap_or(0);
+        let mismatch_db = site.config().mismatch_sigma_db;
+        if let Some(difference) = difference(radio, rssi_dbm, place, fix, map, mismatch_db)
             && let (Some(of), Some(doubt_db2)) =
                 (self.radios.get_mut(radio), self.doubts_db2.get_mut(radio))
             && let Some(finding) = of.differ(region, difference, doubt_db2)
@@ -223,9 +225,9 @@ fn difference(
     rssi_dbm: f32,
     place: [f32; 2],
     fix: &Fix,
-    site: &Site<'_>,
+    map: &RadioMap<'_>,
+    mismatch_db: f32,
 ) -> Option<(f32, f32)> {
-    let map = &site.map;
     let at = |place: [f32; 2]| map.moments(radio, map.lattice().nearest(place));
     let there = at(place)?;
     // What the place is wrong by: as the level changes within its sigma.
@@ -235,10 +237,9 @@ fn difference(
         [Some(a), Some(b)] => 0.5 * (a.mean_dbm - b.mean_dbm),
         _ => 0.0,
     };
-    let mismatch = site.config.mismatch_sigma_db;
     let noise = map.noise_db();
     let variance = there.sigma_db * there.sigma_db
-        + mismatch * mismatch
+        + mismatch_db * mismatch_db
         + change * change
         + 0.5 * GAIN * noise * noise;
     Some((rssi_dbm - fix.offset_db - there.mean_dbm, variance))
@@ -248,8 +249,7 @@ fn difference(
 mod tests {
     extern crate std;
     use super::*;
-    use crate::fingerprint::RadioMap;
-    use crate::fingerprint::tracker::{self, tests::map};
+    use crate::fingerprint::tracker::{self, Site, tests::map};
     use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
     use std::vec::Vec;
 
@@ -291,7 +291,7 @@ mod tests {
             let at = site.map.lattice().nearest([from, 0.0]);
             let rssi = site.map.moments(radio, at).unwrap().mean_dbm + 3.0 * normal(&mut rng);
             let fix = fix(packet, point as f32);
-            health.hear((radio, rssi), packet, &fix, &site, |radio, finding| {
+            health.hear((radio, rssi), packet, (&fix, 0), &site, |radio, finding| {
                 found.push((radio, finding));
             });
         }
@@ -326,7 +326,9 @@ mod tests {
             let fix = fix(packet, 20.0);
             let error = if radio == 1 { 40.0 } else { 0.0 };
             let rssi = site.map.moments(radio, 20).unwrap().mean_dbm + error;
-            health.hear((radio, rssi), packet, &fix, &site, |_, _| panic!("told"));
+            health.hear((radio, rssi), packet, (&fix, 0), &site, |_, _| {
+                panic!("told")
+            });
         }
     }
 }

@@ -27,7 +27,8 @@
 //! the mean time of its packets in milliseconds; `TRACKING`, `UNCERTAIN`, `LOST` or `RECOVERED`
 //! ([`State`](crate::fingerprint::tracker::State)); place and velocity in metres and metres a second; standard deviations in
 //! metres along the longer and the shorter axis of its uncertainty, and the direction of the longer one in degrees
-//! counter-clockwise from x; by how many dB the tag is louder than the one of the survey; the effective sample size.
+//! counter-clockwise from x; by how many dB the tag is louder than the one of the survey; the effective sample size. In a
+//! [`Building`](crate::fingerprint::tracker::Building) two more fields: the likeliest floor, counted from 0, and its probability.
 //!
 //! **`$PFOXL,time,radio,SILENT*hh`**, a radio of the map has heard no tag for [`Config::silence_ms`] while others have;
 //! **`...,HEARD*hh`** when it hears one again. **`...,MOVED*hh`**: its levels are not those of the map, at several places, by
@@ -61,7 +62,7 @@ pub use input::Packet;
 pub use new_map::{MapPiece, NewMapError};
 pub use outcome::{Counters, Event, Rejected};
 
-use crate::fingerprint::tracker::{Tracker, Trackers, Workspace};
+use crate::fingerprint::tracker::{Ground, OnFloor, Packed, Stored, Tracker, Trackers, Workspace};
 use crate::fingerprint::{RadioMap, Reading, ReadingError};
 use crate::persist;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
@@ -103,11 +104,12 @@ pub struct BeaconGateway<
     const P: usize,
     const B: usize = 16,
     const D: usize = 2,
+    S: Stored = Packed<D>,
 > {
     input: Input,
     counters: Counters,
-    trackers: Trackers<T, N, B, D>,
-    workspace: Workspace<N, P>,
+    trackers: Trackers<T, N, B, D, S>,
+    workspace: Workspace<N, P, S::Floor>,
     radios: Radios<B>,
     health: Health<B>,
     survey: Survey,
@@ -116,8 +118,8 @@ pub struct BeaconGateway<
     report: Report,
 }
 
-impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: usize>
-    BeaconGateway<T, N, P, B, D>
+impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: usize, S: Stored>
+    BeaconGateway<T, N, P, B, D, S>
 {
     /// No tags yet, in bits that are all zero.
     pub const EMPTY: Self = {
@@ -139,7 +141,10 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
     /// Takes the next byte of the line, and returns what the message led to that ends with it, if one does.
     ///
     /// Never waits. The byte that ends a packet runs at most one update, that of a query one for every tag.
-    pub fn push(&mut self, byte: u8, config: &Config<'_>) -> Option<Event> {
+    pub fn push<G>(&mut self, byte: u8, config: &Config<G>) -> Option<Event>
+    where
+        G: Ground<Floor = S::Floor>,
+    {
         let message = self.input.push(byte, config.framing)?;
         self.report.clear();
         let event = match message {
@@ -178,7 +183,7 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
     }
 
     /// The tags and their trackers.
-    pub fn tags(&self) -> impl Iterator<Item = (u32, &Tracker<N, B, D>)> {
+    pub fn tags(&self) -> impl Iterator<Item = (u32, &Tracker<N, B, D, S>)> {
         self.trackers.iter()
     }
 
@@ -246,20 +251,25 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
     }
 
     #[inline(never)]
-    fn packet(&mut self, packet: &Packet, config: &Config<'_>) -> Result<Event, Rejected> {
+    fn packet<G>(&mut self, packet: &Packet, config: &Config<G>) -> Result<Event, Rejected>
+    where
+        G: Ground<Floor = S::Floor>,
+    {
         let &Packet { time_ms, tag, .. } = packet;
         if let Some(spot) = self.survey.of(tag) {
             self.report.survey(spot, packet);
         }
         let site = &config.site;
-        let beacon = site.map.beacon_index(packet.radio.into());
+        // All floors have the same beacons.
+        let map = site.map(0);
+        let beacon = map.beacon_index(packet.radio.into());
         let beacon = beacon.and_then(|beacon| u8::try_from(beacon).ok());
         let reading = Reading {
             beacon: beacon.ok_or(Rejected::UnknownRadio)?,
             rssi_dbm: packet.rssi_dbm.into(),
         };
         // Before a tag is evicted for it.
-        if !site.config.accepts(reading.rssi_dbm) {
+        if !site.config().accepts(reading.rssi_dbm) {
             return Err(Rejected::OutOfRange);
         }
         let rng = self
@@ -278,24 +288,30 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
                 ReadingError::Strength => Rejected::OutOfRange,
                 _ => Rejected::UnknownRadio,
             })?;
-        let known = tracker.fix();
+        let known = tracker.fix().zip(tracker.floor());
+        let floor = floor_of(tracker, site);
         let report = &mut self.report;
         let now_ms = self.trackers.now_ms();
         let radio = usize::from(reading.beacon);
-        let identifier = |radio| site.map.beacon(radio).map_or(0, |beacon| beacon.identifier);
-        (self.radios).hear(now_ms, radio, config, |radio, is_silent| {
-            let word = if is_silent { "SILENT" } else { "HEARD" };
-            report.radio(now_ms, identifier(radio), word);
-        });
-        if let Some(known) = known {
+        let identifier = |radio| map.beacon(radio).map_or(0, |beacon| beacon.identifier);
+        (self.radios).hear(
+            now_ms,
+            radio,
+            (map.beacons(), config.silence_ms),
+            |radio, is_silent| {
+                let word = if is_silent { "SILENT" } else { "HEARD" };
+                report.radio(now_ms, identifier(radio), word);
+            },
+        );
+        if let Some((known, on)) = known {
             let heard = (radio, reading.rssi_dbm);
-            (self.health).hear(heard, time_ms, &known, site, |radio, finding| {
+            (self.health).hear(heard, time_ms, (&known, on), site, |radio, finding| {
                 report.radio(now_ms, identifier(radio), finding.word());
             });
         }
         Ok(match fix {
             Some(fix) => {
-                self.report.tag(tag, &fix);
+                self.report.tag(tag, &fix, floor);
                 Event::Fix { tag, fix }
             }
             None => Event::Taken { tag },
@@ -304,7 +320,7 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
 
     /// Reports every tag and the status.
     #[inline(never)]
-    fn answer(&mut self, config: &Config<'_>) {
+    fn answer<G: Ground<Floor = S::Floor>>(&mut self, config: &Config<G>) {
         let mut tags = 0;
         for (tag, tracker) in self.trackers.iter_mut() {
             tags += 1;
@@ -313,7 +329,7 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
                 tracker.flush_doubting(doubts_db2, &config.site, &mut self.workspace, rng);
             }
             if let Some(fix) = tracker.fix() {
-                self.report.tag(tag, &fix);
+                self.report.tag(tag, &fix, floor_of(tracker, &config.site));
             }
         }
         self.report
@@ -321,9 +337,50 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
     }
 }
 
+/// The gateway of a [`Building`](crate::fingerprint::tracker::Building) of several floors: `P` counts the points of all.
+///
+/// ```
+/// use foxhunt::fingerprint::RadioMap;
+/// use foxhunt::fingerprint::tracker::{self, Building, Site, Storey, Walls};
+/// use foxhunt::gateway::beacon::{BuildingGateway, Config};
+///
+/// # static CELLAR: &[u8] =
+/// #     include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/tunnel.map"));
+/// # static HALL: &[u8] = CELLAR;
+/// let [cellar, hall] = [RadioMap::new(CELLAR)?, RadioMap::new(HALL)?];
+/// let above = [Storey { map: hall, walls: Walls::None }];
+/// let building = Building {
+///     lowest: Site::new(cellar, tracker::Config::DEFAULT)?,
+///     above: &above,
+///     passages: &[], // stairs and lifts: without any, a tag on another floor is lost, and found there
+/// };
+/// let config = Config::new(building);
+/// config.check()?;
+/// let mut gateway = BuildingGateway::<8, 300, 162, 4, 1>::EMPTY;
+/// let events = b"$PFOXQ*50\r\n".iter().filter_map(|byte| gateway.push(*byte, &config));
+/// assert_eq!(events.count(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub type BuildingGateway<
+    const T: usize,
+    const N: usize,
+    const P: usize,
+    const B: usize = 16,
+    const D: usize = 2,
+> = BeaconGateway<T, N, P, B, D, OnFloor<Packed<D>>>;
+
+/// The likeliest floor of a tag and its probability, where there are several.
+fn floor_of<const N: usize, const B: usize, const D: usize, S: Stored>(
+    tracker: &Tracker<N, B, D, S>,
+    site: &impl Ground,
+) -> Option<(u8, f32)> {
+    let floor = tracker.floor().filter(|_| site.floors() > 1)?;
+    Some((floor, tracker.floor_probability(floor)))
+}
+
 persist!(
-    impl[const T: usize, const N: usize, const P: usize, const B: usize, const D: usize]
-    BeaconGateway<T, N, P, B, D> as "BeaconGateway"(T, N, B)
+    impl[const T: usize, const N: usize, const P: usize, const B: usize, const D: usize, S: Stored]
+    BeaconGateway<T, N, P, B, D, S> as "BeaconGateway"(T, N, B)
     { counters, trackers, radios, health, survey, generator } without { input, workspace, report, reception }
 );
 

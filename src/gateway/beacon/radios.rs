@@ -1,6 +1,5 @@
 //! Which radios still hear anything.
 
-use super::Config;
 use crate::persist;
 
 /// When each radio of the map was heard of last.
@@ -27,20 +26,19 @@ impl<const B: usize> Radios<B> {
             .sum()
     }
 
-    /// Notes that one of the map's radios has heard a tag, and calls `tell` for each that has fallen silent, and for this
-    /// one if it had: with its number and whether it is silent.
+    /// Notes that one of the map's radios, of which there are so many, has heard a tag. Calls `tell` for each that has been
+    /// silent for more than `silence_ms`, and for this one if it had been: with its number and whether it is silent.
     pub fn hear(
         &mut self,
         now_ms: u32,
         radio: usize,
-        config: &Config<'_>,
+        (radios, silence_ms): (usize, u32),
         mut tell: impl FnMut(usize, bool),
     ) {
         if !self.has_begun {
             self.heard_ms = [now_ms; B];
             self.has_begun = true;
         }
-        let radios = config.site.map.beacons();
         let each = self.heard_ms.iter_mut().zip(&mut self.is_silent);
         for (number, (heard_ms, is_silent)) in each.enumerate().take(radios) {
             if number == radio {
@@ -48,7 +46,7 @@ impl<const B: usize> Radios<B> {
             }
             // Clocks overflow; a time ahead is no silence.
             let silence = now_ms.wrapping_sub(*heard_ms) as i32;
-            let silent = u32::try_from(silence).is_ok_and(|silence| silence > config.silence_ms);
+            let silent = u32::try_from(silence).is_ok_and(|silence| silence > silence_ms);
             if silent != *is_silent {
                 *is_silent = silent;
                 tell(number, silent);
@@ -63,15 +61,10 @@ persist!(impl[const B: usize] Radios<B> as "Radios"(B) { heard_ms, is_silent, ha
 mod tests {
     extern crate std;
     use super::*;
-    use crate::fingerprint::RadioMap;
-    use crate::fingerprint::tracker::{self, Site, tests::map};
     use std::vec::Vec;
 
     #[test]
     fn a_silent_radio_is_told_of_once_and_again_when_it_is_heard() {
-        let bytes = map(1);
-        let map = RadioMap::new(&bytes).unwrap();
-        let config = Config::new(Site::new(map, tracker::Config::DEFAULT).unwrap());
         // The fourth radio of the map has no room.
         let mut radios = Radios::<3>::EMPTY;
         let start = u32::MAX - 2_000;
@@ -85,7 +78,7 @@ mod tests {
             (7_000, 2),
         ] {
             let time = start.wrapping_add(after);
-            radios.hear(time, radio, &config, |radio, silent| {
+            radios.hear(time, radio, (4, 5_000), |radio, silent| {
                 told.push((after, radio, silent))
             });
         }

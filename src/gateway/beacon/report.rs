@@ -16,8 +16,8 @@ const CAPACITY: usize = MAX_TAGS * 150 + 256;
 pub(super) type Report = Text<CAPACITY>;
 
 impl Report {
-    /// `$PFOXT`
-    pub fn tag(&mut self, tag: u32, fix: &Fix) {
+    /// `$PFOXT`, with the floor and its probability where there are several.
+    pub fn tag(&mut self, tag: u32, fix: &Fix, floor: Option<(u8, f32)>) {
         let ellipse = Ellipse::of_sigmas(fix.position, fix.covariance, 1.0);
         self.begin("PFOXT");
         self.field(fix.time_ms);
@@ -36,6 +36,10 @@ impl Report {
         self.signed(ellipse.orientation * DEGREES, Unit::Tenth);
         self.signed(fix.offset_db, Unit::Tenth);
         self.decimal(fix.effective_sample_size, Unit::Tenth);
+        if let Some((floor, probability)) = floor {
+            self.field(floor.into());
+            self.decimal(probability, Unit::Thousandth);
+        }
         self.end();
     }
 
@@ -114,7 +118,7 @@ mod tests {
     #[test]
     fn sentences() {
         let mut report = Report::new();
-        report.tag(7, &fix());
+        report.tag(7, &fix(), None);
         assert_eq!(
             report.as_str(),
             "$PFOXT,12500,7,TRACKING,31.250,-0.500,1.000,0.000,2.000,1.000,0.0,-3.3,211.0*45\r\n"
@@ -137,7 +141,7 @@ mod tests {
             effective_sample_size: 65_536.0,
         };
         for _ in 0..MAX_TAGS {
-            report.tag(u32::MAX, &fix);
+            report.tag(u32::MAX, &fix, Some((63, 1.0)));
         }
         report.status(&Counters::EMPTY, 8, 0);
         // Every count, now one digit, may have ten.

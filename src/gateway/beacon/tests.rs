@@ -2,8 +2,9 @@
 
 extern crate std;
 use super::*;
+use crate::fingerprint::Zone;
 use crate::fingerprint::tracker::tests::{level, map, map_behind};
-use crate::fingerprint::tracker::{self, Site, State};
+use crate::fingerprint::tracker::{self, Building, Passage, Site, State, Storey, Walls};
 use crate::fingerprint::{MapError, RadioMap};
 use crate::gateway::sentence::checksum;
 use crate::snapshot;
@@ -13,7 +14,7 @@ use std::{format, string::String, vec::Vec};
 /// A gateway and its configuration.
 struct Gateway<'a> {
     state: BeaconGateway<2, 100, 64, 4>,
-    config: Config<'a>,
+    config: Config<Site<'a>>,
 }
 
 fn gateway(map: &[u8], framing: Framing) -> Gateway<'_> {
@@ -196,6 +197,61 @@ fn a_radio_that_was_moved_is_reported_and_the_fixes_stay_right() {
         let rmse = crate::math::sqrt(late.0 / late.1);
         assert!(rmse < 3.0, "{wrong:?} {rmse}");
     }
+}
+
+#[test]
+fn a_tag_that_takes_the_stairs_is_reported_on_the_other_floor() {
+    let losses_db = [[0.0, 0.0, 15.0, 15.0], [15.0, 15.0, 0.0, 0.0]];
+    let maps = losses_db.map(|loss_db| map_behind(loss_db, 1));
+    let [lowest, above] = maps.each_ref().map(|map| RadioMap::new(map).unwrap());
+    let building = Building {
+        lowest: Site::new(lowest, tracker::Config::DEFAULT).unwrap(),
+        above: &[Storey {
+            map: above,
+            walls: Walls::None,
+        }],
+        passages: &[Passage {
+            place: Zone {
+                id: 0,
+                floor: 0,
+                corners: &[[15.0, -1.0], [25.0, -1.0], [25.0, 1.0], [15.0, 1.0]],
+            },
+            floors: &[0, 1],
+            seconds: 5.0,
+        }],
+    };
+    let config = Config::new(building);
+    config.check().unwrap();
+    let mut state = BuildingGateway::<2, 200, 82, 4, 1>::EMPTY;
+    let mut told = Vec::new();
+    for half in 0..120u32 {
+        let floor = usize::from(half >= 60);
+        for radio in 0..4 {
+            let rssi = level(radio, 20.0) - losses_db[floor][usize::from(radio)];
+            let payload = format!("PFOXB,{},{radio},7,{rssi:.0}", 500 * half);
+            for byte in sentence(&payload).bytes() {
+                if let Some(Event::Fix { .. }) = state.push(byte, &config) {
+                    told.push(String::from(state.report()));
+                }
+            }
+        }
+    }
+    let floor_of = |report: &String| {
+        let (fields, _) = report.split_once('*').unwrap();
+        let mut fields = fields.rsplit(',');
+        let probability: f32 = fields.next().unwrap().parse().unwrap();
+        (fields.next().unwrap() == "1", probability)
+    };
+    let floors: Vec<_> = told.iter().map(floor_of).collect();
+    let (before, after) = (&floors[20..50], &floors[floors.len() - 30..]);
+    assert!(
+        before.iter().all(|(upper, p)| !upper && *p > 0.9),
+        "{told:?}"
+    );
+    assert!(
+        after.iter().all(|(upper, p)| *upper && *p > 0.9),
+        "{told:?}"
+    );
 }
 
 #[test]

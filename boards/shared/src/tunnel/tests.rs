@@ -39,7 +39,7 @@ fn packets() -> impl Iterator<Item = Packet> {
     })
 }
 
-fn config() -> Config<'static> {
+fn config() -> Config<Site<'static>> {
     Config::new(Site::new(RadioMap::new(MAP).unwrap(), corridor::WALKS).unwrap())
 }
 
