@@ -1,6 +1,8 @@
 //! The whole gateway, on a map made by hand.
 
 extern crate std;
+mod kinds;
+
 use super::*;
 use crate::fingerprint::Zone;
 use crate::fingerprint::tracker::tests::{level, map, map_behind};
