@@ -7,4 +7,5 @@ mod program;
 mod replay;
 #[cfg(target_os = "linux")]
 mod restarts;
+mod survey;
 mod web;
