@@ -8,4 +8,5 @@ mod replay;
 #[cfg(target_os = "linux")]
 mod restarts;
 mod survey;
+mod told;
 mod web;
