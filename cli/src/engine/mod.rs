@@ -15,7 +15,7 @@ mod site;
 mod words;
 
 pub use piece::{Command, Piece, What};
-pub use refused::legible;
+pub use refused::{legible, why};
 pub use search::{Engine, Happened};
 pub use setup::Setup;
 pub use site::DEMO_MAP;

@@ -15,7 +15,7 @@ use super::{
     hunt::{self, Hunt, PORTS},
     message::{self, Mark, Message},
     piece::{Piece, What},
-    refused::Refusals,
+    refused::{Refusals, why},
     setup::Setup,
     site::{Site, rounded},
     words,
@@ -72,6 +72,8 @@ pub(super) struct Input {
     pub site: Option<usize>,
     /// Line ends that have come.
     lines: u64,
+    /// The beginning of the line that is coming in: of a line of no kind, the gateway keeps nothing.
+    begun: Vec<u8>,
     pub refused: BTreeMap<Refusal, u64>,
 }
 
@@ -94,6 +96,23 @@ pub(super) struct Taken {
 #[derive(Debug, Default)]
 pub(super) struct Retracts {
     pub done: Vec<(i64, u64)>,
+}
+
+impl Input {
+    /// Notes a byte of a line.
+    fn begin(&mut self, byte: u8) {
+        /// More of it is not told.
+        const MOST: usize = 100;
+        match byte {
+            b'\n' => {
+                self.lines += 1;
+                self.begun.clear();
+            }
+            b'\r' => {}
+            _ if self.begun.len() < MOST => self.begun.push(byte),
+            _ => {}
+        }
+    }
 }
 
 impl Engine {
@@ -120,6 +139,7 @@ impl Engine {
                 stream: Stream::default(),
                 site,
                 lines: 0,
+                begun: Vec::new(),
                 refused: BTreeMap::new(),
             })
         };
@@ -230,7 +250,7 @@ impl Engine {
                 self.push(input, &lines, say);
                 Ok(())
             }
-            Ok(Decoded::Bearing(bearing)) => self.bearing(input, bearing, say),
+            Ok(Decoded::Bearing(bearing)) => self.bearing(input, text, bearing, say),
             Ok(Decoded::Delete(key)) => self.delete(&key, say),
             Ok(Decoded::Nothing) => Ok(()),
             Err(reason) => Err(reason),
@@ -253,16 +273,25 @@ impl Engine {
     fn push(&mut self, port: usize, bytes: &[u8], say: Say) {
         for byte in bytes {
             if let Some(event) = self.hunt.push(port, *byte) {
-                self.happened(port, &event, None, say);
+                let mut line = self.hunt.line(port).to_vec();
+                if line.is_empty() {
+                    line.clone_from(&self.inputs[port].begun);
+                }
+                self.happened(port, &event, &line, None, say);
+                self.inputs[port].begun.clear();
             }
-            if *byte == b'\n' {
-                self.inputs[port].lines += 1;
-            }
+            self.inputs[port].begin(*byte);
         }
     }
 
     /// A bearing that did not come as a line.
-    fn bearing(&mut self, input: usize, bearing: decode::Bearing, say: Say) -> Result<(), Refusal> {
+    fn bearing(
+        &mut self,
+        input: usize,
+        text: &[u8],
+        bearing: decode::Bearing,
+        say: Say,
+    ) -> Result<(), Refusal> {
         let decode::Bearing {
             key,
             time_ms,
@@ -281,7 +310,7 @@ impl Engine {
         let now = Some(self.arrived_ms).filter(|time| record.place.is_some() && *time > 0);
         record.time_ms = (time_ms.or(now)).map(|time| time.rem_euclid(DAY) as u32);
         let event = self.hunt.record(port, &record);
-        self.happened(port, &event, Some((key, is_of_others)), say);
+        self.happened(port, &event, text, Some((key, is_of_others)), say);
         Ok(())
     }
 
@@ -304,8 +333,14 @@ impl Engine {
     }
 
     /// What an event of a port means to others.
-    fn happened(&mut self, port: usize, event: &Event, key: Option<(Key, bool)>, say: Say) {
-        let line = self.hunt.line(port);
+    fn happened(
+        &mut self,
+        port: usize,
+        event: &Event,
+        line: &[u8],
+        key: Option<(Key, bool)>,
+        say: Say,
+    ) {
         let input = self.ports.get(port).map_or(port, |port| port.input);
         let number = self.inputs.get(input).map_or(0, |input| input.lines + 1);
         say(Happened::Line {
@@ -322,12 +357,11 @@ impl Engine {
         if let Event::Rejected(reason) = event
             && !is_harmless
         {
-            let line = line.to_vec();
-            self.refused(port, reason.to_string(), &line, say);
+            self.refused(port, why(*reason, line), line, say);
         }
         let is_bearing = matches!(event, Event::Fix(_) | Event::NotObservable(_));
         if key.is_none() && (is_bearing || *event == Event::Used) {
-            self.dates.line(self.hunt.line(port));
+            self.dates.line(line);
         }
         if !self.hunt.report().is_empty() {
             say(Happened::Report(self.hunt.report()));
