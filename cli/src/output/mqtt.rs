@@ -142,7 +142,7 @@ impl Publisher {
         loop {
             match self.connection(&mut reader).await {
                 Ok(End::Done) => return self.status.ended(),
-                Ok(End::Lost(why)) => self.status.lost(why),
+                Ok(End::Lost(why)) => self.status.lost(format_args!("{}: {why}", self.told)),
                 Err(error) => self.status.lost(format_args!("{error:#}")),
             }
             // What comes meanwhile waits.
