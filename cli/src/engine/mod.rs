@@ -1,9 +1,11 @@
 //! The search: pieces of what comes in, and what follows from them. Live and in a replay it is the same, to the last bit.
 
+mod board;
 mod commands;
 mod dates;
 mod health;
 mod hunt;
+mod input;
 mod kept;
 pub mod message;
 mod outliers;

@@ -11,8 +11,10 @@ use foxhunt_decode::{self as decode, Decoded, Key, Part, Refusal, Stream};
 use foxhunt_host::archive::{Answered, Archive};
 
 use super::{
+    board::Board,
     dates::{DAY, Dates},
     hunt::{self, Hunt, PORTS},
+    input::Input,
     message::{self, Mark, Message},
     piece::{Piece, What},
     refused::{Refusals, why},
@@ -52,34 +54,25 @@ pub struct Engine {
     pub(super) inputs: Vec<Input>,
     pub(super) ports: Vec<Port>,
     pub(super) sites: Vec<Site>,
-    dates: Dates,
+    pub(super) dates: Dates,
     pub(super) bearings: Vec<Taken>,
     pub(super) keys: BTreeMap<Key, u64>,
     pub(super) search: u32,
     pub(super) retracts: Retracts,
     pub(super) marks: BTreeMap<u64, Mark>,
     pub(super) next_mark: u64,
-    place: Option<Geodetic>,
+    pub(super) place: Option<Geodetic>,
     /// The time of the newest bearing of the search, as the locator counts it.
     newest_ms: u32,
     /// When the piece that is taken came in.
-    arrived_ms: i64,
+    pub(super) arrived_ms: i64,
     refusals: Refusals,
-}
-
-pub(super) struct Input {
-    stream: Stream,
-    pub site: Option<usize>,
-    /// Line ends that have come.
-    lines: u64,
-    /// The beginning of the line that is coming in: of a line of no kind, the gateway keeps nothing.
-    begun: Vec<u8>,
-    pub refused: BTreeMap<Refusal, u64>,
+    pub(super) board: Board,
 }
 
 /// Where bearings come from: an input, or one of the stations whose messages come by it.
 pub(super) struct Port {
-    name: String,
+    pub name: String,
     pub input: usize,
 }
 
@@ -96,23 +89,6 @@ pub(super) struct Taken {
 #[derive(Debug, Default)]
 pub(super) struct Retracts {
     pub done: Vec<(i64, u64)>,
-}
-
-impl Input {
-    /// Notes a byte of a line.
-    fn begin(&mut self, byte: u8) {
-        /// More of it is not told.
-        const MOST: usize = 100;
-        match byte {
-            b'\n' => {
-                self.lines += 1;
-                self.begun.clear();
-            }
-            b'\r' => {}
-            _ if self.begun.len() < MOST => self.begun.push(byte),
-            _ => {}
-        }
-    }
 }
 
 impl Engine {
@@ -136,11 +112,8 @@ impl Engine {
                 }
             };
             Ok(Input {
-                stream: Stream::default(),
                 site,
-                lines: 0,
-                begun: Vec::new(),
-                refused: BTreeMap::new(),
+                ..Input::default()
             })
         };
         let inputs: Vec<Input> = setup.inputs.iter().map(input).collect::<Result<_>>()?;
@@ -164,6 +137,7 @@ impl Engine {
             newest_ms: 0,
             arrived_ms: 0,
             refusals: Refusals::default(),
+            board: Board::default(),
         })
     }
 
@@ -358,6 +332,11 @@ impl Engine {
             && !is_harmless
         {
             self.refused(port, why(*reason, line), line, say);
+        }
+        if *event == Event::Other
+            && let Some(report) = decode::report(line)
+        {
+            self.reported(port, line, report, say);
         }
         let is_bearing = matches!(event, Event::Fix(_) | Event::NotObservable(_));
         if key.is_none() && (is_bearing || *event == Event::Used) {

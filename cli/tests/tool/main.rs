@@ -1,5 +1,6 @@
 //! The program as its users run it.
 
+mod board;
 mod broker;
 mod damage;
 mod live;
