@@ -117,7 +117,19 @@ pub fn run(options: &Options) -> Result<()> {
             "lines": summary::object(engine.counters()), "fixes": fixes.unwrap_or_default(),
         }));
     }
-    eprintln!("{}", summary::table(engine.counters()));
+    if engine.counters().lines > 0 {
+        eprintln!("{}", summary::table(engine.counters()));
+    }
+    for (input, heard) in settings.input.iter().zip(engine.heard()) {
+        let refused = heard.refused.iter();
+        let refused: String = refused
+            .map(|(reason, count)| format!(", {count} not used: {reason}"))
+            .collect();
+        eprintln!(
+            "{}: {} lines, {} used{refused}",
+            &*input.name, heard.lines, heard.used
+        );
+    }
     if let Some(archive) = archive {
         eprint!("{}", summary::answer(&archive));
     }

@@ -50,14 +50,14 @@ fn the_fixes_of_a_board_are_shown_and_sent() {
         let first = sent.split_inclusive('\n').take(1).collect::<String>();
         live.stdin().write_all(first.as_bytes()).unwrap();
         let why = live.until("why there is no fix", |live| {
-            let answer = live.answer();
+            let answer = live.messages("answer").pop()?;
             (answer["time_ms"] != 0).then(|| answer["reason"].clone())
         });
         assert_eq!(why["code"], "FEW", "{why}");
         let rest = &sent.as_bytes()[first.len()..];
         live.stdin().write_all(rest).unwrap();
         let source = live.until("its last fix", |live| {
-            let source = live.answer()["sources"][0].clone();
+            let source = live.messages("answer").pop()?["sources"][0].clone();
             (source["bearings"] == bearings).then_some(source)
         });
         assert_eq!(source["lat"], region.latitude);
@@ -97,7 +97,7 @@ fn several_sources_of_a_board_keep_their_numbers() {
     live.stdin().write_all(sent.as_bytes()).unwrap();
     let (region, bearings) = last_fix(&sent);
     let sources = live.until("its last fix", |live| {
-        let sources = live.answer()["sources"].clone();
+        let sources = live.messages("answer").pop()?["sources"].clone();
         (sources[1]["bearings"] == bearings).then_some(sources)
     });
     assert_eq!(sources[1]["lat"], region.latitude);

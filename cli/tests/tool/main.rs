@@ -2,6 +2,7 @@
 
 mod board;
 mod broker;
+mod chapters;
 mod damage;
 mod live;
 mod program;
