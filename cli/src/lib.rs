@@ -11,6 +11,7 @@
 //! | `log` | the raw log, and logs of others |
 //! | `output` | where results go |
 //! | `web` | the page |
+//! | `wrong` | values that cannot be |
 
 mod command;
 mod engine;
@@ -23,6 +24,7 @@ mod reading;
 mod screen;
 mod settings;
 mod web;
+mod wrong;
 
 use std::process::ExitCode;
 

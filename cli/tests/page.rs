@@ -98,7 +98,18 @@ fn the_demo_shows_a_drive_and_a_tunnel() {
     browser.size(1280, 800, false);
     browser.open(&live.address);
     browser.wait("foxhunt.live?.store.answer?.sources.length === 2");
+    // Each by the number that outputs tell, too.
+    browser.wait(
+        "[0, 1].every((n) => document.querySelector('#answer').textContent.includes(`Source ${n}: `))",
+    );
     browser.picture(&directory.join("drive.png"));
+    // A planned end is no fault.
+    let ended = "[...document.querySelectorAll('#health b')].filter((b) => b.textContent.includes(': ended'))";
+    browser.wait(&format!("{ended}.length === 2"));
+    assert_eq!(
+        browser.value(&format!("{ended}.some((b) => b.className === 'bad')")),
+        false
+    );
     browser.click("#tabs button:nth-child(2)");
     browser.wait("foxhunt.stage.mode.title === 'Site' && foxhunt.live.store.tags.size === 8");
     browser.picture(&directory.join("tunnel.png"));

@@ -7,6 +7,7 @@ mod gpsd;
 mod horus;
 mod kraken;
 mod number;
+mod report;
 mod sentence;
 mod stream;
 mod times;
@@ -16,6 +17,7 @@ mod xml;
 use serde_json::{Map, Value};
 
 pub use form::form;
+pub use report::{Region, Report, report};
 pub use sentence::{Navigation, coordinate, sentence};
 pub use stream::{Part, Stream};
 pub use times::{time_and_date, time_of_day};

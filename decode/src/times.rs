@@ -44,7 +44,7 @@ fn kraken(field: &str) -> Option<i64> {
 }
 
 /// Milliseconds after midnight of `hhmmss.s`.
-fn clock(time: &str) -> Option<i64> {
+pub fn clock(time: &str) -> Option<i64> {
     let milliseconds = match time.get(6..)? {
         "" => 0,
         fraction => {

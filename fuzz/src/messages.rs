@@ -4,13 +4,16 @@ use foxhunt::{
     aoa::{Clean, clean},
     gateway::{Config, Event, FullReport, Gateway, formats::All},
 };
-use foxhunt_decode::{Decoded, Part, Refusal, Stream, form, message, time_and_date, time_of_day};
+use foxhunt_decode::{
+    Decoded, Part, Refusal, Stream, form, message, report, time_and_date, time_of_day,
+};
 
 type Told = Gateway<Clean<24, 8>, All, FullReport>;
 
 /// Reads `data` as a message, as a form, and as a stream in two pieces, and gives a gateway what comes of it.
 pub fn check(data: &[u8]) {
     for line in data.split(|byte| *byte == b'\n') {
+        report(line);
         for (time, most) in [
             (time_of_day(line), 86_400_000),
             (time_and_date(line), i64::MAX),

@@ -28,6 +28,12 @@ export async function post(path, body = {}) {
   }
 }
 
+// A line that is opened while the page loads would have the browser say for ever that it loads.
+const loaded = new Promise((resolve) => {
+  if (document.readyState === "complete") resolve();
+  else addEventListener("load", () => setTimeout(resolve), { once: true });
+});
+
 // Calls `take(messages, isAnew)` with what has come, and `tell(isOpen)` when the line opens or is lost.
 export class Connection {
   constructor(state, { take, tell }) {
@@ -37,6 +43,10 @@ export class Connection {
 
   #begin(state) {
     this.take(state.messages, true);
+    loaded.then(() => this.#listen(state));
+  }
+
+  #listen(state) {
     this.events = new EventSource(`api/events?after=${state.seq}`);
     this.events.addEventListener("open", () => this.tell(true));
     this.events.addEventListener("message", (event) => this.take([JSON.parse(event.data)], false));

@@ -182,8 +182,13 @@ function sources(context, view, { sources = [] }) {
       context.stroke();
       arrowHead(context, [px, py], to);
     }
-    if (sources.length > 1) label(context, `source ${source.number + 1}`, [px, py - 22], palette.source);
+    if (sources.length > 1) label(context, sourceName(source), [px, py - 22], palette.source);
   }
+}
+
+// What a source is called, here and in whatever else tells of it: sources count from 0, as `$PFOXM` counts them.
+export function sourceName({ number }) {
+  return `Source ${number}`;
 }
 
 function tags(context, view, { tags = [] }) {

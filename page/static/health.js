@@ -47,6 +47,7 @@ function outputItem({ name, state, queued = 0, sent = 0, lost = 0 }) {
 }
 
 function stateLine(name, state, since) {
-  const className = state === "open" ? "good" : "bad";
+  // What has come to its end, as a file does, is as it should be.
+  const className = { open: "good", ended: "" }[state] ?? "bad";
   return make("b", { className }, `${SIGNS[state] ?? "○"} ${name}: ${state}${since}`);
 }

@@ -35,14 +35,26 @@ export class Replay {
 
   // Takes a file: a log, or a background in GeoJSON.
   async take(file) {
-    if (/\.(geo)?json$/i.test(file.name)) {
-      this.background = JSON.parse(await file.text());
-      this.stage.render();
-      return;
+    this.error = null;
+    try {
+      if (/\.(geo)?json$/i.test(file.name)) {
+        this.background = JSON.parse(await file.text());
+      } else {
+        this.bytes = new Uint8Array(await file.arrayBuffer());
+        this.name = file.name;
+        await this.#run();
+      }
+    } catch (error) {
+      this.#fail(file.name, error);
     }
-    this.name = file.name;
-    this.bytes = new Uint8Array(await file.arrayBuffer());
-    await this.#run();
+    this.stage.render();
+  }
+
+  // What is shown is what was read until then.
+  #fail(name, error) {
+    this.isDone = true;
+    this.error = `${name} cannot be read: ${error.message}`;
+    this.stage.render();
   }
 
   async #run() {
@@ -86,12 +98,14 @@ export class Replay {
   panel() {
     const { state } = this;
     const name = make("p", { className: "headline" }, this.name ?? "A log from the field");
-    if (!state) return [name, this.opener, this.legend];
+    const error = this.error && make("p", { className: "error", role: "alert" }, this.error);
+    if (!state) return [name, error, this.opener, this.legend];
     const plane = this.#plane();
     const where = (source) => plane && place(...plane.degrees([source.x, source.y]));
     const read = Math.round((100 * this.read) / Math.max(this.bytes.length, 1));
     return [
       name,
+      error,
       this.isDone ? null : make("p", { className: "faint" }, `${read} % read`),
       answerPanel({ answer: state.answer, bearings: state.bearings, where, extra: [["Lines", String(state.lines)]] }),
       refusedPanel(state.refused),
@@ -110,7 +124,7 @@ export class Replay {
       make("div", { className: "row" }, button("Open a log", () => input.click(), { className: "main" }), input),
       choice("Locator for", LOCATORS, this.locator, (locator) => {
         this.locator = locator;
-        if (this.bytes) this.#run();
+        if (this.bytes) this.#run().catch((error) => this.#fail(this.name, error));
       }),
     );
   }

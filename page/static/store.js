@@ -71,7 +71,7 @@ export class Store {
 
   on_tag(message) {
     const key = `${message.site} ${message.id}`;
-    const tag = { ...message };
+    const tag = { ...message, state: message.state?.toLowerCase() };
     if (tag.covariance) tag.ellipse = ellipseOf(tag.covariance);
     this.tags.set(key, tag);
   }

@@ -1,7 +1,7 @@
 // What is known, in plain words.
 
 import { make, table } from "./dom.js";
-import { OUTLIER } from "./draw.js";
+import { OUTLIER, sourceName } from "./draw.js";
 
 export function metres(value) {
   if (value == null) return null;
@@ -69,7 +69,7 @@ export function answerPanel({ answer, bearings = [], where = () => null, extra =
 
 function sourceLines(source, count, where) {
   const { semi_major_m, semi_minor_m } = source.ellipse;
-  const name = count > 1 ? `Source ${source.number + 1}` : "Fix";
+  const name = count > 1 ? sourceName(source) : "Fix";
   const within = `95 % within ${axes(semi_major_m, semi_minor_m)}`;
   const isSure = source.probability == null || source.probability > 0.995;
   return [

@@ -69,8 +69,9 @@ struct Row {
     picture: Option<PathBuf>,
 }
 
+/// Options of a replay alone.
 #[derive(Parser)]
-#[command(no_binary_name = true)]
+#[command(name = "foxhunt replay", no_binary_name = true)]
 struct One {
     #[command(flatten)]
     told: Told,

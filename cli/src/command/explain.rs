@@ -1,23 +1,21 @@
 //! `foxhunt explain`: the story of a log.
 
-use std::{collections::BTreeMap, path::PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use foxhunt::{
-    aoa::Answer,
-    gateway::{Event, Rejected},
-};
+use foxhunt::aoa::Answer;
 use foxhunt_host::archive::{Answered, Kind, times::time};
 use serde::Serialize;
 
 use super::{
     failure::NothingUsed,
+    refusals::{Refusals, Refused},
     replay::{self, Told},
     summary,
 };
 use crate::{
-    engine::{Engine, Happened, code, legible},
-    log, screen,
+    engine::{Engine, code},
+    screen,
 };
 
 /// Tell the story of a log: what was refused and why, when a fix became possible, and what would have helped
@@ -50,56 +48,17 @@ struct Story {
     help: Vec<String>,
 }
 
-/// Lines that were refused for one reason.
-#[derive(Debug, Clone, Serialize)]
-struct Refused {
-    reason: String,
-    count: u64,
-    /// Where the first is: the log and the number of its line.
-    first: String,
-    line: String,
-    help: Option<&'static str>,
-}
-
 /// Runs the command.
 pub fn run(options: &Options) -> Result<()> {
-    let names: Vec<String> = options.files.iter().map(|file| log::name(file)).collect();
-    let mut refused: BTreeMap<String, Refused> = BTreeMap::new();
-    let mut note = |input: usize, number: u64, reason: String, line: &[u8], help| {
-        let name = names.get(input).or(names.first());
-        let entry = refused.entry(reason.clone()).or_insert_with(|| Refused {
-            reason,
-            count: 0,
-            first: format!("{}:{number}", name.map_or("", String::as_str)),
-            line: legible(line),
-            help,
-        });
-        entry.count += 1;
-    };
-    let mut say = |_: &_, happened: Happened<'_>| match happened {
-        Happened::Line {
-            input,
-            number,
-            line,
-            event: Event::Rejected(reason),
-        } => note(input, number, reason.to_string(), line, advice(*reason)),
-        Happened::Refused {
-            input,
-            number,
-            reason,
-        } => note(input, number, reason.to_string(), b"", None),
-        _ => {}
-    };
+    let mut refusals = Refusals::of(&options.files);
     let (engine, _) = replay::read_with(
         &options.files,
         options.one_line,
         &options.told,
         &mut |_, _| Ok(()),
-        &mut say,
+        &mut |_, happened| refusals.note(&happened),
     )?;
-    let mut refused: Vec<Refused> = refused.into_values().collect();
-    refused.sort_by_key(|one| std::cmp::Reverse(one.count));
-    let story = story(&engine, refused);
+    let story = story(&engine, &refusals);
     if options.json {
         screen::json(&story)?;
     } else {
@@ -117,12 +76,12 @@ fn print(story: &Story, engine: &Engine) -> Result<()> {
         let Refused {
             reason,
             count,
-            first,
+            line,
             ..
         } = one;
         screen::line(format_args!(
-            "\n{count} refused: {reason}\n  first {first}: {}",
-            one.line
+            "\n{count} refused: {reason}\n  {}\n  first: {line}",
+            one.where_they_are()
         ))?;
         if let Some(help) = one.help {
             screen::line(format_args!("  {help}"))?;
@@ -139,45 +98,10 @@ fn print(story: &Story, engine: &Engine) -> Result<()> {
     Ok(())
 }
 
-/// What to do about lines that were refused.
-fn advice(reason: Rejected) -> Option<&'static str> {
-    Some(match reason {
-        Rejected::NoHeading => {
-            "bearings count from the bow: send HDT sentences, or say `--reference true-north` if they are absolute, or \
-             `--heading station` of a KrakenSDR that stands"
-        }
-        Rejected::LowQuality => {
-            "the finder hears nothing, or its quality is on another scale: try `--minimum-quality 0`"
-        }
-        Rejected::StalePosition => {
-            "the receiver was silent, or the clock of the finder is wrong, or lines stand in another order than they came"
-        }
-        Rejected::NoPosition => "the receiver had no position yet",
-        Rejected::Frozen => "the KrakenSDR heard nothing, and repeated what it last heard",
-        Rejected::Duplicate => "the page of a finder was read twice, which does no harm",
-        Rejected::Checksum => {
-            "lines were damaged: look at the cable, the baud rate, and whether two programs read the port"
-        }
-        Rejected::Unparsable => "these are no lines of a known device, or parts of some",
-        Rejected::Turning => "there is no compass, and the course is no heading in a bend",
-        Rejected::NoVariation => "say how far magnetic north is off: `--variation DEGREES`",
-        Rejected::Simulated => "to use positions of a simulator: `--simulated`",
-        Rejected::TimeBackwards => "two clocks are mixed on one line, or a clock was set back",
-        Rejected::Unconfirmed => {
-            "a position waits for a second that agrees: one or two at the beginning are usual"
-        }
-        Rejected::OtherFrequency
-        | Rejected::OtherTag
-        | Rejected::OtherFinder
-        | Rejected::OtherAnchor => "the options name another one",
-        _ => return None,
-    })
-}
-
-fn story(engine: &Engine, refused: Vec<Refused>) -> Story {
+fn story(engine: &Engine, refusals: &Refusals) -> Story {
     let answers = engine.answers();
     let archive = engine.archive().ok();
-    let mut help = Vec::new();
+    let mut help: Vec<String> = refusals.hint().into_iter().collect();
     if let Some(Answer::NotObservable(reason)) = answers.last().map(|last| last.answer) {
         help.push(format!("to {}", reason.help()));
     }
@@ -199,7 +123,7 @@ fn story(engine: &Engine, refused: Vec<Refused>) -> Story {
         }
     }
     Story {
-        refused,
+        refused: refusals.sorted().into_iter().cloned().collect(),
         events: events(answers),
         end: archive.map_or("no bearing was used".into(), |archive| {
             summary::answer(&archive)

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use serde_json::json;
 
 use super::summary;
@@ -10,7 +10,8 @@ use crate::{
     input::Demo,
     live::{self, Extra},
     screen,
-    settings::{Input, Settings},
+    settings::{Input, Name, Settings},
+    wrong::address,
 };
 
 /// Locate live: read receivers and direction finders, show a page, and tell other programs
@@ -34,7 +35,7 @@ pub struct Options {
     #[arg(long, requires = "demo", default_value_t = 1)]
     seed: u64,
     /// Where the page is served, in place of what the settings say: an address and a port.
-    #[arg(long, value_name = "ADDRESS")]
+    #[arg(long, value_name = "ADDRESS", value_parser = listen)]
     listen: Option<String>,
     /// Serve no page.
     #[arg(long, conflicts_with = "listen")]
@@ -45,7 +46,7 @@ pub struct Options {
     /// End when all inputs have ended, as of a file on the standard input.
     #[arg(long)]
     until_end: bool,
-    /// Only say whether the settings are right.
+    /// Only say whether the settings are right, and what they say.
     #[arg(long)]
     check: bool,
     /// Print JSON at the end.
@@ -57,6 +58,13 @@ fn speed(text: &str) -> Result<f64> {
     let speed: f64 = text.parse().context("a number")?;
     anyhow::ensure!(speed > 0.0 && speed <= 1_000.0, "from above 0 to 1000");
     Ok(speed)
+}
+
+fn listen(text: &str) -> Result<String> {
+    match address("listen", text) {
+        Ok(()) => Ok(text.to_owned()),
+        Err(wrong) => bail!(wrong.what),
+    }
 }
 
 /// Runs the command.
@@ -77,6 +85,7 @@ pub fn run(options: &Options) -> Result<()> {
         });
     } else if options.file.is_none() {
         settings.input.push(Input {
+            name: Name::try_from("stdin".to_owned()).unwrap_or_default(),
             stdin: Some(true),
             ..Input::default()
         });
@@ -91,8 +100,10 @@ pub fn run(options: &Options) -> Result<()> {
     }
     if options.check {
         live::check(&settings)?;
-        let file = options.file.as_deref().unwrap_or(Path::new("-"));
-        return screen::line(format_args!("{}: all right", file.display()));
+        return said(options.file.as_deref(), &settings);
+    }
+    if settings.input.is_empty() {
+        eprintln!("{NOTHING}");
     }
     let engine = live::run(&settings, extra)?;
     let archive = engine.archive().ok();
@@ -106,9 +117,53 @@ pub fn run(options: &Options) -> Result<()> {
             "lines": summary::object(engine.counters()), "fixes": fixes.unwrap_or_default(),
         }));
     }
-    eprintln!("{}", summary::table(engine.counters()));
+    if engine.counters().lines > 0 {
+        eprintln!("{}", summary::table(engine.counters()));
+    }
+    for (input, heard) in settings.input.iter().zip(engine.heard()) {
+        let refused = heard.refused.iter();
+        let refused: String = refused
+            .map(|(reason, count)| format!(", {count} not used: {reason}"))
+            .collect();
+        eprintln!(
+            "{}: {} lines, {} used{refused}",
+            &*input.name, heard.lines, heard.used
+        );
+    }
     if let Some(archive) = archive {
         eprint!("{}", summary::answer(&archive));
+    }
+    Ok(())
+}
+
+/// Said where there is no input.
+const NOTHING: &str = "nothing comes in: the settings have no [[input]]";
+
+/// Says what the settings say.
+fn said(file: Option<&Path>, settings: &Settings) -> Result<()> {
+    match file {
+        Some(file) => screen::line(format_args!("{}: all right", file.display()))?,
+        None => screen::line("no settings: what holds without any; `foxhunt init` writes some")?,
+    }
+    if settings.input.is_empty() {
+        screen::line(NOTHING)?;
+    }
+    for input in &settings.input {
+        let of = input
+            .site
+            .as_ref()
+            .map(|site| format!(", tags of {}", &**site));
+        let (name, of) = (&*input.name, of.unwrap_or_default());
+        screen::line(format_args!("input {name}: {}{of}", input.source()?))?;
+    }
+    for output in &settings.output {
+        screen::line(format_args!("output {}: {}", &*output.name, output.sink()?))?;
+    }
+    if let Some(log) = &settings.log {
+        screen::line(format_args!("log: {}", log.file.display()))?;
+    }
+    if settings.web.enabled {
+        screen::line(format_args!("page: {}", settings.web.listen))?;
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ mod explain;
 mod failure;
 mod init;
 mod live;
+mod refusals;
 mod replay;
 mod scenario;
 mod simulate;

@@ -6,7 +6,7 @@ use anyhow::{Result, bail, ensure};
 use indicatif::ProgressBar;
 use serde_json::json;
 
-use super::{failure::NothingUsed, summary};
+use super::{failure::NothingUsed, refusals::Refusals, summary};
 use crate::{
     engine::{Engine, Happened, Piece, Setup, What},
     log::{self, Log},
@@ -73,7 +73,8 @@ pub fn run(options: &Options) -> Result<()> {
     }
     let mut shown = 0;
     let is_quiet = options.json;
-    let (engine, bytes) = read(
+    let mut refusals = Refusals::of(&options.files);
+    let (engine, bytes) = read_with(
         &options.files,
         options.one_line,
         &options.told,
@@ -87,15 +88,22 @@ pub fn run(options: &Options) -> Result<()> {
             }
             Ok(())
         },
+        &mut |_, happened| refusals.note(&happened),
     )?;
     if !options.json {
         screen::line(summary::lines(bytes, engine.counters()))?;
+        for refused in refusals.sorted() {
+            let places = refused.where_they_are();
+            screen::line(format_args!("rejected: {}: {places}", refused.reason))?;
+        }
     }
     let Ok(archive) = engine.archive() else {
         let files: Vec<String> = options.files.iter().map(|file| log::name(file)).collect();
+        let hint = refusals.hint().map(|hint| format!("; {hint}"));
         bail!(NothingUsed(format!(
-            "no bearing of {} was used: there is nothing to keep",
-            files.join(", ")
+            "no bearing of {} was used: there is nothing to keep{}",
+            files.join(", "),
+            hint.unwrap_or_default()
         )));
     };
     if !options.json {
@@ -104,7 +112,7 @@ pub fn run(options: &Options) -> Result<()> {
     let files = archive.write(&directory, &title(&options.files))?;
     if options.json {
         return screen::json(&json!({
-            "bytes": bytes, "lines": summary::object(engine.counters()), "bearings": archive.bearings.len(),
+            "bytes": bytes, "lines": summary::object(engine.counters()), "rejected": refusals.sorted(), "bearings": archive.bearings.len(),
             "fixes": archive.fix_rows().iter().rev().take(archive.last().sources.len().max(1)).rev().collect::<Vec<_>>(),
             "files": files,
         }));

@@ -62,7 +62,7 @@ pub fn run(options: &Options) -> Result<()> {
             let bytes = script.scene(seed).drive.bytes().to_vec();
             (seed, vec![(output, bytes)])
         }
-        (file, None) => of_file(file, options.seed, output).with_context(|| file.to_owned())?,
+        (file, None) => of_file(file, options.seed, output)?,
     };
     for (file, bytes) in &files {
         let name = file.display();
@@ -85,21 +85,25 @@ type Files = Vec<(PathBuf, Vec<u8>)>;
 
 /// The seed and the files of a scenario in a file.
 fn of_file(file: &str, seed: Option<u64>, output: PathBuf) -> Result<(u64, Files)> {
+    let named = || file.to_owned();
     Ok(match scenario::read(file)? {
         Told::Drive(mut drive) => {
             drive.seed = seed.unwrap_or(drive.seed);
-            (drive.seed, vec![(output, scenario::log(&drive)?)])
+            (
+                drive.seed,
+                vec![(output, scenario::log(&drive).with_context(named)?)],
+            )
         }
         Told::Tunnel(mut tunnel) => {
             tunnel.seed = seed.unwrap_or(tunnel.seed);
-            let scene = tunnel.scene()?;
+            let scene = tunnel.scene().with_context(named)?;
             let map = (output.with_extension("map"), scene.map);
             let lines = scene.recording.line_bytes();
             (tunnel.seed, vec![(output, lines), map])
         }
         Told::Building(mut building) => {
             building.seed = seed.unwrap_or(building.seed);
-            let floors = building.floors()?;
+            let floors = building.floors().with_context(named)?;
             let survey = (output.with_extension("csv"), floors.survey.into_bytes());
             let lines = floors.recording.line_bytes();
             (building.seed, vec![(output, lines), survey])

@@ -140,6 +140,16 @@ impl Check {
         SiteSurvey::floors(file).with_context(|| format!("{survey}"))
     }
 
+    /// What a floor is called in an error.
+    fn name_of(&self, floor: i32, is_one_of_several: bool) -> String {
+        let file = self.survey.display();
+        if is_one_of_several {
+            format!("{file}: floor {floor}")
+        } else {
+            file.to_string()
+        }
+    }
+
     /// Prints the lines, or the JSON.
     fn say(&self, lines: &[String], value: &Value) -> Result<()> {
         if self.json {
@@ -152,13 +162,15 @@ impl Check {
 fn check(options: &Check) -> Result<()> {
     /// A beacon that fewer places have heard tells of too little.
     const FEW: usize = 3;
-    for (floor, survey) in options.floors()? {
+    let floors = options.floors()?;
+    let several = floors.len() > 1;
+    let mut faults = Vec::new();
+    for (floor, survey) in floors {
         let readings = survey.survey();
+        let is_heard = |place: usize, beacon: usize| !readings.samples[place][beacon].is_empty();
         let heard = |beacon: usize| {
             let places = 0..readings.places.len();
-            places
-                .filter(|place| readings.level(*place, beacon).is_some())
-                .count()
+            places.filter(|place| is_heard(*place, beacon)).count()
         };
         let rarely: Vec<u32> = (survey.beacons().iter().enumerate())
             .filter(|(index, _)| heard(*index) < FEW)
@@ -167,19 +179,20 @@ fn check(options: &Check) -> Result<()> {
         let unheard = (0..readings.places.len())
             .filter(|place| {
                 let mut beacons = 0..readings.beacons();
-                !beacons.any(|beacon| readings.level(*place, beacon).is_some())
+                !beacons.any(|beacon| is_heard(*place, beacon))
             })
             .count();
         let samples: usize = readings.samples.iter().flatten().map(Vec::len).sum();
         let mut lines = vec![format!(
-            "floor {floor}: {} places, {} beacons, {samples} readings",
-            readings.places.len(),
-            survey.beacons().len(),
+            "floor {floor}: {}, {}, {}",
+            counted(readings.places.len(), "place"),
+            counted(survey.beacons().len(), "beacon"),
+            counted(samples, "reading"),
         )];
         if survey.gated() > 0 {
             lines.push(format!(
-                "  {} readings are left out: no radio measures such strengths",
-                survey.gated()
+                "  left out, as no radio measures such strengths: {}",
+                counted(survey.gated(), "reading")
             ));
         }
         if !rarely.is_empty() {
@@ -188,20 +201,31 @@ fn check(options: &Check) -> Result<()> {
             ));
         }
         if unheard > 0 {
-            lines.push(format!("  at {unheard} places nothing was heard"));
+            let places = counted(unheard, "place");
+            lines.push(format!("  at {places} nothing was heard"));
         }
+        let fault = survey.check().err();
         let value = json!({
             "floor": floor, "places": readings.places.len(), "beacons": survey.beacons(), "readings": samples,
             "left_out": survey.gated(), "rarely_heard": rarely, "places_without_readings": unheard,
+            "fault": fault.as_ref().map(|fault| format!("{fault:#}")),
         });
         options.say(&lines, &value)?;
+        faults.extend(fault.map(|fault| fault.context(options.name_of(floor, several))));
     }
-    Ok(())
+    // Each floor is told before the first fault.
+    faults.into_iter().next().map_or(Ok(()), Err)
+}
+
+/// A number of things, in words.
+fn counted(count: usize, what: &str) -> String {
+    let s = if count == 1 { "" } else { "s" };
+    format!("{count} {what}{s}")
 }
 
 fn build(options: &Build) -> Result<()> {
     let floors = options.survey.floors()?;
-    let recipe = options.recipe.of(&floors)?;
+    let recipe = options.recipe.of(&floors, &options.survey)?;
     let several = floors.len() > 1;
     for (floor, survey) in floors {
         let file = if several {
@@ -209,7 +233,8 @@ fn build(options: &Build) -> Result<()> {
         } else {
             options.output.clone()
         };
-        let made = made(&survey, &recipe)?;
+        let made =
+            made(&survey, &recipe).with_context(|| options.survey.name_of(floor, several))?;
         write(options, floor, &survey, &made, &file)?;
     }
     Ok(())
@@ -217,10 +242,11 @@ fn build(options: &Build) -> Result<()> {
 
 fn predict(options: &Predict) -> Result<()> {
     let floors = options.survey.floors()?;
-    let recipe = options.recipe.of(&floors)?;
+    let recipe = options.recipe.of(&floors, &options.survey)?;
     let several = floors.len() > 1;
     for (floor, survey) in floors {
-        let made = made(&survey, &recipe)?;
+        let made =
+            made(&survey, &recipe).with_context(|| options.survey.name_of(floor, several))?;
         let (mut lines, mut value) = promise(&made);
         lines.insert(0, format!("floor {floor}: {}", made.choices));
         value["floor"] = floor.into();
@@ -241,10 +267,11 @@ fn predict(options: &Predict) -> Result<()> {
 
 impl Options {
     /// How the maps of some floors are made, all on one lattice.
-    fn of(&self, floors: &BTreeMap<i32, SiteSurvey>) -> Result<Recipe> {
+    fn of(&self, floors: &BTreeMap<i32, SiteSurvey>, survey: &Check) -> Result<Recipe> {
         let mut recipe = self.recipe()?;
         if floors.len() > 1 {
-            recipe.lattice = Some(common_lattice(&recipe, floors)?);
+            let lattice = common_lattice(&recipe, floors, survey)?;
+            recipe.lattice = Some(lattice);
         }
         Ok(recipe)
     }
@@ -277,19 +304,26 @@ impl Options {
 }
 
 /// The lattice of all floors, with the spacing of the floor that needs the least.
-fn common_lattice(recipe: &Recipe, floors: &BTreeMap<i32, SiteSurvey>) -> Result<Lattice> {
+fn common_lattice(
+    recipe: &Recipe,
+    floors: &BTreeMap<i32, SiteSurvey>,
+    survey_of: &Check,
+) -> Result<Lattice> {
     let spacing = match recipe.spacing_m {
         Some(spacing) => spacing,
         None => {
             let mut least = f64::INFINITY;
-            for survey in floors.values() {
-                let made = survey.map(recipe, &mut |_| ())?;
+            for (floor, survey) in floors {
+                let made = survey
+                    .map(recipe, &mut |_| ())
+                    .with_context(|| survey_of.name_of(*floor, true))?;
                 least = least.min(made.lattice.spacing().into());
             }
             least
         }
     };
     SiteSurvey::lattice_of(floors.values(), spacing)
+        .with_context(|| survey_of.survey.display().to_string())
 }
 
 /// The file of a floor: its number comes before the ending.

@@ -48,6 +48,7 @@ impl Engine {
                 }
             }
         }
+        heard.used += input.reports;
         for (reason, count) in &input.refused {
             heard.lines += count;
             *heard.refused.entry(reason.to_string()).or_default() += count;

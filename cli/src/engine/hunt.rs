@@ -71,11 +71,9 @@ struct Hunter<L: Locate + Clone> {
 /// # Errors
 /// Names what is out of range, or of no use.
 pub fn hunt(kind: Kind, reading: &Reading, belief: &Belief) -> Result<Box<dyn Hunt>> {
+    belief.check(kind)?;
     match kind {
-        Kind::Plain => {
-            belief.ensure_default()?;
-            boxed::<plain::Locator>(reading, clean::Config::DEFAULT)
-        }
+        Kind::Plain => boxed::<plain::Locator>(reading, clean::Config::DEFAULT),
         Kind::Robust => {
             let track = manoeuvring::Config::new(belief.config()?);
             boxed::<robust::Locator>(reading, multi::Config::new(track))

@@ -1,9 +1,11 @@
 //! The search: pieces of what comes in, and what follows from them. Live and in a replay it is the same, to the last bit.
 
+mod board;
 mod commands;
 mod dates;
 mod health;
 mod hunt;
+mod input;
 mod kept;
 pub mod message;
 mod outliers;
@@ -15,7 +17,7 @@ mod site;
 mod words;
 
 pub use piece::{Command, Piece, What};
-pub use refused::legible;
+pub use refused::{legible, why};
 pub use search::{Engine, Happened};
 pub use setup::Setup;
 pub use site::DEMO_MAP;

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use foxhunt::gateway::Rejected;
+
 use super::message::Refused;
 
 /// Milliseconds from one to the next for the same input and reason.
@@ -37,6 +39,19 @@ impl Refusals {
     }
 }
 
+/// Why a line was not used. The library has one word for a receiver without a position and for headings and speeds that came
+/// before any time was stated.
+pub fn why(reason: Rejected, line: &[u8]) -> String {
+    let states_time = |line: &[u8]| {
+        let kind = line.get(3..6);
+        !line.starts_with(b"$") || kind.is_some_and(|kind| matches!(kind, b"RMC" | b"GGA"))
+    };
+    if reason == Rejected::NoFix && !states_time(line) {
+        return "it is void, or no position with a time was used before it".into();
+    }
+    reason.to_string()
+}
+
 /// Text that can be printed, not too long.
 pub fn legible(line: &[u8]) -> String {
     const LONGEST: usize = 90;
@@ -52,6 +67,17 @@ pub fn legible(line: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_heading_has_no_fix_to_have() {
+        let of = |line: &str| why(Rejected::NoFix, line.as_bytes());
+        let receiver = Rejected::NoFix.to_string();
+        assert_eq!(of("$GPRMC,,V,,,,,,,,,,N*53"), receiver);
+        assert_eq!(of("$GPGGA,,,,,,0,,,,,,,,*66"), receiver);
+        assert!(of("$GPHDT,12.0,T*33").contains("no position with a time"));
+        let other = why(Rejected::Checksum, b"$GPHDT,12.0,T*34");
+        assert_eq!(other, Rejected::Checksum.to_string());
+    }
 
     #[test]
     fn the_first_is_told_and_then_one_now_and_then() {

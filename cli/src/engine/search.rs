@@ -11,11 +11,13 @@ use foxhunt_decode::{self as decode, Decoded, Key, Part, Refusal, Stream};
 use foxhunt_host::archive::{Answered, Archive};
 
 use super::{
+    board::Board,
     dates::{DAY, Dates},
     hunt::{self, Hunt, PORTS},
+    input::Input,
     message::{self, Mark, Message},
     piece::{Piece, What},
-    refused::Refusals,
+    refused::{Refusals, why},
     setup::Setup,
     site::{Site, rounded},
     words,
@@ -52,32 +54,25 @@ pub struct Engine {
     pub(super) inputs: Vec<Input>,
     pub(super) ports: Vec<Port>,
     pub(super) sites: Vec<Site>,
-    dates: Dates,
+    pub(super) dates: Dates,
     pub(super) bearings: Vec<Taken>,
     pub(super) keys: BTreeMap<Key, u64>,
     pub(super) search: u32,
     pub(super) retracts: Retracts,
     pub(super) marks: BTreeMap<u64, Mark>,
     pub(super) next_mark: u64,
-    place: Option<Geodetic>,
+    pub(super) place: Option<Geodetic>,
     /// The time of the newest bearing of the search, as the locator counts it.
     newest_ms: u32,
     /// When the piece that is taken came in.
-    arrived_ms: i64,
+    pub(super) arrived_ms: i64,
     refusals: Refusals,
-}
-
-pub(super) struct Input {
-    stream: Stream,
-    pub site: Option<usize>,
-    /// Line ends that have come.
-    lines: u64,
-    pub refused: BTreeMap<Refusal, u64>,
+    pub(super) board: Board,
 }
 
 /// Where bearings come from: an input, or one of the stations whose messages come by it.
 pub(super) struct Port {
-    name: String,
+    pub name: String,
     pub input: usize,
 }
 
@@ -117,10 +112,8 @@ impl Engine {
                 }
             };
             Ok(Input {
-                stream: Stream::default(),
                 site,
-                lines: 0,
-                refused: BTreeMap::new(),
+                ..Input::default()
             })
         };
         let inputs: Vec<Input> = setup.inputs.iter().map(input).collect::<Result<_>>()?;
@@ -144,6 +137,7 @@ impl Engine {
             newest_ms: 0,
             arrived_ms: 0,
             refusals: Refusals::default(),
+            board: Board::default(),
         })
     }
 
@@ -230,7 +224,7 @@ impl Engine {
                 self.push(input, &lines, say);
                 Ok(())
             }
-            Ok(Decoded::Bearing(bearing)) => self.bearing(input, bearing, say),
+            Ok(Decoded::Bearing(bearing)) => self.bearing(input, text, bearing, say),
             Ok(Decoded::Delete(key)) => self.delete(&key, say),
             Ok(Decoded::Nothing) => Ok(()),
             Err(reason) => Err(reason),
@@ -253,16 +247,25 @@ impl Engine {
     fn push(&mut self, port: usize, bytes: &[u8], say: Say) {
         for byte in bytes {
             if let Some(event) = self.hunt.push(port, *byte) {
-                self.happened(port, &event, None, say);
+                let mut line = self.hunt.line(port).to_vec();
+                if line.is_empty() {
+                    line.clone_from(&self.inputs[port].begun);
+                }
+                self.happened(port, &event, &line, None, say);
+                self.inputs[port].begun.clear();
             }
-            if *byte == b'\n' {
-                self.inputs[port].lines += 1;
-            }
+            self.inputs[port].begin(*byte);
         }
     }
 
     /// A bearing that did not come as a line.
-    fn bearing(&mut self, input: usize, bearing: decode::Bearing, say: Say) -> Result<(), Refusal> {
+    fn bearing(
+        &mut self,
+        input: usize,
+        text: &[u8],
+        bearing: decode::Bearing,
+        say: Say,
+    ) -> Result<(), Refusal> {
         let decode::Bearing {
             key,
             time_ms,
@@ -281,7 +284,7 @@ impl Engine {
         let now = Some(self.arrived_ms).filter(|time| record.place.is_some() && *time > 0);
         record.time_ms = (time_ms.or(now)).map(|time| time.rem_euclid(DAY) as u32);
         let event = self.hunt.record(port, &record);
-        self.happened(port, &event, Some((key, is_of_others)), say);
+        self.happened(port, &event, text, Some((key, is_of_others)), say);
         Ok(())
     }
 
@@ -304,8 +307,14 @@ impl Engine {
     }
 
     /// What an event of a port means to others.
-    fn happened(&mut self, port: usize, event: &Event, key: Option<(Key, bool)>, say: Say) {
-        let line = self.hunt.line(port);
+    fn happened(
+        &mut self,
+        port: usize,
+        event: &Event,
+        line: &[u8],
+        key: Option<(Key, bool)>,
+        say: Say,
+    ) {
         let input = self.ports.get(port).map_or(port, |port| port.input);
         let number = self.inputs.get(input).map_or(0, |input| input.lines + 1);
         say(Happened::Line {
@@ -322,12 +331,16 @@ impl Engine {
         if let Event::Rejected(reason) = event
             && !is_harmless
         {
-            let line = line.to_vec();
-            self.refused(port, reason.to_string(), &line, say);
+            self.refused(port, why(*reason, line), line, say);
+        }
+        if *event == Event::Other
+            && let Some(report) = decode::report(line)
+        {
+            self.reported(port, line, report, say);
         }
         let is_bearing = matches!(event, Event::Fix(_) | Event::NotObservable(_));
         if key.is_none() && (is_bearing || *event == Event::Used) {
-            self.dates.line(self.hunt.line(port));
+            self.dates.line(line);
         }
         if !self.hunt.report().is_empty() {
             say(Happened::Report(self.hunt.report()));

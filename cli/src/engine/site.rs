@@ -11,7 +11,7 @@ use foxhunt::{
     },
     gateway::beacon::{BeaconGateway, Config, Event, Framing},
 };
-
+use foxhunt_decode::{Report, report};
 use foxhunt_host::packets;
 use foxhunt_simulation::people;
 
@@ -38,7 +38,9 @@ pub struct Site {
     name: String,
     gateway: ForMap,
     config: Config<tracker::Site<'static>>,
-    plane: Option<(LocalPlane, f32)>,
+    plane: Plane,
+    /// The line that is coming in, in which a gateway may report.
+    line: Vec<u8>,
     /// Messages that were read, used, and refused by their reasons.
     pub lines: u64,
     pub used: u64,
@@ -95,6 +97,7 @@ impl Site {
                 ..Config::new(site)
             },
             plane,
+            line: Vec::new(),
             lines: 0,
             used: 0,
             refused: Default::default(),
@@ -127,56 +130,103 @@ impl Site {
             ForMap::Line(gateway) => (gateway.push(byte, &self.config), gateway.report()),
             ForMap::Plane(gateway) => (gateway.push(byte, &self.config), gateway.report()),
         };
+        let Some(event) = event else {
+            /// Bytes of the longest sentence that is looked at.
+            const LONGEST: usize = 160;
+            if self.line.len() < LONGEST {
+                self.line.push(byte);
+            }
+            return None;
+        };
+        let line = std::mem::take(&mut self.line);
         self.lines += 1;
         let tag = match event {
-            None => {
-                self.lines -= 1;
-                return None;
-            }
-            Some(Event::Rejected(reason)) => {
+            Event::Rejected(reason) => {
                 *self.refused.entry(reason.to_string()).or_default() += 1;
                 None
             }
-            Some(Event::Fix { tag, fix }) => {
+            Event::Fix { tag, fix } => {
                 self.used += 1;
-                Some(tag_of(&self.name, &self.plane, tag, &fix, time_ms))
+                Some(of_fix(&self.name, &self.plane, tag, &fix, time_ms))
             }
-            Some(Event::Taken { .. }) => {
+            Event::Taken { .. } => {
                 self.used += 1;
                 None
             }
-            Some(_) => None,
+            Event::Other => {
+                let tag = of_report(&self.name, &self.plane, line.trim_ascii(), time_ms);
+                self.used += u64::from(tag.is_some());
+                tag
+            }
+            _ => None,
         };
         Some((tag, report))
     }
 }
 
-fn tag_of(site: &str, plane: &Option<(LocalPlane, f32)>, id: u32, fix: &Fix, time_ms: i64) -> Tag {
-    let [x, y] = fix.position;
-    let place = plane.as_ref().and_then(|(plane, turned)| {
+/// Where the origin of a map is, and how its axes are turned.
+type Plane = Option<(LocalPlane, f32)>;
+
+fn of_fix(site: &str, plane: &Plane, id: u32, fix: &Fix, time_ms: i64) -> Tag {
+    let covariance = [fix.covariance.xx, fix.covariance.xy, fix.covariance.yy];
+    let state = match fix.state {
+        State::Tracking => "TRACKING",
+        State::Uncertain => "UNCERTAIN",
+        State::Lost => "LOST",
+        State::Recovered => "RECOVERED",
+        _ => "UNKNOWN",
+    };
+    let covariance = covariance.map(f64::from);
+    let place = fix.position.map(f64::from);
+    placed(site, plane, time_ms, (id, state), (place, covariance))
+}
+
+/// The tag of a sentence by which a gateway in the tunnel reports.
+fn of_report(site: &str, plane: &Plane, line: &[u8], time_ms: i64) -> Option<Tag> {
+    let Report::Tag {
+        tag,
+        state,
+        place,
+        covariance,
+    } = report(line)?
+    else {
+        return None;
+    };
+    Some(placed(
+        site,
+        plane,
+        time_ms,
+        (tag, &state),
+        (place, covariance),
+    ))
+}
+
+/// A tag of a state at a place of the map.
+pub fn placed(
+    site: &str,
+    plane: &Plane,
+    time_ms: i64,
+    (id, state): (u32, &str),
+    (place, covariance): ([f64; 2], [f64; 3]),
+) -> Tag {
+    let on_earth = plane.as_ref().and_then(|(plane, turned)| {
         // Clockwise, as a compass turns.
         let (sin, cos) = turned.sin_cos();
+        let [x, y] = place.map(|metres| metres as f32);
         let metres = [x * cos + y * sin, y * cos - x * sin];
         foxhunt_host::archive::coordinates(plane, metres)
     });
-    let covariance = [fix.covariance.xx, fix.covariance.xy, fix.covariance.yy];
+    let [x, y] = place.map(|metres| rounded(metres, 3));
     Tag {
         id,
         site: site.to_owned(),
         time_ms,
-        x: rounded(x.into(), 3),
-        y: rounded(y.into(), 3),
-        covariance: covariance.map(|v| rounded(v.into(), 4)),
-        lat: place.map(|[_, latitude]| latitude),
-        lon: place.map(|[longitude, _]| longitude),
-        state: match fix.state {
-            State::Tracking => "TRACKING",
-            State::Uncertain => "UNCERTAIN",
-            State::Lost => "LOST",
-            State::Recovered => "RECOVERED",
-            _ => "UNKNOWN",
-        }
-        .into(),
+        x,
+        y,
+        covariance: covariance.map(|v| rounded(v, 4)),
+        lat: on_earth.map(|[_, latitude]| latitude),
+        lon: on_earth.map(|[longitude, _]| longitude),
+        state: state.to_owned(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use foxhunt::aoa::{self, NotObservable, geodesy::LocalPlane};
 use foxhunt::estimate;
-use foxhunt_host::archive::coordinates;
+use foxhunt_host::{archive::coordinates, geodesy::Place};
 
 use super::hunt::Hunt;
 use super::message::{Advice, Answer, Ellipse, Hypothesis, Reason, Source};
@@ -14,14 +14,7 @@ const PARTICLES: usize = 300;
 /// What a search knows at a time.
 pub fn answer(hunt: &dyn Hunt, time_ms: i64) -> Answer {
     let Some(plane) = hunt.plane() else {
-        return Answer {
-            time_ms,
-            sources: Vec::new(),
-            hypotheses: Vec::new(),
-            reason: Some(why(NotObservable::TooFewBearings { have: 0 })),
-            advice: None,
-            particles: Vec::new(),
-        };
+        return nothing(time_ms);
     };
     let reason = match hunt.answer() {
         aoa::Answer::Fix(_) => None,
@@ -43,6 +36,18 @@ pub fn answer(hunt: &dyn Hunt, time_ms: i64) -> Answer {
             .filter_map(|place| coordinates(&plane, *place))
             .map(|[longitude, latitude]| [latitude, longitude])
             .collect(),
+    }
+}
+
+/// What is known without a bearing.
+pub fn nothing(time_ms: i64) -> Answer {
+    Answer {
+        time_ms,
+        sources: Vec::new(),
+        hypotheses: Vec::new(),
+        reason: Some(why(NotObservable::TooFewBearings { have: 0 })),
+        advice: None,
+        particles: Vec::new(),
     }
 }
 
@@ -82,29 +87,43 @@ fn ellipse(ellipse: &estimate::Ellipse) -> Ellipse {
 }
 
 fn advice(hunt: &dyn Hunt, plane: &LocalPlane, advice: &aoa::Advice) -> Option<Advice> {
-    /// Metres to the place that is pointed at, where no distance is needed or it is too far.
-    const AHEAD: f32 = 300.0;
     /// Nats below which a bearing tells nothing new.
     const LITTLE: f32 = 0.1;
     if advice.information < LITTLE {
         return None;
     }
-    let [x, y] = hunt.observation()?.position();
+    let [longitude, latitude] = coordinates(plane, hunt.observation()?.position())?;
     let is_way = advice.distance_m > 0.0 && advice.distance_m.is_finite();
-    let way = if is_way { advice.distance_m } else { AHEAD };
-    let (sin, cos) = advice.direction.radians().sin_cos();
-    let [lon, lat] = coordinates(plane, [x + way * cos, y + way * sin])?;
-    let course = advice.direction.compass_degrees();
-    let text = if is_way {
-        format!("drive {way:.0} m towards {course:.0} degrees: then there can be a fix")
-    } else {
-        format!("drive towards {course:.0} degrees: bearings tell most there")
+    let metres = is_way.then(|| advice.distance_m.into());
+    let course = advice.direction.compass_degrees().into();
+    let place = Place {
+        latitude,
+        longitude,
     };
-    Some(Advice { lat, lon, text })
+    Some(way(place, course, metres))
+}
+
+/// Where to drive from a place, on a course, until there can be a fix, if that is not too far.
+pub fn way(place: Place, course_deg: f64, metres: Option<f64>) -> Advice {
+    /// Metres to the place that is pointed at, where no distance is needed or it is too far.
+    const AHEAD: f64 = 300.0;
+    let (sin, cos) = course_deg.to_radians().sin_cos();
+    let ahead = metres.unwrap_or(AHEAD);
+    let Place {
+        latitude: lat,
+        longitude: lon,
+    } = place.offset([ahead * sin, ahead * cos]);
+    let text = match metres {
+        Some(metres) => {
+            format!("drive {metres:.0} m towards {course_deg:.0} degrees: then there can be a fix")
+        }
+        None => format!("drive towards {course_deg:.0} degrees: bearings tell most there"),
+    };
+    Advice { lat, lon, text }
 }
 
 /// Why there is no fix.
-fn why(reason: NotObservable) -> Reason {
+pub fn why(reason: NotObservable) -> Reason {
     Reason {
         code: code(reason).into(),
         text: reason.to_string(),

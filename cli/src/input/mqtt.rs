@@ -59,6 +59,7 @@ async fn read(mqtt: &Mqtt, own: &str, feed: &Feed) -> Result<Never, Failure> {
             None => break "closed".into(),
         }
     };
+    let why = format!("{mqtt}: {why}");
     task.abort();
     tokio::time::sleep(Duration::from_millis(100)).await;
     Err(if was_open {

@@ -48,6 +48,8 @@ struct State {
     seq: u64,
     items: VecDeque<Arc<Item>>,
     view: View,
+    /// There will be no more.
+    is_over: bool,
 }
 
 impl Hub {
@@ -88,6 +90,12 @@ impl Hub {
         };
         self.changed.send_replace(seq);
         seq
+    }
+
+    /// There will be no more results: who has read all of them is told so.
+    pub fn end(&self) {
+        self.lock().is_over = true;
+        self.changed.send_modify(|_| {});
     }
 
     /// The number of the last result, and messages that say all that is known.
@@ -140,6 +148,9 @@ impl Reader {
                         return Some((items, lost));
                     }
                 }
+                if state.is_over {
+                    return None;
+                }
             }
             self.changed.changed().await.ok()?;
         }
@@ -173,5 +184,7 @@ mod tests {
             read += slow.next().await.unwrap().0.len();
         }
         assert_eq!(read, KEPT);
+        hub.end();
+        assert!(slow.next().await.is_none());
     }
 }

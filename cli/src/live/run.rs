@@ -69,8 +69,10 @@ async fn serve(settings: &Settings, extra: Extra) -> Result<Engine> {
         .map(|output| status(&output.name, 0))
         .collect();
     let (search, asks) = Search::new();
+    let mut senders = Vec::with_capacity(outputs.len());
     for (output, status) in settings.output.iter().zip(&outputs) {
-        output::start(settings, output, hub.reader(hub.seq()), status.clone()).await?;
+        let reader = hub.reader(hub.seq());
+        senders.push(output::start(settings, output, reader, status.clone()).await?);
     }
     if settings.web.enabled {
         web::start(&settings.web, hub.clone(), search.clone()).await?;
@@ -125,7 +127,12 @@ async fn serve(settings: &Settings, extra: Extra) -> Result<Engine> {
     }
     search.send(Ask::Stop).await;
     let engine = is_over.await.context("the search has failed")??;
-    output::settled(&hub, &outputs).await;
+    hub.end();
+    tokio::select! {
+        () = output::settled(senders) => {}
+        // Who asks twice does not want to wait.
+        () = stopped() => {}
+    }
     Ok(engine)
 }
 

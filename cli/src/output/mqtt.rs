@@ -70,13 +70,20 @@ struct Publisher {
     queue: Queue,
     /// The health that was told last: only what is new is told.
     health: String,
+    /// There will be no more results.
+    is_over: bool,
 }
 
-/// Begins to publish.
+/// Begins to publish; the task ends when there are no more results.
 ///
 /// # Errors
 /// If the queue, the password or the certificates cannot be read.
-pub fn start(told: &Mqtt, name: &str, reader: Reader, status: Arc<Status>) -> Result<()> {
+pub fn start(
+    told: &Mqtt,
+    name: &str,
+    reader: Reader,
+    status: Arc<Status>,
+) -> Result<JoinHandle<()>> {
     options(told, String::new())?;
     let limit = told.queue_limit.unwrap_or(100_000);
     let publisher = Publisher {
@@ -86,9 +93,17 @@ pub fn start(told: &Mqtt, name: &str, reader: Reader, status: Arc<Status>) -> Re
         queue: Queue::new(told.queue.as_deref(), &status.name, limit)?,
         status,
         health: String::new(),
+        is_over: false,
     };
-    tokio::spawn(publisher.run(reader));
-    Ok(())
+    Ok(tokio::spawn(publisher.run(reader)))
+}
+
+/// How a connection ended.
+enum End {
+    /// Everything is published.
+    Done,
+    /// It was lost, for this reason.
+    Lost(String),
 }
 
 /// What the task of a connection tells.
@@ -125,28 +140,41 @@ fn watched(mut events: EventLoop) -> (JoinHandle<()>, mpsc::UnboundedReceiver<To
 impl Publisher {
     async fn run(mut self, mut reader: Reader) {
         loop {
-            let why = match self.connection(&mut reader).await {
-                Ok(why) => why,
-                Err(error) => format!("{error:#}"),
-            };
-            self.status.lost(why);
+            match self.connection(&mut reader).await {
+                Ok(End::Done) => return self.status.ended(),
+                Ok(End::Lost(why)) => self.status.lost(format_args!("{}: {why}", self.told)),
+                Err(error) => self.status.lost(format_args!("{error:#}")),
+            }
             // What comes meanwhile waits.
             let pause = sleep(Duration::from_secs(1));
             tokio::pin!(pause);
             loop {
                 tokio::select! {
                     () = &mut pause => break,
-                    items = reader.next() => self.take(items),
+                    items = reader.next(), if !self.is_over => self.take(items),
+                }
+                if self.is_over {
+                    return;
                 }
             }
         }
     }
 
-    /// Publishes until the connection ends; says why.
-    async fn connection(&mut self, reader: &mut Reader) -> Result<String> {
-        let health = format!("{}/{}/health", self.told.prefix(), self.name);
+    /// The topic of the health.
+    fn topic_of_health(&self) -> String {
+        format!("{}/{}/health", self.told.prefix(), self.name)
+    }
+
+    /// What is said of the health when there is nothing more to say of it.
+    fn last_health(&self, state: &str) -> String {
+        json!({"station": self.name, "state": state}).to_string()
+    }
+
+    /// Publishes until the connection ends, or everything is published; says why.
+    async fn connection(&mut self, reader: &mut Reader) -> Result<End> {
+        let health = self.topic_of_health();
         let mut options = options(&self.told, format!("foxhunt-{}", self.name))?;
-        let will = json!({"station": self.name, "state": "lost"}).to_string();
+        let will = self.last_health("lost");
         let will = LastWill::new(health.clone(), will, QoS::AtLeastOnce, true, None);
         options.set_last_will(will);
         let (client, events) = AsyncClient::new(options, UNDER_WAY + 16);
@@ -158,7 +186,7 @@ impl Publisher {
         let mut early: BTreeSet<u16> = BTreeSet::new();
         let mut flush = interval(Duration::from_millis(500));
         flush.set_missed_tick_behavior(MissedTickBehavior::Delay);
-        let why = loop {
+        let end = loop {
             while is_open && handed.len() + under_way.len() < UNDER_WAY {
                 let Some(next) = self.queue.after(last) else {
                     break;
@@ -176,12 +204,17 @@ impl Publisher {
                 last = next.id;
                 handed.push_back(next.id);
             }
+            if self.is_over && is_open && self.queue.len() == 0 {
+                self.part(&client, &mut told).await?;
+                self.queue.flush()?;
+                break End::Done;
+            }
             tokio::select! {
-                items = reader.next() => self.take(items),
+                items = reader.next(), if !self.is_over => self.take(items),
                 _ = flush.tick() => self.queue.flush()?,
                 tell = told.recv() => match tell {
-                    None => break "closed".into(),
-                    Some(Told::Closed(why)) => break why,
+                    None => break End::Lost("closed".into()),
+                    Some(Told::Closed(why)) => break End::Lost(why),
                     Some(Told::Connected) => {
                         is_open = true;
                         self.status.opened();
@@ -212,7 +245,26 @@ impl Publisher {
             self.status.queued.store(self.queue.len() as u64, Relaxed);
         };
         task.abort();
-        Ok(why)
+        Ok(end)
+    }
+
+    /// Says that this program has stopped, and closes the connection, so that the broker does not publish the last will.
+    async fn part(
+        &self,
+        client: &AsyncClient,
+        told: &mut mpsc::UnboundedReceiver<Told>,
+    ) -> Result<()> {
+        let stopped = self.last_health("stopped");
+        let topic = self.topic_of_health();
+        (client.publish(topic, QoS::AtLeastOnce, true, stopped)).await?;
+        while let Some(tell) = told.recv().await {
+            match tell {
+                Told::Acknowledged(_) => client.disconnect().await?,
+                Told::Closed(_) => break,
+                Told::Connected | Told::Sent(_) => {}
+            }
+        }
+        Ok(())
     }
 
     fn done(&mut self, id: u64) -> Result<()> {
@@ -220,9 +272,10 @@ impl Publisher {
         self.queue.acknowledged(id)
     }
 
-    /// Results wait.
+    /// Results wait; or there are no more.
     fn take(&mut self, items: Option<(Vec<Arc<Item>>, u64)>) {
         let Some((items, lost)) = items else {
+            self.is_over = true;
             return;
         };
         self.status.lost.fetch_add(lost, Relaxed);

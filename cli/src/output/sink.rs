@@ -13,6 +13,7 @@ use tokio::{
     io::{AsyncWrite, AsyncWriteExt, stdout},
     net::{TcpListener, TcpStream, UdpSocket},
     sync::mpsc,
+    task::JoinHandle,
     time::timeout,
 };
 
@@ -89,9 +90,9 @@ async fn pump(formatter: Formatter, mut reader: Reader, status: Arc<Status>, mut
 }
 
 /// To the terminal, or whoever reads the standard output.
-pub fn stdout_lines(formatter: Formatter, reader: Reader, status: Arc<Status>) {
+pub fn stdout_lines(formatter: Formatter, reader: Reader, status: Arc<Status>) -> JoinHandle<()> {
     let way = Way::Written(Box::new(stdout()));
-    tokio::spawn(pump(formatter, reader, status, way));
+    tokio::spawn(pump(formatter, reader, status, way))
 }
 
 /// A datagram for each line.
@@ -100,15 +101,14 @@ pub async fn udp(
     address: String,
     reader: Reader,
     status: Arc<Status>,
-) -> Result<()> {
+) -> Result<JoinHandle<()>> {
     let socket = UdpSocket::bind("0.0.0.0:0")
         .await
         .context("cannot open a socket")?;
     socket.set_broadcast(true)?;
     socket.set_multicast_ttl_v4(1)?;
     let way = Way::Datagrams(socket, address);
-    tokio::spawn(pump(formatter, reader, status, way));
-    Ok(())
+    Ok(tokio::spawn(pump(formatter, reader, status, way)))
 }
 
 /// Adds to a file.
@@ -117,17 +117,21 @@ pub async fn file(
     file: &Path,
     reader: Reader,
     status: Arc<Status>,
-) -> Result<()> {
+) -> Result<JoinHandle<()>> {
     let mut open = OpenOptions::new();
     let opened = open.create(true).append(true).open(file).await;
     let file = opened.with_context(|| format!("cannot write {}", file.display()))?;
     let way = Way::Written(Box::new(file));
-    tokio::spawn(pump(formatter, reader, status, way));
-    Ok(())
+    Ok(tokio::spawn(pump(formatter, reader, status, way)))
 }
 
 /// To a server; connects again when it was lost.
-pub fn tcp(formatter: Formatter, address: String, mut reader: Reader, status: Arc<Status>) {
+pub fn tcp(
+    formatter: Formatter,
+    address: String,
+    mut reader: Reader,
+    status: Arc<Status>,
+) -> JoinHandle<()> {
     /// Lines that wait for the server at most.
     const WAITING: usize = 1_000;
     tokio::spawn(async move {
@@ -182,7 +186,7 @@ pub fn tcp(formatter: Formatter, address: String, mut reader: Reader, status: Ar
             }
             status.queued.store(waiting.len() as u64, Relaxed);
         }
-    });
+    })
 }
 
 /// To all who connect.
@@ -191,7 +195,7 @@ pub async fn tcp_listen(
     address: String,
     reader: Reader,
     status: Arc<Status>,
-) -> Result<()> {
+) -> Result<JoinHandle<()>> {
     /// The most who may be connected, and the lines that wait for each.
     const CLIENTS: usize = 100;
     const WAITING: usize = 1_000;
@@ -224,6 +228,6 @@ pub async fn tcp_listen(
             });
         }
     });
-    tokio::spawn(pump(formatter, reader, status, Way::Clients(clients)));
-    Ok(())
+    let way = Way::Clients(clients);
+    Ok(tokio::spawn(pump(formatter, reader, status, way)))
 }

@@ -1,5 +1,7 @@
 //! What a gateway and a locator are told, on the command line and in a settings file.
 
+mod library;
+
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -14,6 +16,8 @@ use foxhunt::{
     },
 };
 use serde::{Deserialize, Serialize};
+
+use crate::wrong::Wrong;
 
 /// What takes the bearings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize, Default)]
@@ -217,7 +221,7 @@ fn tag(text: &str) -> Result<u64> {
 
 impl Reading {
     /// Fails if anything is told that another setting makes idle.
-    fn ensure_of_use(&self) -> Result<()> {
+    fn ensure_of_use(&self) -> Result<(), Wrong> {
         let heard = self
             .finder
             .as_ref()
@@ -227,51 +231,51 @@ impl Reading {
             .iter()
             .all(|finder| formats.sigmas_mut(*finder).is_some());
         let only = |devices: &[Finder]| !heard.iter().any(|finder| devices.contains(finder));
-        for (name, given, idle, other) in [
+        const TABLES: &str = "sigmas by tables: see sigmas";
+        const NOT_KRAKEN: &str = "a finder other than kraken";
+        for (field, given, idle, other) in [
+            ("best-sigma", self.best_sigma.is_some(), none_linear, TABLES),
             (
-                "--best-sigma",
-                self.best_sigma.is_some(),
-                none_linear,
-                "sigmas by tables: see --sigmas",
-            ),
-            (
-                "--worst-sigma",
+                "worst-sigma",
                 self.worst_sigma.is_some(),
                 none_linear,
-                "sigmas by tables: see --sigmas",
+                TABLES,
             ),
             (
-                "--tag",
+                "tag",
                 self.tag.is_some(),
                 only(&[Finder::Ublox]),
-                "a --finder other than ublox",
+                "a finder other than ublox",
             ),
             (
-                "--frequency",
+                "frequency",
                 self.frequency.is_some(),
                 only(&[Finder::Kraken]),
-                "a --finder other than kraken",
+                NOT_KRAKEN,
             ),
             (
-                "--confidence",
+                "confidence",
                 self.confidence != Confidence::Recognised,
                 only(&[Finder::Kraken]),
-                "a --finder other than kraken",
+                NOT_KRAKEN,
             ),
             (
-                "--heading",
+                "heading",
                 self.heading != Heading::Recognised,
                 only(&[Finder::Kraken]),
-                "a --finder other than kraken",
+                NOT_KRAKEN,
             ),
             (
-                "--sense counter-clockwise",
+                "sense",
                 self.sense == Sense::CounterClockwise,
                 only(&[Finder::Kraken, Finder::Ublox]),
-                "a --finder other than kraken and ublox",
+                "a finder other than kraken and ublox",
             ),
         ] {
-            ensure!(!(given && idle), "{name} is of no use with {other}");
+            if given && idle {
+                let what = format!("is of no use with {other}");
+                return Err(Wrong::new(field, what));
+            }
         }
         Ok(())
     }
@@ -284,10 +288,10 @@ impl Reading {
     /// The configuration of the gateway, with that of its locator.
     ///
     /// # Errors
-    /// If a value is of no use beside another.
+    /// Names the field that is out of range, or of no use beside another.
     pub fn config<C>(&self, locator: C) -> Result<gateway::Config<C>> {
         self.ensure_of_use()?;
-        Ok(gateway::Config {
+        let config = gateway::Config {
             formats: self.formats(),
             reference: match self.reference {
                 Reference::Relative => BearingReference::Relative,
@@ -302,7 +306,9 @@ impl Reading {
             max_speed_m_s: self.maximum_speed,
             variation_deg: self.variation,
             ..gateway::Config::new(locator)
-        })
+        };
+        config.check().map_err(library::named)?;
+        Ok(config)
     }
 
     /// What the formats are told.
@@ -378,21 +384,24 @@ pub struct Belief {
 }
 
 impl Belief {
-    /// Fails if anything is told to a locator that does not listen.
-    pub fn ensure_default(&self) -> Result<()> {
-        for (name, given) in [
-            ("--bias-sigma", self.bias_sigma.is_some()),
-            ("--position-sigma", self.position_sigma.is_some()),
-            ("--mirrored", self.mirrored.is_some()),
-            ("--outliers", self.outliers.is_some()),
-            (
-                "--correlation-distance",
-                self.correlation_distance.is_some(),
-            ),
-            ("--range", self.range.is_some()),
+    /// Fails if a field is out of range, or told to a locator that does not listen.
+    ///
+    /// # Errors
+    /// Names the field.
+    pub fn check(&self, kind: Kind) -> Result<()> {
+        if kind != Kind::Plain {
+            return self.config().map(drop);
+        }
+        for (field, given) in [
+            ("bias-sigma", self.bias_sigma),
+            ("position-sigma", self.position_sigma),
+            ("mirrored", self.mirrored),
+            ("outliers", self.outliers),
+            ("correlation-distance", self.correlation_distance),
+            ("range", self.range),
         ] {
-            if given {
-                bail!("{name} is of no use to --locator plain");
+            if given.is_some() {
+                bail!(Wrong::new(field, "is of no use to the locator plain"));
             }
         }
         Ok(())
@@ -427,7 +436,18 @@ impl Belief {
         if let Some(metres) = self.range {
             config.range_m = metres;
         }
-        config.check()?;
-        Ok(config)
+        match config.check() {
+            Ok(()) => Ok(config),
+            Err(error) if error.field() == "direct" => {
+                let what = format!("and mirrored are too many together: {error}");
+                Err(Wrong::new("outliers", what).into())
+            }
+            Err(error) if ["range_m", "nearest_m"].contains(&error.field()) => {
+                let least = config.nearest_m;
+                let what = format!("must be from {least} m on, and finite: {error}");
+                Err(Wrong::new("range", what).into())
+            }
+            Err(error) => Err(library::named(error)),
+        }
     }
 }

@@ -1,11 +1,12 @@
 //! What comes in.
 
-use std::path::PathBuf;
+use std::{fmt, path::PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use axum::http::Uri;
 use serde::{Deserialize, Serialize};
 
 use super::Name;
+use crate::wrong::{Wrong, address};
 
 /// An input: exactly one of the fields from `serial` to `mqtt` says where it is.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -79,12 +80,41 @@ pub enum Source {
     Mqtt(super::Mqtt),
 }
 
+/// Where it is, as people say it.
+impl fmt::Display for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Serial { path, baud } => write!(f, "serial {}, {baud} baud", path.display()),
+            Self::Tcp(address) => write!(f, "tcp {address}"),
+            Self::TcpListen(address) => write!(f, "tcp-listen {address}"),
+            Self::Udp(address) => write!(f, "udp {address}"),
+            Self::File {
+                path,
+                from_beginning,
+            } => {
+                let from = if *from_beginning {
+                    ", from its beginning"
+                } else {
+                    ""
+                };
+                write!(f, "file {}{from}", path.display())
+            }
+            Self::Stdin => f.write_str("the standard input"),
+            Self::Gpsd(address) => write!(f, "gpsd {address}"),
+            Self::Http { url, every_ms } => write!(f, "http {url}, every {every_ms} ms"),
+            Self::HttpListen(address) => write!(f, "http-listen {address}"),
+            Self::WebSocket(url) => write!(f, "websocket {url}"),
+            Self::Mqtt(mqtt) => write!(f, "{mqtt}"),
+        }
+    }
+}
+
 impl Input {
     /// Where it is.
     ///
     /// # Errors
-    /// Unless it is at exactly one place, or if a setting is for another kind of place.
-    pub fn source(&self) -> Result<Source> {
+    /// Unless it is at exactly one place that can be, or if a setting is for another kind of place.
+    pub fn source(&self) -> Result<Source, Wrong> {
         let text = |text: &Option<String>, source: fn(String) -> Source| text.clone().map(source);
         let all = [
             self.serial.clone().map(|path| Source::Serial {
@@ -109,27 +139,62 @@ impl Input {
             self.mqtt.clone().map(Source::Mqtt),
         ];
         let mut given = all.into_iter().flatten();
-        let first = given.next().context(
-            "one of serial, tcp, tcp-listen, udp, file, stdin, gpsd, http, http-listen, websocket or mqtt is needed",
-        )?;
-        ensure!(given.next().is_none(), "it can only be at one place");
-        let is = |fits: bool, given: bool, name: &str| {
-            ensure!(fits || !given, "{name} is of no use here");
-            Ok(())
-        };
-        is(self.serial.is_some(), self.baud.is_some(), "baud")?;
-        let is_file = self.file.is_some();
-        is(is_file, self.from_beginning.is_some(), "from-beginning")?;
-        is(self.http.is_some(), self.every_ms.is_some(), "every-ms")?;
-        if let Source::Http { url, .. } = &first {
-            ensure!(
-                url.starts_with("http://"),
-                "{url} does not begin with http://"
-            );
+        let first = given.next().ok_or_else(|| {
+            Wrong::new(
+                "",
+                "one of serial, tcp, tcp-listen, udp, file, stdin, gpsd, http, http-listen, websocket or mqtt is needed",
+            )
+        })?;
+        if given.next().is_some() {
+            return Err(Wrong::new("", "it can only be at one place"));
         }
-        if let Source::WebSocket(url) = &first {
-            ensure!(url.starts_with("ws://"), "{url} does not begin with ws://");
+        for (fits, given, field) in [
+            (self.serial.is_some(), self.baud.is_some(), "baud"),
+            (
+                self.file.is_some(),
+                self.from_beginning.is_some(),
+                "from-beginning",
+            ),
+            (self.http.is_some(), self.every_ms.is_some(), "every-ms"),
+        ] {
+            if given && !fits {
+                return Err(Wrong::new(field, "is of no use here"));
+            }
         }
+        first.check()?;
         Ok(first)
+    }
+}
+
+impl Source {
+    /// Fails unless it can be.
+    fn check(&self) -> Result<(), Wrong> {
+        match self {
+            Self::Serial { .. } | Self::File { .. } | Self::Stdin => Ok(()),
+            Self::Tcp(text) => address("tcp", text),
+            Self::TcpListen(text) => address("tcp-listen", text),
+            Self::Udp(text) => address("udp", text),
+            Self::Gpsd(text) => address("gpsd", text),
+            Self::HttpListen(text) => address("http-listen", text),
+            Self::Http { url, .. } => page("http", url, "http://"),
+            Self::WebSocket(url) => page("websocket", url, "ws://"),
+            Self::Mqtt(mqtt) => mqtt.address().map(drop),
+        }
+    }
+}
+
+/// Fails unless a text is the address of a page.
+fn page(field: &'static str, url: &str, begin: &str) -> Result<(), Wrong> {
+    if !url.starts_with(begin) {
+        let what = format!("must begin with {begin}: {url}");
+        return Err(Wrong::new(field, what));
+    }
+    let host = url
+        .parse::<Uri>()
+        .ok()
+        .and_then(|uri| Some(uri.host()?.to_owned()));
+    match host {
+        Some(host) if !host.is_empty() => Ok(()),
+        _ => Err(Wrong::new(field, format!("is no address: {url}"))),
     }
 }

@@ -3,13 +3,17 @@
 mod inputs;
 mod name;
 mod outputs;
+mod place;
 
 use std::{fs, path::Path, path::PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use crate::reading::{Belief, Kind, Reading};
+use crate::{
+    reading::{Belief, Kind, Reading},
+    wrong::{Wrong, address},
+};
 pub use inputs::{Input, Source};
 pub use name::Name;
 pub use outputs::{Form, Mqtt, Output, Sink};
@@ -132,6 +136,30 @@ impl Default for Web {
     }
 }
 
+/// What is wrong, and where.
+struct Fault {
+    /// The names of tables and the field, or numbers in arrays, with points between them.
+    path: String,
+    what: String,
+}
+
+impl Fault {
+    fn new(path: String, what: String) -> Self {
+        Self { path, what }
+    }
+
+    /// Of a table.
+    fn of(table: &str, error: anyhow::Error) -> Self {
+        match error.downcast_ref::<Wrong>() {
+            Some(Wrong { field, what }) => Self::new(
+                format!("{table}.{field}"),
+                format!("{table}: {field} {what}"),
+            ),
+            None => Self::new(table.to_owned(), format!("{table}: {error:#}")),
+        }
+    }
+}
+
 impl Settings {
     /// Reads a file.
     ///
@@ -151,16 +179,15 @@ impl Settings {
     /// Reads text; fails with the line and column, if they are known, and what is wrong there.
     fn parse(text: &str) -> Result<Self, (Option<(usize, usize)>, String)> {
         let settings: Self = toml::from_str(text).map_err(|error| {
-            let at = error.span().map(|span| {
-                let before = text.get(..span.start).unwrap_or(text);
-                let line = 1 + before.matches('\n').count();
-                let column = 1 + before.rsplit('\n').next().unwrap_or("").chars().count();
-                (line, column)
-            });
+            let at = error
+                .span()
+                .map(|span| place::line_and_column(text, span.start));
             (at, error.message().to_owned())
         })?;
-        let checked = settings.check();
-        checked.map_err(|error| (None, format!("{error:#}")))?;
+        settings.check().map_err(|Fault { path, what }| {
+            let at = place::find(text, &path).map(|start| place::line_and_column(text, start));
+            (at, what)
+        })?;
         Ok(settings)
     }
 
@@ -177,29 +204,63 @@ impl Settings {
         Self::parse(text).map_err(|(_, what)| anyhow::anyhow!("settings: {what}"))
     }
 
-    fn check(&self) -> Result<()> {
-        let mut names: Vec<&str> = self.input.iter().map(|input| &*input.name).collect();
-        names.sort_unstable();
-        if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-            bail!("two inputs are called {}", twice[0]);
+    /// Fails if a value cannot be.
+    fn check(&self) -> Result<(), Fault> {
+        let named = |table: &str, number: usize, name: &str, wrong: Wrong| {
+            let Wrong { field, what } = wrong;
+            let path = format!("{table}.{number}.{field}");
+            let field = if field.is_empty() {
+                ""
+            } else {
+                &format!("{field} ")
+            };
+            Fault::new(path, format!("{table} {name}: {field}{what}"))
+        };
+        for (number, input) in self.input.iter().enumerate() {
+            let site = (input.site.as_ref()).filter(|of| {
+                let is_it = |site: &Site| site.name == **of;
+                !self.site.iter().any(is_it)
+            });
+            let known = match site {
+                None => Ok(()),
+                Some(of) => {
+                    let what = format!("is {}, but no [[site]] has that name", &**of);
+                    Err(Wrong::new("site", what))
+                }
+            };
+            (input.source().and(known))
+                .map_err(|wrong| named("input", number, &input.name, wrong))?;
         }
-        for input in &self.input {
-            input
-                .source()
-                .with_context(|| format!("input {}", &*input.name))?;
+        for (number, output) in self.output.iter().enumerate() {
+            (output.sink()).map_err(|wrong| named("output", number, &output.name, wrong))?;
         }
-        for output in &self.output {
-            output
-                .sink()
-                .with_context(|| format!("output {}", &*output.name))?;
+        for (table, names) in [
+            (
+                "input",
+                self.input.iter().map(|one| &one.name).collect::<Vec<_>>(),
+            ),
+            ("output", self.output.iter().map(|one| &one.name).collect()),
+            ("site", self.site.iter().map(|one| &one.name).collect()),
+        ] {
+            let again = |(number, name): &(usize, &&Name)| names[..*number].contains(*name);
+            if let Some((number, name)) = names.iter().enumerate().find(again) {
+                let what = format!("two {table}s are called {}", &***name);
+                return Err(Fault::new(format!("{table}.{number}.name"), what));
+            }
         }
         if let Some(log) = &self.log {
-            ensure!(
-                log.megabytes >= 1 && log.files >= 1,
-                "log: megabytes and files must be at least 1"
-            );
+            for (field, value) in [("megabytes", log.megabytes), ("files", log.files)] {
+                if value == 0 {
+                    let what = format!("log: {field} must be at least 1");
+                    return Err(Fault::new(format!("log.{field}"), what));
+                }
+            }
         }
-        Ok(())
+        address("listen", &self.web.listen).map_err(|wrong| Fault::of("web", wrong.into()))?;
+        let config = self.reading.config(()).map(drop);
+        config.map_err(|error| Fault::of("reading", error))?;
+        let errors = self.errors.check(self.locator);
+        errors.map_err(|error| Fault::of("errors", error))
     }
 
     /// The raw log is written to this file.
@@ -274,8 +335,81 @@ mod tests {
         assert!(what.contains("input a"), "{what}");
         let (_, what) = wrong("[[input]]\nname=\"a\"\nudp=\"0.0.0.0:1\"\nstdin=true\n");
         assert!(what.contains("input a"), "{what}");
+        for (text, line, what) in [
+            (
+                "[errors]\n\noutliers = 1.5\n",
+                3,
+                "errors: outliers must be from 0.001 to 0.9",
+            ),
+            (
+                "[reading]\nseed = 1\nminimum-quality = 101.0",
+                3,
+                "reading: minimum-quality must be from 0 to 100",
+            ),
+            (
+                "[reading]\nfinder = \"kraken\"\nbest-sigma = 3.0",
+                3,
+                "reading: best-sigma is of no use with sigmas by tables",
+            ),
+            (
+                "locator = \"plain\"\n[errors]\nrange = 9.0",
+                3,
+                "errors: range is of no use to the locator plain",
+            ),
+            ("[errors]\nrange = -9.0", 2, "errors: range must be from"),
+            (
+                "errors.outliers = 0.6\nerrors.mirrored = 0.5",
+                1,
+                "errors: outliers and mirrored are too many",
+            ),
+            (
+                "[web]\nlisten = \"8073\"",
+                2,
+                "web: listen needs a host and a port",
+            ),
+            (
+                "[log]\nfile = \"a\"\nfiles = 0",
+                3,
+                "log: files must be at least 1",
+            ),
+            (
+                "[[input]]\nname = \"a\"\nstdin = true\n[[input]]\nname = \"b\"\nudp = \"127.0.0.1\"",
+                6,
+                "input b: udp needs a host and a port: 127.0.0.1 has no port",
+            ),
+            (
+                "[[input]]\nname = \"a\"\nstdin = true\nsite = \"t\"",
+                4,
+                "input a: site is t, but no [[site]]",
+            ),
+            (
+                "[[input]]\nhttp = \"http://\"",
+                2,
+                "input vehicle: http is no address",
+            ),
+            (
+                "[[output]]\nname = \"o\"\ntcp = \"localhost\"",
+                3,
+                "output o: tcp needs a host and a port",
+            ),
+            (
+                "[[output]]\nname = \"o\"\n[output.mqtt]\nbroker = \"localhost:x\"",
+                4,
+                "output o: mqtt.broker needs",
+            ),
+            (
+                "[[output]]\nform = \"cot\"\nmqtt = { broker = \"b\" }",
+                2,
+                "output vehicle: form must be geojson",
+            ),
+        ] {
+            let (at, said) = wrong(text);
+            assert_eq!(at, Some(line), "{text}: {said}");
+            assert!(said.starts_with(what), "{said}");
+        }
         let twice = "[[input]]\nname=\"a\"\nstdin=true\n".repeat(2);
-        assert!(wrong(&twice).1.contains("two inputs"));
+        let (line, what) = wrong(&twice);
+        assert!(line == Some(5) && what.contains("two inputs"), "{what}");
         assert!(wrong("name = \"a/b\"").1.contains("letters"));
     }
 }

@@ -1,11 +1,11 @@
 //! Where results go.
 
-use std::path::PathBuf;
+use std::{fmt, path::PathBuf};
 
-use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 
 use super::Name;
+use crate::wrong::{Wrong, address};
 
 /// What is sent.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,7 +28,7 @@ pub enum Form {
 pub struct Output {
     /// What it is called.
     pub name: Name,
-    /// What is sent; a broker gets GeoJSON.
+    /// What is sent, `nmea` if nothing is said; a broker gets GeoJSON.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub form: Option<Form>,
     /// The standard output.
@@ -90,12 +90,46 @@ pub enum Sink {
     Mqtt(Mqtt),
 }
 
+/// Where it is, as people say it.
+impl fmt::Display for Sink {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stdout(form) => write!(f, "{form} to the standard output"),
+            Self::Udp(form, address) => write!(f, "{form} to udp {address}"),
+            Self::Tcp(form, address) => write!(f, "{form} to tcp {address}"),
+            Self::TcpListen(form, address) => write!(f, "{form} to tcp-listen {address}"),
+            Self::File(form, file) => write!(f, "{form} to file {}", file.display()),
+            Self::Mqtt(mqtt) => write!(f, "{} to {mqtt}", Form::Geojson),
+        }
+    }
+}
+
+impl fmt::Display for Form {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Nmea => "nmea",
+            Self::Geojson => "geojson",
+            Self::Chasemapper => "chasemapper",
+            Self::Cot => "cot",
+        })
+    }
+}
+
+impl fmt::Display for Mqtt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.address() {
+            Ok((host, port)) => write!(f, "mqtt {host}:{port}, below {}", self.prefix()),
+            Err(_) => write!(f, "mqtt {}", self.broker),
+        }
+    }
+}
+
 impl Output {
     /// Where it is.
     ///
     /// # Errors
-    /// Unless it is at exactly one place.
-    pub fn sink(&self) -> Result<Sink> {
+    /// Unless it is at exactly one place that can be.
+    pub fn sink(&self) -> Result<Sink, Wrong> {
         let form = self.form.unwrap_or_default();
         let text = |text: &Option<String>, sink: fn(Form, String) -> Sink| {
             text.clone().map(|text| sink(form, text))
@@ -109,16 +143,29 @@ impl Output {
             self.mqtt.clone().map(Sink::Mqtt),
         ];
         let mut given = all.into_iter().flatten();
-        let first = given
-            .next()
-            .context("one of stdout, udp, tcp, tcp-listen, file or mqtt is needed")?;
-        ensure!(given.next().is_none(), "it can only be at one place");
-        if let Sink::Mqtt(mqtt) = &first {
-            ensure!(
-                self.form.is_none_or(|form| form == Form::Geojson),
-                "a broker gets GeoJSON"
-            );
-            mqtt.address()?;
+        let first = given.next().ok_or_else(|| {
+            Wrong::new(
+                "",
+                "one of stdout, udp, tcp, tcp-listen, file or mqtt is needed",
+            )
+        })?;
+        if given.next().is_some() {
+            return Err(Wrong::new("", "it can only be at one place"));
+        }
+        match &first {
+            Sink::Stdout(_) | Sink::File(..) => {}
+            Sink::Udp(_, text) => address("udp", text)?,
+            Sink::Tcp(_, text) => address("tcp", text)?,
+            Sink::TcpListen(_, text) => address("tcp-listen", text)?,
+            Sink::Mqtt(mqtt) => {
+                if self.form.is_some_and(|form| form != Form::Geojson) {
+                    return Err(Wrong::new(
+                        "form",
+                        "must be geojson: a broker gets no other",
+                    ));
+                }
+                mqtt.address()?;
+            }
         }
         Ok(first)
     }
@@ -128,19 +175,21 @@ impl Mqtt {
     /// Host and port; 1883 unless one is given, 8883 with TLS.
     ///
     /// # Errors
-    /// If there is no host, or the port is no number.
-    pub fn address(&self) -> Result<(String, u16)> {
-        let tls = self.tls.unwrap_or(false);
-        ensure!(!self.broker.is_empty(), "broker is needed");
-        match self.broker.rsplit_once(':') {
-            Some((host, port)) if !host.is_empty() => {
-                let port = port
-                    .parse()
-                    .with_context(|| format!("broker {}: the port is no number", self.broker))?;
-                Ok((host.to_owned(), port))
+    /// If there is no host, or the port is none.
+    pub fn address(&self) -> Result<(String, u16), Wrong> {
+        const FIELD: &str = "mqtt.broker";
+        let usual = if self.tls == Some(true) { 8883 } else { 1883 };
+        let (host, port) = match self.broker.rsplit_once(':') {
+            Some((host, port)) => {
+                address(FIELD, &self.broker)?;
+                (host, port.parse().unwrap_or(usual))
             }
-            _ => Ok((self.broker.clone(), if tls { 8883 } else { 1883 })),
+            None => (&*self.broker, usual),
+        };
+        if host.is_empty() {
+            return Err(Wrong::new(FIELD, "is needed"));
         }
+        Ok((host.to_owned(), port))
     }
 
     /// Before all topics.

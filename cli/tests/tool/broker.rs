@@ -207,6 +207,26 @@ fn vehicles_meet_at_a_broker() {
     assert!(fs::metadata(north.0.join("queue/broker.jsonl")).is_ok());
 }
 
+/// A vehicle that is told to end has not been lost.
+#[test]
+fn a_vehicle_that_is_stopped_says_so() {
+    let folder = Folder::new();
+    let port = free_port();
+    let Some(_broker) = Broker::start(&folder, port) else {
+        eprintln!("skipped: mosquitto is not installed");
+        return;
+    };
+    for (name, signal) in [("one", "-INT"), ("two", "-TERM")] {
+        let own = Folder::new();
+        let live = vehicle(&own, name, free_udp_port(), port, "");
+        live.said("broker: open");
+        live.end(signal);
+        let client = Client::start(port, &format!("foxhunt/{name}/health"));
+        let kept = client.until("its health", |_, _| true);
+        assert_eq!(kept, json!({"station": name, "state": "stopped"}));
+    }
+}
+
 /// A broker that wants a password, over TLS.
 #[test]
 fn a_broker_is_reached_by_tls_and_password() {

@@ -77,6 +77,8 @@ fn a_bearing_by_udp_is_a_fix_and_can_be_taken_back() {
     socket
         .send_to(b"\xff\xfe\x00rubbish", ("127.0.0.1", port))
         .unwrap();
+    let said = live.said("line cannot be parsed: ");
+    assert!(said.ends_with("rubbish"), "{said}");
     live.until("two refusals", |live| {
         let health = live.messages("health").pop()?;
         let refused = health["inputs"][0]["refused"].as_object()?.len();

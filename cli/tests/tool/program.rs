@@ -174,9 +174,14 @@ impl Live {
     }
 
     /// Ends it as Ctrl-C does; what it wrote to its standard output.
-    pub fn stop(mut self) -> String {
+    pub fn stop(self) -> String {
+        self.end("-INT")
+    }
+
+    /// The same by another signal.
+    pub fn end(mut self, signal: &str) -> String {
         let killed = Command::new("kill")
-            .args(["-INT", &self.id().to_string()])
+            .args([signal, &self.id().to_string()])
             .status();
         assert!(killed.unwrap().success());
         let mut out = String::new();

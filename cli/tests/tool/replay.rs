@@ -76,7 +76,8 @@ fn a_log_tells_its_story() {
         text.contains("refused: checksum is wrong or missing"),
         "{text}"
     );
-    assert!(text.contains("first damaged.nmea:2: $GPRMC"), "{text}");
+    assert!(text.contains("\n  damaged.nmea:2, 4, "), "{text}");
+    assert!(text.contains("\n  first: $GPRMC"), "{text}");
     assert!(text.contains("a fix, within"), "{text}");
     let output = run(&folder, &["explain", drive().to_str().unwrap(), "--json"]);
     let story: Value = serde_json::from_str(&printed(&output)).unwrap();
@@ -178,6 +179,42 @@ fn scenarios_are_simulated_and_compared() {
     let error = String::from_utf8_lossy(&wrong.stderr).into_owned();
     assert!(
         !wrong.status.success() && error.contains("wrong.toml:4:"),
+        "{error}"
+    );
+}
+
+#[test]
+fn lines_that_were_not_used_are_told_with_their_numbers() {
+    let folder = Folder::new();
+    let log = fs::read_to_string(drive()).unwrap();
+    let count = log.lines().count();
+    folder.file("a.nmea", format!("{log}{}", "rubbish\n".repeat(7)));
+    let text = printed(&run(&folder, &["replay", "a.nmea"]));
+    let places: Vec<String> = (1..=5).map(|k| (count + k).to_string()).collect();
+    let said = format!(
+        "rejected: line cannot be parsed: a.nmea:{} and 2 more\n",
+        places.join(", ")
+    );
+    assert!(text.contains(&said), "{text}");
+    let json = printed(&run(&folder, &["replay", "a.nmea", "--json"]));
+    let json: Value = serde_json::from_str(&json).unwrap();
+    let refused = &json["rejected"][0];
+    assert_eq!(
+        (&refused["count"], &refused["line"]),
+        (&7.into(), &"rubbish".into())
+    );
+}
+
+#[test]
+fn packets_of_tags_are_for_a_site() {
+    let folder = Folder::new();
+    printed(&run(&folder, &["simulate", "tunnel", "-o", "tunnel.log"]));
+    let output = run(&folder, &["replay", "tunnel.log"]);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.code() == Some(3)
+            && error.contains("packets of tags")
+            && error.contains("[[site]]"),
         "{error}"
     );
 }

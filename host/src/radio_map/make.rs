@@ -1,6 +1,6 @@
 //! The one way from a survey to a map.
 
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use foxhunt::fingerprint::Lattice;
 
 use super::{
@@ -41,11 +41,7 @@ impl SiteSurvey {
     /// When an option is out of range, there are no beacons or too many, or no lattice holds the places.
     pub fn map(&self, recipe: &Recipe, progress: &mut dyn FnMut(f64)) -> Result<Made> {
         recipe.check()?;
-        ensure!(
-            (1..=255).contains(&self.beacons().len()),
-            "{} beacons: not within 1 and 255",
-            self.beacons().len()
-        );
+        self.check()?;
         let sources: Vec<_> = (self.beacons().iter())
             .map(|beacon| recipe.sources.get(beacon).copied())
             .collect();

@@ -44,6 +44,10 @@ pub(super) fn read(mut file: impl Read) -> Result<BTreeMap<i32, Vec<Reading>>> {
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .from_reader(csv);
+    ensure!(
+        !csv.trim_ascii().is_empty(),
+        "it is empty: the names of the columns come first, such as x,y,beacon,rssi"
+    );
     let headers = reader.headers().context("line 1")?.clone();
     let beacons = beacons(&headers);
     let mut floors: BTreeMap<i32, Vec<Reading>> = BTreeMap::new();
@@ -70,7 +74,7 @@ pub(super) fn read(mut file: impl Read) -> Result<BTreeMap<i32, Vec<Reading>>> {
     }
     ensure!(
         !floors.is_empty(),
-        "there is no reading within -120 and 0 dBm"
+        "there is no row below the names of the columns"
     );
     Ok(floors)
 }

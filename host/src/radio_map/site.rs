@@ -155,6 +155,24 @@ impl SiteSurvey {
         self.gated
     }
 
+    /// Whether a map can be made of it.
+    ///
+    /// # Errors
+    /// If there are no beacons or too many, or if all readings are of one place.
+    pub fn check(&self) -> Result<()> {
+        let beacons = self.beacons.len();
+        ensure!(
+            (1..=255).contains(&beacons),
+            "{beacons} beacons: not within 1 and 255"
+        );
+        let first = self.survey.places.first();
+        ensure!(
+            self.survey.places.iter().any(|place| Some(place) != first),
+            "all readings are of one place: a map needs two at the least"
+        );
+        Ok(())
+    }
+
     /// The lattice of a spacing, in metres, that begins at the lowest coordinates of the places and reaches to the
     /// highest.
     ///

@@ -44,6 +44,7 @@ fn alone(browser: &mut Browser) {
     browser.open(&address);
     hunts(browser);
     log(browser);
+    unreadable(browser);
     walkers(browser);
     // That there is nothing live is found by asking for it.
     browser
@@ -131,6 +132,25 @@ fn log(browser: &mut Browser) {
     log.push(b"\n");
     assert!(shown == serde_json::to_string(&log.state()).unwrap().as_str());
     browser.picture(&pictures().join("desk-log.png"));
+}
+
+/// Files that cannot be read are said to be so, and nothing goes on being read.
+fn unreadable(browser: &mut Browser) {
+    let drop = |browser: &mut Browser, name: &str| {
+        browser.value(&format!(
+            "(() => {{ const data = new DataTransfer(); data.items.add(new File(['nothing'], '{name}'));
+             document.querySelector('#canvas').dispatchEvent(
+               new DragEvent('drop', {{ dataTransfer: data, bubbles: true }})); }})()"
+        ));
+        browser.wait(&format!(
+            "(() => {{ const text = document.querySelector('#panel').textContent;
+             return text.includes('{name} cannot be read') && !text.includes('% read'); }})()"
+        ));
+    };
+    drop(browser, "roads.geojson");
+    browser.value("foxhunt.replay.engine.pushLog = () => { throw new Error('broken'); }");
+    drop(browser, "broken.nmea");
+    browser.value("delete foxhunt.replay.engine.pushLog");
 }
 
 /// A minute in the tunnel.
