@@ -82,8 +82,7 @@ impl<const N: usize> Track<N> {
     }
 }
 
-#[cfg(target_os = "none")]
-foxhunt_emulated::program!(target::run);
+foxhunt_emulated::program!(board: target::run);
 
 #[cfg(target_os = "none")]
 mod target {

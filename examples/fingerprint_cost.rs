@@ -5,10 +5,6 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[cfg(not(target_os = "none"))]
-fn main() {}
-
-#[cfg(target_os = "none")]
 foxhunt_emulated::program!(target::run);
 
 #[cfg(target_os = "none")]

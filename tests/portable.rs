@@ -33,5 +33,4 @@ fn run() {
     }
 }
 
-#[cfg(target_os = "none")]
-foxhunt_emulated::program!(run);
+foxhunt_emulated::program!(board: run);

@@ -266,5 +266,10 @@ mod tests {
         assert_eq!(east.towards(west, 0.5).longitude_e7().abs(), 1_800_000_000);
         assert_eq!(east.towards(west, 0.25), place(1_799_999_950));
         assert_eq!(east.towards(west, 1.5), place(-1_799_999_800));
+        assert_eq!(west.towards(east, 0.25), place(-1_799_999_950));
+        assert_eq!(west.towards(east, 1.5), place(1_799_999_800));
+        // Half a turn, the longest way there is, is one way or the other.
+        let (zero, opposite) = (place(0), place(1_800_000_000));
+        assert_eq!(zero.towards(opposite, 0.5).longitude_e7(), 900_000_000);
     }
 }

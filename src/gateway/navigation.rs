@@ -295,3 +295,17 @@ impl Navigation {
         Ok(degrees)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_way_back_beyond_twice_the_age_is_a_clock_that_was_set() {
+        for (elapsed_ms, expected) in [(-2_001, true), (-2_000, false), (-1_100, false)] {
+            assert_eq!(was_set(elapsed_ms, 1_000), expected, "{elapsed_ms}");
+        }
+        assert!(!was_set(5_000, 1_000));
+        assert!(was_set(i32::MIN, 1_000));
+    }
+}

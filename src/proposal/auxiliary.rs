@@ -284,3 +284,31 @@ fn cell_at<'a, const D: usize>(
     // Rounding may leave the quantile behind the end.
     last
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a quantile falls in three cells, of which the last has nothing.
+    fn cell(quantile: f32) -> Option<([f32; 1], f32)> {
+        let logs = [0.25_f32.ln(), 0.75_f32.ln(), f32::NEG_INFINITY];
+        let cells = [[1.0], [2.0], [3.0]].into_iter().zip(&logs);
+        cell_at(quantile, cells, 0.0).map(|(centre, _, fraction)| (centre, fraction))
+    }
+
+    #[test]
+    fn a_quantile_falls_into_the_cell_that_has_it() {
+        let (centre, fraction) = cell(0.125).unwrap();
+        assert_eq!(centre, [1.0]);
+        assert!((fraction - 0.5).abs() < 1e-6);
+        let (centre, fraction) = cell(0.4375).unwrap();
+        assert_eq!(centre, [2.0]);
+        assert!((fraction - 0.25).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_quantile_behind_the_end_falls_into_the_last_cell_that_has_anything() {
+        assert_eq!(cell(1.01), Some(([2.0], 1.0)));
+        assert_eq!(cell_at::<1>(0.5, core::iter::empty(), 0.0), None);
+    }
+}

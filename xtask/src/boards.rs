@@ -17,7 +17,8 @@ use foxhunt_host::figures::Figure;
 
 use crate::{
     expected::Expected,
-    figures, marks,
+    figures::{self, KIB},
+    marks,
     measure::{
         panic_sites::{self, Site},
         sections::{self, Occupied},
@@ -36,8 +37,6 @@ pub struct Options {
     #[arg(long)]
     bless: bool,
 }
-
-const KIB: f64 = 1024.0;
 
 /// A firmware of a real board.
 struct Firmware {

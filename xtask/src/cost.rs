@@ -9,7 +9,8 @@ use crate::{
     board::{BEACON, BEACONS, PLAIN, ROBUST, VEHICLES},
     choice,
     expected::Expected,
-    figures, kernels,
+    figures::{self, KIB},
+    kernels,
     measure::{panics, regions, sections, stack},
     project::{self, BOARD},
     qemu::Machine,
@@ -35,8 +36,6 @@ pub struct Options {
     #[arg(long)]
     no_peers: bool,
 }
-
-const KIB: f64 = 1024.0;
 
 /// The most that a figure may be.
 const LIMITS: [(&str, f64); 22] = [

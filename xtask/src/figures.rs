@@ -6,6 +6,9 @@ use anyhow::{Context, Result, ensure};
 use comfy_table::{Cell, CellAlignment, Color, Table, presets::ASCII_MARKDOWN};
 use foxhunt_host::figures::Figure;
 
+/// A unit of memory, in bytes.
+pub const KIB: f64 = 1024.0;
+
 /// Prints the figures as a table, the missed limits in red.
 pub fn print(figures: &[Figure]) {
     let mut table = Table::new();

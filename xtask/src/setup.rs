@@ -36,6 +36,12 @@ pub enum Need {
     CargoDeny,
     /// `cargo mutants`.
     CargoMutants,
+    /// `cargo semver-checks`.
+    CargoSemverChecks,
+    /// `cargo llvm-cov`.
+    CargoLlvmCov,
+    /// A nightly compiler with Miri.
+    Miri,
     /// A broker of MQTT, and its clients.
     Mosquitto,
     /// gpsd.
@@ -113,6 +119,9 @@ impl Need {
             Self::ArmC => works(Command::new("arm-none-eabi-gcc").arg("--version")),
             Self::CargoDeny => works(project::cargo().args(["deny", "--version"])),
             Self::CargoMutants => works(project::cargo().args(["mutants", "--version"])),
+            Self::CargoSemverChecks => works(project::cargo().args(["semver-checks", "--version"])),
+            Self::CargoLlvmCov => works(project::cargo().args(["llvm-cov", "--version"])),
+            Self::Miri => works(nightly().args(["miri", "--version"])),
             Self::CargoFuzz => works(project::cargo().args(["fuzz", "--version"])),
             Self::Mosquitto => runs("mosquitto", "-h") && runs("mosquitto_sub", "--version"),
             Self::Gpsd => runs("gpsd", "-V"),
@@ -136,17 +145,40 @@ impl Need {
             Self::Chromium => install_packages(|_| &["chromium"]),
             Self::QemuRiscV => install_packages(|manager| &manager.qemu_riscv),
             Self::Node => install_packages(|manager| &manager.node),
-            Self::CargoFuzz => {
-                announce(project::cargo().args(["install", "--locked", "cargo-fuzz"]))
-            }
-            Self::CargoDeny => {
-                announce(project::cargo().args(["install", "--locked", "cargo-deny"]))
-            }
-            Self::CargoMutants => {
-                announce(project::cargo().args(["install", "--locked", "cargo-mutants"]))
+            Self::CargoFuzz => install_tool("cargo-fuzz"),
+            Self::CargoDeny => install_tool("cargo-deny"),
+            Self::CargoMutants => install_tool("cargo-mutants"),
+            Self::CargoSemverChecks => install_tool("cargo-semver-checks"),
+            Self::CargoLlvmCov => install_tool("cargo-llvm-cov"),
+            Self::Miri => {
+                rustup(&["toolchain", "install", "nightly", "--profile", "minimal"])?;
+                rustup(&[
+                    "component",
+                    "add",
+                    "--toolchain",
+                    "nightly",
+                    "miri",
+                    "rust-src",
+                ])
             }
         }
     }
+}
+
+fn install_tool(name: &str) -> Result<()> {
+    announce(project::cargo().args(["install", "--locked", name]))
+}
+
+/// The nightly compiler's cargo, which rustup finds.
+pub fn nightly() -> Command {
+    let mut cargo = Command::new("rustup");
+    cargo.args(["run", "nightly", "cargo"]);
+    // These would lead back to the compiler of the repository.
+    for variable in ["CARGO", "RUSTC", "RUSTDOC", "RUSTUP_TOOLCHAIN"] {
+        cargo.env_remove(variable);
+    }
+    cargo.current_dir(project::root());
+    cargo
 }
 
 /// Runs rustup in the repository, so that it acts on the repository's toolchain.

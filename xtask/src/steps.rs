@@ -1,10 +1,26 @@
 //! Checks, one after the other.
 
-use std::time::{Duration, Instant};
+use std::{
+    error::Error,
+    fmt::{self, Display},
+    time::{Duration, Instant},
+};
 
 use anyhow::{Result, ensure};
 use console::style;
 use indicatif::ProgressBar;
+
+/// Why a check could not be made, as the error of one that is no failure for that.
+#[derive(Debug)]
+pub struct Skipped(pub String);
+
+impl Display for Skipped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl Error for Skipped {}
 
 /// A check, and what it is called while it runs.
 pub type Step = (&'static str, fn() -> Result<()>);
@@ -14,33 +30,81 @@ pub fn is_chosen(name: &str, words: &[String]) -> bool {
     words.is_empty() || words.iter().any(|word| name.contains(word))
 }
 
+/// What became of a check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Passed,
+    Skipped,
+    Failed,
+}
+
+impl From<&Result<()>> for Verdict {
+    fn from(result: &Result<()>) -> Self {
+        match result {
+            Ok(()) => Self::Passed,
+            Err(error) if error.is::<Skipped>() => Self::Skipped,
+            Err(_) => Self::Failed,
+        }
+    }
+}
+
 /// Runs all, and fails if one does; `task` repeats them.
 pub fn run(steps: &[&Step], task: &str) -> Result<()> {
-    let failed = steps
+    let verdicts = steps
         .iter()
-        .filter(|(name, check)| timed(name, check, task).is_err());
-    let failed: Vec<&str> = failed.map(|(name, _)| *name).collect();
-    let passed = steps.len() - failed.len();
-    println!("\n{passed} passed, {} failed", failed.len());
+        .map(|(name, check)| (*name, timed(name, check, task)));
+    let verdicts: Vec<(&str, Verdict)> = verdicts.collect();
+    let of = |sought| {
+        let found = verdicts
+            .iter()
+            .filter(move |(_, verdict)| *verdict == sought);
+        found.map(|(name, _)| *name).collect::<Vec<_>>()
+    };
+    let [passed, skipped, failed] = [Verdict::Passed, Verdict::Skipped, Verdict::Failed].map(of);
+    print!("\n{} passed, {} failed", passed.len(), failed.len());
+    match skipped[..] {
+        [] => println!(),
+        _ => println!(", {} skipped", skipped.len()),
+    }
     ensure!(failed.is_empty(), "{}", failed.join("; "));
     Ok(())
 }
 
 /// Runs a check under a spinner and prints its verdict, its time, and what it found.
-fn timed(name: &str, check: &fn() -> Result<()>, task: &str) -> Result<()> {
+fn timed(name: &str, check: &fn() -> Result<()>, task: &str) -> Verdict {
     let start = Instant::now();
     let spinner = ProgressBar::new_spinner().with_message(name.to_owned());
     spinner.enable_steady_tick(Duration::from_millis(100));
     let result = check();
     spinner.finish_and_clear();
-    let verdict = if result.is_ok() {
-        style("ok    ").green()
-    } else {
-        style("FAILED").red()
+    let verdict = Verdict::from(&result);
+    let word = match verdict {
+        Verdict::Passed => style("ok     ").green(),
+        Verdict::Skipped => style("skipped").yellow(),
+        Verdict::Failed => style("FAILED ").red(),
     };
-    println!("{verdict} {:6.1} s  {name}", start.elapsed().as_secs_f64());
+    println!("{word} {:6.1} s  {name}", start.elapsed().as_secs_f64());
     if let Err(error) = &result {
-        println!("\n{error:#}\nto repeat: cargo xtask {task} \"{name}\"\n");
+        println!("\n{error:#}");
     }
-    result
+    if verdict == Verdict::Failed {
+        println!("to repeat: cargo xtask {task} \"{name}\"\n");
+    }
+    verdict
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::Context;
+
+    use super::*;
+
+    #[test]
+    fn what_was_skipped_is_no_failure() {
+        let skipped: &Step = &("a", || Err(Skipped("there is none".to_owned()).into()));
+        let passed: &Step = &("b", || Ok(()));
+        assert!(run(&[skipped, passed], "test").is_ok());
+        let failed: &Step = &("c", || Err(std::fmt::Error).context("it failed"));
+        assert!(run(&[skipped, failed], "test").is_err());
+    }
 }

@@ -73,16 +73,25 @@ macro_rules! firmware {
     };
 }
 
-/// Makes a program of a function: a panic is printed, and the exit code of the emulator is then 1.
+/// Makes a program of a function: a panic is printed, and the exit code of the emulator is then 1. On the host it does
+/// nothing, unless `board:` stands before the function, and a `main` beside it.
 #[macro_export]
 macro_rules! program {
     ($main:path) => {
+        #[cfg(not(target_os = "none"))]
+        fn main() {}
+
+        $crate::program!(board: $main);
+    };
+    (board: $main:path) => {
+        #[cfg(target_os = "none")]
         #[$crate::entry]
         fn main() -> ! {
             $main();
             $crate::semihosting::exit(true)
         }
 
+        #[cfg(target_os = "none")]
         #[panic_handler]
         fn panic(info: &core::panic::PanicInfo) -> ! {
             $crate::semihosting::panicked(info)

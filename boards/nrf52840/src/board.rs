@@ -46,6 +46,41 @@ pub fn rate(baudrate: Baudrate) -> uarte::Config {
     config
 }
 
+/// The two lines of a gateway: to and from a computer, and from somebody who only speaks, on the pins of the README.
+///
+/// It takes them out of the chip's parts, which leaves the rest; `Interrupts` binds `UARTE0` and `UARTE1`.
+#[macro_export]
+macro_rules! lines {
+    ($nrf:ident, $interrupts:ident, $bauds:expr, $received:expr, $sent:expr) => {{
+        let ([computer_baud, other_baud], [from_computer, from_other]) = ($bauds, $received);
+        let computer = embassy_nrf::buffered_uarte::BufferedUarte::new(
+            $nrf.UARTE0,
+            $nrf.TIMER1,
+            $nrf.PPI_CH0,
+            $nrf.PPI_CH1,
+            $nrf.PPI_GROUP0,
+            $nrf.P0_08,
+            $nrf.P0_06,
+            $interrupts,
+            $crate::board::rate(computer_baud),
+            from_computer,
+            $sent,
+        );
+        let other = embassy_nrf::buffered_uarte::BufferedUarteRx::new(
+            $nrf.UARTE1,
+            $nrf.TIMER2,
+            $nrf.PPI_CH2,
+            $nrf.PPI_CH3,
+            $nrf.PPI_GROUP1,
+            $interrupts,
+            $nrf.P1_01,
+            $crate::board::rate(other_baud),
+            from_other,
+        );
+        (computer, other)
+    }};
+}
+
 /// Milliseconds since the start; they overflow after 49 days.
 pub fn now_ms() -> u32 {
     Instant::now().as_millis() as u32

@@ -68,21 +68,26 @@ fn the_answer_is_a_reason_until_the_bearings_cross() {
     assert_eq!(locator.answer(), Answer::NotObservable(none));
 }
 
+/// Two bearings leave one degree of freedom, of which 6.7 is four standard deviations above the mean.
 #[test]
-fn rays_that_part_do_not_meet() {
-    let mut rng = Xoshiro128PlusPlus::seed_from_u64(52);
-    let mut locator = Clocked::<Clean<100>>::new(Config::DEFAULT);
-    for (east, degrees) in [(0.0, -30.0), (100.0, 30.0)] {
-        let bearing = Bearing::from_compass_degrees(degrees);
-        locator.push(
-            Observation::new(0, [east, 0.0], bearing, SIGMA).unwrap(),
-            &mut rng,
-        );
-    }
-    assert_eq!(
-        locator.answer(),
-        Answer::NotObservable(NotObservable::NoIntersection)
-    );
+fn rays_that_part_by_no_more_than_their_errors_are_parallel() {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(53);
+    let mut part = |misfit: f32| {
+        let mut locator = Clocked::<Clean<100>>::new(Config::DEFAULT);
+        let half = SIGMA * (0.5 * misfit).sqrt();
+        for (east, error) in [(0.0, half), (100.0, -half)] {
+            let bearing = Bearing::from_radians(core::f32::consts::FRAC_PI_2 + error);
+            let observation = Observation::new(0, [east, 0.0], bearing, SIGMA);
+            locator.push(observation.unwrap(), &mut rng);
+        }
+        locator.answer()
+    };
+    let parallel = part(5.0);
+    let Answer::NotObservable(NotObservable::CrossingAngle { .. }) = parallel else {
+        panic!("{parallel:?}")
+    };
+    let apart = Answer::NotObservable(NotObservable::NoIntersection);
+    assert_eq!([part(9.0), part(1_000.0)], [apart; 2]);
 }
 
 #[test]

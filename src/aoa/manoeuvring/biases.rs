@@ -154,3 +154,23 @@ impl<const K: usize> StationBiases<K> {
         self.velocity = [[0.0; 2]; K];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_moves_on_takes_covariances_along() {
+        let mut biases = StationBiases::<2> {
+            position: [[1.0, 2.0], [-1.0, 0.5]],
+            velocity: [[4.0, -6.0], [2.0, 8.0]],
+            ..StationBiases::NONE
+        };
+        biases.travel(3.0, 0.5);
+        assert_eq!(biases.position, [[13.0, -16.0], [5.0, 24.5]]);
+        assert_eq!(biases.velocity, [[2.0, -3.0], [1.0, 4.0]]);
+        biases.forget_velocity();
+        biases.travel(3.0, 1.0);
+        assert_eq!(biases.position, [[13.0, -16.0], [5.0, 24.5]]);
+    }
+}

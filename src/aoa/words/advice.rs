@@ -251,6 +251,33 @@ mod tests {
         })
     }
 
+    /// A belief weighs hypotheses against each other by their probabilities, whatever their shapes.
+    #[test]
+    fn a_hypothesis_weighs_what_it_is_probable() {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(3);
+        let latest = look([0.0; 2], &mut rng);
+        let one = |sigma: f32, probability| Hypothesis {
+            position: SOURCE,
+            covariance: Symmetric2 {
+                xx: sigma * sigma,
+                xy: 0.0,
+                yy: 100.0,
+            },
+            probability,
+        };
+        let both = [one(50.0, 0.3), one(5_000.0, 0.7)];
+        let belief = Belief::of_hypotheses(both.into_iter(), &latest, 1e4);
+        let weigh = |places: &[([f32; 2], f32)]| places.iter().map(|(_, weight)| weight).sum();
+        let (ellipse, ray) = belief.places.split_at(5);
+        let weights: [f32; 2] = [weigh(ellipse), weigh(ray)];
+        assert!((weights[0] - 0.3).abs() < 0.01, "{weights:?}");
+        assert!((weights[1] - 0.7).abs() < 0.01, "{weights:?}");
+        // The ray leads through the hypothesis and beyond.
+        let farthest = offset([0.0; 2], sight([0.0; 2], SOURCE).0, 4.0 * 2_236.068);
+        let [x, y] = ray[0].0;
+        assert!((x - farthest[0]).abs() < 1.0 && (y - farthest[1]).abs() < 1.0);
+    }
+
     #[test]
     fn who_drives_as_advised_gets_a_fix() {
         let (mut plain, mut robust, mut astray) = (0, 0, 0);

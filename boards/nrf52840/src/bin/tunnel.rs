@@ -10,7 +10,7 @@ use panic_probe as _;
 
 use embassy_executor::Executor;
 use embassy_futures::join::join;
-use embassy_nrf::buffered_uarte::{self, BufferedUarte, BufferedUarteRx};
+use embassy_nrf::buffered_uarte::InterruptHandler;
 use embassy_nrf::nvmc::Nvmc;
 use embassy_nrf::radio::ieee802154::Radio;
 use embassy_nrf::uarte::Baudrate;
@@ -23,7 +23,7 @@ use foxhunt_boards::tunnel::{self, State, Tunnel};
 use foxhunt_boards::{Application, MainLoop, slots::Slots};
 use foxhunt_gateways::corridor::{self, Gateway, MAP_BYTES};
 use foxhunt_nrf52840::board::{self, Chip, RECEIVED_BYTES, SENT_BYTES};
-use foxhunt_nrf52840::{hear::hear, storage};
+use foxhunt_nrf52840::{hear::hear, lines, storage};
 
 const COMPUTER_BAUD: Baudrate = Baudrate::Baud115200;
 const RADIOS_BAUD: Baudrate = Baudrate::Baud115200;
@@ -37,8 +37,8 @@ const SNAPSHOT: usize = snapshot::largest::<State<Gateway>>().next_multiple_of(4
 const HEARD_BYTES: usize = 512;
 
 bind_interrupts!(struct Interrupts {
-    UARTE0 => buffered_uarte::InterruptHandler<peripherals::UARTE0>;
-    UARTE1 => buffered_uarte::InterruptHandler<peripherals::UARTE1>;
+    UARTE0 => InterruptHandler<peripherals::UARTE0>;
+    UARTE1 => InterruptHandler<peripherals::UARTE1>;
     RADIO => radio::InterruptHandler<peripherals::RADIO>;
 });
 
@@ -61,31 +61,8 @@ async fn firmware(
     let chip = Chip::new(nrf.WDT);
     let mut received = [[0; RECEIVED_BYTES]; 2];
     let mut sent = [0; SENT_BYTES];
-    let [from_computer, from_radios] = &mut received;
-    let computer = BufferedUarte::new(
-        nrf.UARTE0,
-        nrf.TIMER1,
-        nrf.PPI_CH0,
-        nrf.PPI_CH1,
-        nrf.PPI_GROUP0,
-        nrf.P0_08,
-        nrf.P0_06,
-        Interrupts,
-        board::rate(COMPUTER_BAUD),
-        from_computer,
-        &mut sent,
-    );
-    let radios = BufferedUarteRx::new(
-        nrf.UARTE1,
-        nrf.TIMER2,
-        nrf.PPI_CH2,
-        nrf.PPI_CH3,
-        nrf.PPI_GROUP1,
-        Interrupts,
-        nrf.P1_01,
-        board::rate(RADIOS_BAUD),
-        from_radios,
-    );
+    let bauds = [COMPUTER_BAUD, RADIOS_BAUD];
+    let (computer, radios) = lines!(nrf, Interrupts, bauds, &mut received, &mut sent);
     let (computer, writer) = computer.split();
     let radio = Radio::new(nrf.RADIO, Interrupts);
     let heard = Pipe::<NoopRawMutex, HEARD_BYTES>::new();

@@ -9,7 +9,7 @@ use defmt_rtt as _;
 use panic_probe as _;
 
 use embassy_executor::Executor;
-use embassy_nrf::buffered_uarte::{BufferedUarte, BufferedUarteRx, InterruptHandler};
+use embassy_nrf::buffered_uarte::InterruptHandler;
 use embassy_nrf::nvmc::Nvmc;
 use embassy_nrf::uarte::Baudrate;
 use embassy_nrf::{bind_interrupts, peripherals};
@@ -17,7 +17,7 @@ use foxhunt::snapshot;
 use foxhunt_boards::{MainLoop, kept::Kept, slots::Slots, vehicle::Hunt};
 use foxhunt_gateways::board::{CONFIG, Gateway};
 use foxhunt_nrf52840::board::{self, Chip, RECEIVED_BYTES, SENT_BYTES};
-use foxhunt_nrf52840::storage::SNAPSHOTS;
+use foxhunt_nrf52840::{lines, storage::SNAPSHOTS};
 
 const COMPUTER_BAUD: Baudrate = Baudrate::Baud115200;
 const RECEIVER_BAUD: Baudrate = Baudrate::Baud9600;
@@ -46,31 +46,8 @@ async fn firmware(gateway: &'static mut Gateway, buffer: &'static mut [u8]) {
     let chip = Chip::new(nrf.WDT);
     let mut received = [[0; RECEIVED_BYTES]; 2];
     let mut sent = [0; SENT_BYTES];
-    let [from_computer, from_receiver] = &mut received;
-    let computer = BufferedUarte::new(
-        nrf.UARTE0,
-        nrf.TIMER1,
-        nrf.PPI_CH0,
-        nrf.PPI_CH1,
-        nrf.PPI_GROUP0,
-        nrf.P0_08,
-        nrf.P0_06,
-        Interrupts,
-        board::rate(COMPUTER_BAUD),
-        from_computer,
-        &mut sent,
-    );
-    let receiver = BufferedUarteRx::new(
-        nrf.UARTE1,
-        nrf.TIMER2,
-        nrf.PPI_CH2,
-        nrf.PPI_CH3,
-        nrf.PPI_GROUP1,
-        Interrupts,
-        nrf.P1_01,
-        board::rate(RECEIVER_BAUD),
-        from_receiver,
-    );
+    let bauds = [COMPUTER_BAUD, RECEIVER_BAUD];
+    let (computer, receiver) = lines!(nrf, Interrupts, bauds, &mut received, &mut sent);
     let (computer, writer) = computer.split();
 
     let slots = Slots::new(Nvmc::new(nrf.NVMC), SNAPSHOTS, SNAPSHOT).ok();
