@@ -169,5 +169,9 @@ fn fix(id: u32, count: u64) -> Tag {
         lat: Some(52.229_675_6 + 1e-5 * x),
         lon: Some(21.012_228_7),
         state: "TRACKING".into(),
+        floor: None,
+        floor_probability: None,
+        room: None,
+        room_probability: None,
     }
 }

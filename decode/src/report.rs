@@ -60,6 +60,8 @@ pub enum Report {
         place: [f64; 2],
         /// Of x, x and y, y; in square metres.
         covariance: [f64; 3],
+        /// The likeliest floor and its probability, of a building.
+        floor: Option<(u8, f64)>,
     },
 }
 
@@ -141,11 +143,17 @@ pub fn report(line: &[u8]) -> Option<Report> {
             angle,
             _offset,
             _size,
+            ref floor @ ..,
         ] => Some(Report::Tag {
             tag: tag.parse().ok()?,
             state: state.to_owned(),
             place: [number(x)?, number(y)?],
             covariance: covariance([number(major)?, number(minor)?], number(angle)?),
+            floor: match floor {
+                [] => None,
+                [floor, probability] => Some((floor.parse().ok()?, number(probability)?)),
+                _ => return None,
+            },
         }),
         _ => None,
     }
@@ -237,6 +245,16 @@ mod tests {
             panic!("it is a tag");
         };
         assert_eq!((place, covariance), ([31.25, -0.5], [4.0, 0.0, 1.0]));
+        let on_floor = report(
+            b"$PFOXT,12500,7,LOST,31.250,-0.500,1.000,0.000,2.000,1.000,0.0,-3.3,211.0,2,0.970*00",
+        );
+        assert!(matches!(
+            on_floor,
+            Some(Report::Tag {
+                floor: Some((2, 0.97)),
+                ..
+            })
+        ));
         for none in [
             "",
             "$PFOXF*00",

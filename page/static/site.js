@@ -52,7 +52,11 @@ export class Site {
     const tags = this.#tags();
     const rows = tags.map((tag) => {
       const sigma = tag.covariance ? ` ± ${metres(Math.sqrt(Math.max(tag.covariance[0], tag.covariance[2])))}` : "";
-      const room = [tag.room, tag.floor].filter((part) => part != null).join(", ");
+      const percent = (probability) => (probability == null ? "" : ` (${Math.round(100 * probability)} %)`);
+      const room = [
+        tag.room != null && `${tag.room}${percent(tag.room_probability)}`,
+        tag.floor != null && `floor ${tag.floor}${percent(tag.floor_probability)}`,
+      ].filter(Boolean).join(", ");
       return [`Tag ${tag.id}`, `${room ? `${room}: ` : ""}${tag.x.toFixed(1)}, ${tag.y.toFixed(1)} m${sigma}`];
     });
     return [

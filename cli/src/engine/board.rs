@@ -7,7 +7,7 @@ use foxhunt_host::geodesy::Place;
 use super::{
     message::{Advice, Answer, Ellipse, Hypothesis, Message, Reason, Source},
     search::{Engine, Happened, Say},
-    site::{placed, rounded},
+    site::{of_report, rounded},
     words,
 };
 
@@ -137,15 +137,7 @@ impl Engine {
             "{}\r\n",
             String::from_utf8_lossy(line)
         )));
-        if let Report::Tag {
-            tag,
-            state,
-            place,
-            covariance,
-        } = report
-        {
-            let told = (place, covariance);
-            let tag = placed(&name, &None, self.arrived_ms, (tag, &state), told);
+        if let Some(tag) = of_report(&name, &None, &report, self.arrived_ms) {
             say(Happened::Message(Message::Tag(tag)));
             return;
         }

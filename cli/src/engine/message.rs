@@ -193,6 +193,16 @@ pub struct Tag {
     pub lon: Option<f64>,
     /// As in `$PFOXT`.
     pub state: String,
+    /// The likeliest floor, counted from 0, where there are several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub floor: Option<u8>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub floor_probability: Option<f64>,
+    /// The name of the likeliest room, if it is in any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub room: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub room_probability: Option<f64>,
 }
 
 /// See [`Message::Site`].

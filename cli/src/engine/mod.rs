@@ -3,6 +3,7 @@
 mod board;
 mod commands;
 mod dates;
+mod gateways;
 mod health;
 mod hunt;
 mod input;

@@ -6,38 +6,33 @@ use anyhow::{Context, Result, bail};
 use foxhunt::{
     aoa::geodesy::{Geodetic, LocalPlane},
     fingerprint::{
-        RadioMap,
-        tracker::{self, Fix, State},
+        RadioMap, Zone,
+        tracker::{self, Fix, Passage, State},
     },
-    gateway::beacon::{BeaconGateway, Config, Event, Framing},
+    gateway::beacon::{Config, Event, Framing},
 };
 use foxhunt_decode::{Report, report};
 use foxhunt_host::packets;
 use foxhunt_simulation::people;
 
-use super::message::{self, Tag};
+use super::{
+    gateways::{BEACONS, BEACONS_OF_ALL, Gateways, POINTS, Within},
+    message::{self, Tag},
+};
 use crate::settings;
 
 /// In the place of a file, the radio map of the tunnel that is simulated.
 pub const DEMO_MAP: &str = "the demo's";
 
-/// The most points and beacons of a map.
-const POINTS: usize = 4096;
-const BEACONS: usize = 16;
-
-/// With as many tags and particles as the firmware of a tunnel.
-type Gateway<const D: usize> = BeaconGateway<64, 300, POINTS, BEACONS, D>;
-
-enum ForMap {
-    Line(Box<Gateway<1>>),
-    Plane(Box<Gateway<2>>),
-}
-
 /// A gateway of a tunnel or a building.
 pub struct Site {
     name: String,
-    gateway: ForMap,
-    config: Config<tracker::Site<'static>>,
+    gateway: Gateways,
+    /// That of the only floor, or of the lowest.
+    map: RadioMap<'static>,
+    /// The rooms, and what they are called.
+    rooms: Vec<Zone<'static>>,
+    names: Vec<String>,
     plane: Plane,
     /// The line that is coming in, in which a gateway may report.
     line: Vec<u8>,
@@ -48,21 +43,19 @@ pub struct Site {
 }
 
 impl Site {
-    /// Reads its map.
+    /// Reads its maps.
     ///
     /// # Errors
-    /// If the map cannot be read, is none, or is too large.
+    /// If a map cannot be read, is none, or is too large, or if floors and passages do not belong together.
     pub fn new(told: &settings::Site) -> Result<Self> {
-        let file = told.map.display();
-        let bytes = if told.map == Path::new(DEMO_MAP) {
-            packets::example(people::EXAMPLE_SEED).map
+        let beacons = if told.above.is_empty() {
+            BEACONS
         } else {
-            std::fs::read(&told.map).with_context(|| format!("cannot read {file}"))?
+            BEACONS_OF_ALL
         };
-        // A few kilobytes, for as long as the program runs.
-        let map = RadioMap::new(bytes.leak())
-            .and_then(|map| map.limited(POINTS, BEACONS))
-            .with_context(|| format!("{file} is no radio map that can be used"))?;
+        let map = map(&told.map, beacons)?;
+        let above: Vec<_> =
+            (told.above.iter().map(|file| self::map(file, beacons))).collect::<Result<_>>()?;
         let walks = match told.walks {
             settings::Walks::Tunnel => tracker::Config::TUNNEL,
             settings::Walks::Floor => tracker::Config::DEFAULT,
@@ -86,16 +79,23 @@ impl Site {
                 &*told.name
             ),
         };
+        let config = Config {
+            framing,
+            ..Config::new(site)
+        };
+        let passages = told.passage.iter().map(passage).collect();
+        let in_site = || format!("site {}", &*told.name);
+        let (names, rooms) = rooms(&told.room).with_context(in_site)?;
         Ok(Self {
             name: told.name.to_string(),
-            gateway: match map.lattice().axes() {
-                1 => ForMap::Line(Box::new(Gateway::EMPTY)),
-                _ => ForMap::Plane(Box::new(Gateway::EMPTY)),
+            gateway: if above.is_empty() && told.passage.is_empty() {
+                Gateways::of_floor(config)
+            } else {
+                Gateways::of_building(&config, above, passages).with_context(in_site)?
             },
-            config: Config {
-                framing,
-                ..Config::new(site)
-            },
+            map,
+            rooms,
+            names,
             plane,
             line: Vec::new(),
             lines: 0,
@@ -111,8 +111,8 @@ impl Site {
 
     /// What a page is told of it.
     pub fn message(&self) -> message::Site {
-        let lattice = self.config.site.map.lattice();
-        let points = (0..lattice.points()).filter(|point| self.config.site.map.is_possible(*point));
+        let lattice = self.map.lattice();
+        let points = (0..lattice.points()).filter(|point| self.map.is_possible(*point));
         let side = |count: usize| f64::from(lattice.spacing()) * count.saturating_sub(1) as f64;
         message::Site {
             name: self.name.clone(),
@@ -126,11 +126,7 @@ impl Site {
 
     /// Takes a byte; gives the fix of a tag and the sentences to send, where the byte ends a message.
     pub fn push(&mut self, byte: u8, time_ms: i64) -> Option<(Option<Tag>, &str)> {
-        let (event, report) = match &mut self.gateway {
-            ForMap::Line(gateway) => (gateway.push(byte, &self.config), gateway.report()),
-            ForMap::Plane(gateway) => (gateway.push(byte, &self.config), gateway.report()),
-        };
-        let Some(event) = event else {
+        let Some(event) = self.gateway.push(byte) else {
             /// Bytes of the longest sentence that is looked at.
             const LONGEST: usize = 160;
             if self.line.len() < LONGEST {
@@ -147,21 +143,80 @@ impl Site {
             }
             Event::Fix { tag, fix } => {
                 self.used += 1;
-                Some(of_fix(&self.name, &self.plane, tag, &fix, time_ms))
+                let within = self.gateway.within(tag, &self.rooms);
+                let told = of_fix(&self.name, &self.plane, tag, &fix, time_ms);
+                Some(self.with(told, within))
             }
             Event::Taken { .. } => {
                 self.used += 1;
                 None
             }
             Event::Other => {
-                let tag = of_report(&self.name, &self.plane, line.trim_ascii(), time_ms);
+                let tag = report(line.trim_ascii())
+                    .and_then(|report| of_report(&self.name, &self.plane, &report, time_ms));
                 self.used += u64::from(tag.is_some());
                 tag
             }
             _ => None,
         };
-        Some((tag, report))
+        Some((tag, self.gateway.report()))
     }
+
+    /// A tag with its floor and its room.
+    fn with(&self, tag: Tag, within: Within) -> Tag {
+        let probability = |value: f32| rounded(value.into(), 3);
+        let name = |(number, p): (usize, f32)| Some((self.names.get(number)?.clone(), p));
+        let (room, room_probability) = within.room.and_then(name).unzip();
+        let (floor, floor_probability) = within.floor.unzip();
+        Tag {
+            floor,
+            floor_probability: floor_probability.map(probability),
+            room,
+            room_probability: room_probability.map(probability),
+            ..tag
+        }
+    }
+}
+
+/// Reads a map, for as long as the program runs: a few kilobytes.
+fn map(path: &Path, beacons: usize) -> Result<RadioMap<'static>> {
+    let file = path.display();
+    let bytes = if path == Path::new(DEMO_MAP) {
+        packets::example(people::EXAMPLE_SEED).map
+    } else {
+        std::fs::read(path).with_context(|| format!("cannot read {file}"))?
+    };
+    RadioMap::new(bytes.leak())
+        .and_then(|map| map.limited(POINTS, beacons))
+        .with_context(|| format!("{file} is no radio map that can be used"))
+}
+
+/// A zone of no name on a floor, for as long as the program runs.
+fn zone(id: u16, floor: u8, corners: &[[f32; 2]]) -> Zone<'static> {
+    Zone {
+        id,
+        floor,
+        corners: corners.to_vec().leak(),
+    }
+}
+
+fn passage(told: &settings::Passage) -> Passage<'static> {
+    Passage {
+        place: zone(0, 0, &told.corners),
+        floors: told.floors.clone().leak(),
+        seconds: told.seconds,
+    }
+}
+
+/// The names of rooms, and the rooms.
+fn rooms(told: &[settings::Room]) -> Result<(Vec<String>, Vec<Zone<'static>>)> {
+    let each = told.iter().zip(0..).map(|(room, id)| {
+        let zone = zone(id, room.floor, &room.corners);
+        let named = || format!("room {}", room.name);
+        zone.check().with_context(named)?;
+        Ok((room.name.clone(), zone))
+    });
+    each.collect()
 }
 
 /// Where the origin of a map is, and how its axes are turned.
@@ -181,28 +236,29 @@ fn of_fix(site: &str, plane: &Plane, id: u32, fix: &Fix, time_ms: i64) -> Tag {
     placed(site, plane, time_ms, (id, state), (place, covariance))
 }
 
-/// The tag of a sentence by which a gateway in the tunnel reports.
-fn of_report(site: &str, plane: &Plane, line: &[u8], time_ms: i64) -> Option<Tag> {
+/// The tag of a report by which a gateway elsewhere tells of it.
+pub fn of_report(site: &str, plane: &Plane, report: &Report, time_ms: i64) -> Option<Tag> {
     let Report::Tag {
         tag,
         state,
         place,
         covariance,
-    } = report(line)?
+        floor,
+    } = report
     else {
         return None;
     };
-    Some(placed(
-        site,
-        plane,
-        time_ms,
-        (tag, &state),
-        (place, covariance),
-    ))
+    let told = placed(site, plane, time_ms, (*tag, state), (*place, *covariance));
+    let (floor, floor_probability) = floor.unzip();
+    Some(Tag {
+        floor,
+        floor_probability,
+        ..told
+    })
 }
 
 /// A tag of a state at a place of the map.
-pub fn placed(
+fn placed(
     site: &str,
     plane: &Plane,
     time_ms: i64,
@@ -227,6 +283,10 @@ pub fn placed(
         lat: on_earth.map(|[_, latitude]| latitude),
         lon: on_earth.map(|[longitude, _]| longitude),
         state: state.to_owned(),
+        floor: None,
+        floor_probability: None,
+        room: None,
+        room_probability: None,
     }
 }
 

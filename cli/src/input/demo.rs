@@ -39,11 +39,14 @@ impl Demo {
             site: vec![Site {
                 name: name(TUNNEL),
                 map: engine::DEMO_MAP.into(),
+                above: Vec::new(),
                 walks: Walks::Tunnel,
                 frames: false,
                 latitude: None,
                 longitude: None,
                 turned_deg: None,
+                passage: Vec::new(),
+                room: Vec::new(),
             }],
             ..settings
         }

@@ -25,10 +25,18 @@ pub fn features(message: &Message, name: &str, run: u64, seq: u64) -> Vec<(Strin
             })
             .collect(),
         Message::Tag(tag) => {
-            let properties = json!({
+            let mut properties = json!({
                 "kind": "tag", "station": name, "id": seq.to_string(), "site": tag.site, "tag": tag.id,
                 "time_ms": tag.time_ms, "x": tag.x, "y": tag.y, "covariance_m2": tag.covariance, "state": tag.state,
             });
+            if let Some(floor) = tag.floor {
+                properties["floor"] = floor.into();
+                properties["floor_probability"] = tag.floor_probability.into();
+            }
+            if let Some(room) = &tag.room {
+                properties["room"] = room.as_str().into();
+                properties["room_probability"] = tag.room_probability.into();
+            }
             let place = tag.lat.zip(tag.lon);
             vec![(
                 format!("tag/{}/{}", tag.site, tag.id),

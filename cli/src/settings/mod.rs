@@ -51,8 +51,11 @@ pub struct Settings {
 pub struct Site {
     /// What inputs call it.
     pub name: Name,
-    /// The file of its radio map.
+    /// The file of its radio map; of the lowest floor, if there are several.
     pub map: PathBuf,
+    /// The maps of the floors above it, from the lowest to the highest.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub above: Vec<PathBuf>,
     /// How people walk there.
     #[serde(default)]
     pub walks: Walks,
@@ -68,6 +71,45 @@ pub struct Site {
     /// By how much the y axis of the map is turned clockwise from north, in degrees.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub turned_deg: Option<f64>,
+    /// Where people change floors.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub passage: Vec<Passage>,
+    /// Rooms that tags may be in.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub room: Vec<Room>,
+}
+
+/// Stairs between two floors, or a lift between more.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Passage {
+    /// The floors that it joins, counted from 0.
+    pub floors: Vec<u8>,
+    /// Its corners on the maps, in metres.
+    pub corners: Vec<[f32; 2]>,
+    /// After how many seconds in it somebody is on another floor, on average.
+    #[serde(default = "Passage::seconds")]
+    pub seconds: f32,
+}
+
+impl Passage {
+    /// A third of the time that stairs take.
+    fn seconds() -> f32 {
+        5.0
+    }
+}
+
+/// A room of a floor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Room {
+    /// What it is called.
+    pub name: String,
+    /// Its floor, counted from 0.
+    #[serde(default)]
+    pub floor: u8,
+    /// Its corners on the map, in metres.
+    pub corners: Vec<[f32; 2]>,
 }
 
 /// How people walk.

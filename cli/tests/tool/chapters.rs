@@ -94,7 +94,7 @@ fn the_chapter_about_tunnels_holds() {
 
     let commands = run_commands(&folder, "tunnel.md");
     assert_eq!(commands.len(), 10, "{commands:?}");
-    for (file, tags) in [("tags.geojsonl", 8), ("floor.geojsonl", 3)] {
+    for (file, tags) in [("tags.geojsonl", 8), ("floors.geojsonl", 3)] {
         let features = fs::read_to_string(folder.0.join(file)).unwrap();
         let features = features
             .lines()
@@ -103,6 +103,14 @@ fn the_chapter_about_tunnels_holds() {
             .map(|feature: serde_json::Value| feature["properties"]["tag"].as_u64().unwrap())
             .collect();
         assert_eq!(found.len(), tags, "{file}");
+    }
+    let floors = fs::read_to_string(folder.0.join("floors.geojsonl")).unwrap();
+    for part in [
+        "\"floor\":",
+        "\"floor_probability\":",
+        "\"room\":\"corridor\"",
+    ] {
+        assert!(floors.contains(part), "{part}");
     }
     for file in ["expected.svg", "map.rs", "building-2.map"] {
         assert!(folder.0.join(file).is_file(), "{file}");

@@ -4,6 +4,7 @@ mod board;
 mod broker;
 mod chapters;
 mod damage;
+mod floors;
 mod live;
 mod program;
 mod replay;

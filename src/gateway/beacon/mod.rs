@@ -37,7 +37,7 @@
 //! (**`...,USUAL*hh`**).
 //!
 //! **`$PFOXV,x,y,floor,radio,rssi*hh`**, a reading of a survey, for every packet of the tag that is surveyed, whether its
-//! radio is in the map or not: a log of them is a survey that `cargo xtask map` reads.
+//! radio is in the map or not: a log of them is a survey that `foxhunt survey` reads.
 //!
 //! **`$PFOXM,received,total,MORE*hh`**, the answer to a piece of a new map: the next one begins at `received`;
 //! **`...,READY*hh`** when the whole map was checked, **`...,REFUSED*hh`** when it cannot be used.
