@@ -11,6 +11,7 @@ pub mod message;
 mod outliers;
 mod piece;
 mod refused;
+mod reported;
 mod search;
 mod setup;
 mod site;
