@@ -11,10 +11,10 @@ struct Options {
     broker: String,
     #[arg(long)]
     gateways: usize,
-    /// Tags of each gateway.
+    /// Tags of each gateway; 0 if each is a station that takes bearings.
     #[arg(long)]
     tags: usize,
-    /// Fixes a second of each tag.
+    /// Fixes a second of each tag, or bearings a second of each station.
     #[arg(long)]
     rate: f64,
     #[arg(long)]

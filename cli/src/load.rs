@@ -1,16 +1,19 @@
-//! Many gateways at once, for a study of what a broker takes: tags, published by the code of `foxhunt live`.
+//! Many gateways at once, for a study of what a broker and another `foxhunt live` take: tags or bearings, published by the code of
+//! `foxhunt live`.
 
 use std::{
+    f64::consts::TAU,
     sync::{Arc, atomic::Ordering::Relaxed},
     time::Duration,
 };
 
 use anyhow::{Context, Result, ensure};
+use foxhunt_host::geodesy::Place;
 use serde::Serialize;
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep};
 
 use crate::{
-    engine::message::{Message, State, Tag},
+    engine::message::{Bearing, Message, State, Tag},
     live::{
         Status,
         hub::{Hub, Out},
@@ -27,9 +30,9 @@ pub struct Load {
     pub broker: String,
     /// Gateways, each with a connection of its own.
     pub gateways: usize,
-    /// Tags of each.
+    /// Tags of each; none, if each is a station that takes bearings.
     pub tags: usize,
-    /// Fixes a second of each tag.
+    /// Fixes a second of each tag, or bearings a second of each station.
     pub rate: f64,
     /// For so long.
     pub seconds: f64,
@@ -38,7 +41,7 @@ pub struct Load {
 /// What became of it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Published {
-    /// Fixes that were handed to the outputs.
+    /// Fixes or bearings that were handed to the outputs.
     pub fixes: u64,
     /// Messages that the broker has acknowledged; of health, too.
     pub acknowledged: u64,
@@ -134,7 +137,7 @@ async fn gateway(load: &Load, number: usize) -> Result<Gateway> {
 
 /// Hands out fixes at the rate, those of all gateways in turn; says how many.
 async fn fixes(load: &Load, gateways: &[Gateway]) -> u64 {
-    let all = (load.gateways * load.tags) as u64;
+    let all = (load.gateways * load.tags.max(1)) as u64;
     let wanted = (all as f64 * load.rate * load.seconds).round() as u64;
     let begin = Instant::now();
     let mut every = interval(Duration::from_millis(5));
@@ -148,7 +151,10 @@ async fn fixes(load: &Load, gateways: &[Gateway]) -> u64 {
                 count as usize % load.gateways,
                 count as usize / load.gateways,
             );
-            let message = Message::Tag(fix((tag % load.tags) as u32, count));
+            let message = match load.tags {
+                0 => Message::Bearing(bearing(gateway, load.gateways, count)),
+                tags => Message::Tag(fix((tag % tags) as u32, count)),
+            };
             gateways[gateway].hub.add(Out::Message(Box::new(message)));
             count += 1;
         }
@@ -173,5 +179,33 @@ fn fix(id: u32, count: u64) -> Tag {
         floor_probability: None,
         room: None,
         room_probability: None,
+    }
+}
+
+/// A bearing of a station: all stand round the source, a kilometre from it.
+fn bearing(station: usize, stations: usize, count: u64) -> Bearing {
+    const CENTRE: Place = Place {
+        latitude: 52.229_675_6,
+        longitude: 21.012_228_7,
+    };
+    const RADIUS_M: f64 = 1_000.0;
+    const SIGMA_DEG: f64 = 3.0;
+    let angle = TAU * station as f64 / stations as f64;
+    let place = CENTRE.offset([RADIUS_M * angle.sin(), RADIUS_M * angle.cos()]);
+    // Errors that are spread evenly, by the golden ratio.
+    let error = (count as f64 * 0.618_034).fract() - 0.5;
+    let degrees = angle.to_degrees() + 180.0 + SIGMA_DEG * 12f64.sqrt() * error;
+    Bearing {
+        id: count,
+        receiver: "finder".into(),
+        time_ms: now_ms(),
+        lat: place.latitude,
+        lon: place.longitude,
+        bearing_deg: degrees.rem_euclid(360.0),
+        sigma_deg: SIGMA_DEG,
+        used: true,
+        reason: None,
+        outlier: None,
+        is_of_others: false,
     }
 }

@@ -1,4 +1,7 @@
-//! The task `load`: how many tags a broker on this computer takes, and what gives way first.
+//! The task `load`: how many tags a broker on this computer takes, or how many bearings of others one `foxhunt live` does, and
+//! what gives way first.
+
+mod bearings;
 
 use std::{
     fs::{self, File},
@@ -29,6 +32,9 @@ pub struct Options {
     /// Tags of each gateway. Each has a fix a second at first, then twice as many, until the limit is found.
     #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..=1_000))]
     tags: u32,
+    /// Bearings of so many stations, into one `foxhunt live`, in place of tags.
+    #[arg(long, value_name = "STATIONS", value_parser = clap::value_parser!(u32).range(1..=63))]
+    stations: Option<u32>,
     /// Seconds for which each rate is held.
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(4..=60))]
     seconds: u32,
@@ -48,9 +54,9 @@ struct Published {
 
 /// What was found at a rate.
 struct Step {
-    /// Fixes a second of each tag.
+    /// Fixes a second of each tag, or bearings of each station.
     rate: f64,
-    /// Fixes a second of all, as they were published.
+    /// Those a second of all, as they were published.
     published: f64,
     /// Messages that did not arrive.
     lost: u64,
@@ -66,12 +72,14 @@ const LATE: f64 = 1.0;
 impl Step {
     /// Whether everything came in time, and was published at the rate that was asked for.
     fn holds(&self, options: &Options) -> bool {
-        let wanted = f64::from(options.gateways * options.tags) * self.rate;
+        let wanted = f64::from(options.all()) * self.rate;
         self.lost == 0 && self.latency[1] <= LATE && self.published > 0.95 * wanted
     }
 
-    fn figures(&self, tags: u32) -> Vec<Figure> {
-        let name = |what: &str| format!("load.{}_a_second.{what}", f64::from(tags) * self.rate);
+    fn figures(&self, options: &Options) -> Vec<Figure> {
+        let of = options.stations.map_or("", |_| "bearings.");
+        let all = f64::from(options.all()) * self.rate;
+        let name = |what: &str| format!("load.{of}{all}_a_second.{what}");
         let [broker, publisher, client] = self.cores;
         vec![
             Figure::new(name("published"), self.published, "messages/s"),
@@ -88,10 +96,9 @@ impl Step {
 /// Runs the task.
 pub fn run(options: &Options) -> Result<()> {
     let steps = study(options)?;
-    let tags = options.gateways * options.tags;
     let mut table = Table::new();
     table.load_style(ASCII_MARKDOWN).set_header([
-        "fixes/s of a tag",
+        "a second of each",
         "published/s",
         "lost",
         "p50, ms",
@@ -115,18 +122,28 @@ pub fn run(options: &Options) -> Result<()> {
             if step.holds(options) { "" } else { "too much" }.into(),
         ]);
     }
-    println!(
-        "{} gateways with {} tags each through mosquitto\n{table}",
-        options.gateways, options.tags
-    );
-    let all: Vec<Figure> = steps.iter().flat_map(|step| step.figures(tags)).collect();
+    let what = match options.stations {
+        Some(stations) => {
+            format!("bearings of {stations} stations through mosquitto into one `foxhunt live`")
+        }
+        None => format!(
+            "{} gateways with {} tags each through mosquitto",
+            options.gateways, options.tags
+        ),
+    };
+    println!("{what}\n{table}");
+    let all: Vec<Figure> = steps
+        .iter()
+        .flat_map(|step| step.figures(options))
+        .collect();
     if let Some(file) = &options.json {
         figures::write_json(&all, file)?;
     }
     let first = steps.first().context("no rate was tried")?;
     ensure!(
         first.holds(options),
-        "a fix a second of each of {tags} tags is too much for this computer"
+        "one a second of each of {} is too much for this computer",
+        options.all()
     );
     Ok(())
 }
@@ -136,9 +153,17 @@ pub fn check() -> Result<()> {
     run(&Options {
         gateways: 200,
         tags: 50,
+        stations: None,
         seconds: 10,
         json: None,
     })
+}
+
+impl Options {
+    /// Tags or stations.
+    fn all(&self) -> u32 {
+        self.stations.unwrap_or(self.gateways * self.tags)
+    }
 }
 
 /// Doubles the rate until it is too much; halves it, if it was at first.
@@ -147,6 +172,9 @@ fn study(options: &Options) -> Result<Vec<Step>> {
     const MOST: i32 = 6;
     setup::ensure(&[Need::Mosquitto])?;
     let publisher = project::executable(&["--package", "foxhunt-cli", "--example", "load"])?;
+    if options.stations.is_some() {
+        bearings::program()?;
+    }
     let folder = project::target_directory()?.join("load");
     fs::create_dir_all(&folder)?;
     let bar = ProgressBar::new_spinner();
@@ -155,8 +183,13 @@ fn study(options: &Options) -> Result<Vec<Step>> {
     for doublings in 0..MOST {
         let is_down = steps.first().is_some_and(|first| !first.holds(options));
         let rate = 2f64.powi(if is_down { -doublings } else { doublings });
-        bar.set_message(format!("{rate} fixes a second of each tag"));
-        let step = measured(options, rate, &publisher, &folder)?;
+        bar.set_message(format!("{rate} a second of each"));
+        let step = match options.stations {
+            Some(stations) => {
+                bearings::measured(stations, options.seconds, rate, &publisher, &folder)?
+            }
+            None => measured(options, rate, &publisher, &folder)?,
+        };
         let is_over = !steps.is_empty() && step.holds(options) == is_down;
         steps.push(step);
         if is_over {

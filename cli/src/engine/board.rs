@@ -2,12 +2,10 @@
 
 use foxhunt::aoa::NotObservable;
 use foxhunt_decode::{Region, Report};
-use foxhunt_host::geodesy::Place;
 
 use super::{
-    message::{Advice, Answer, Ellipse, Hypothesis, Message, Reason, Source},
-    search::{Engine, Happened, Say},
-    site::{of_report, rounded},
+    message::{Advice, Answer, Ellipse, Hypothesis, Reason, Source},
+    site::rounded,
     words,
 };
 
@@ -37,7 +35,7 @@ impl Default for Board {
 impl Board {
     /// Takes a sentence; gives the answers that are whole with it. `now` makes a time of the day one after 1970, `way` tells
     /// where to drive.
-    fn take(
+    pub fn take(
         &mut self,
         report: Report,
         now: impl Fn(u32) -> i64,
@@ -117,48 +115,6 @@ impl Board {
     fn finish(&mut self) -> Option<Answer> {
         let is_told = std::mem::replace(&mut self.is_told, true);
         (!is_told).then(|| self.answer.clone())
-    }
-}
-
-impl Engine {
-    /// Takes a sentence of a report, unless there are bearings of which this program knows more than the report tells.
-    pub(super) fn reported(&mut self, port: usize, line: &[u8], report: Report, say: Say) {
-        if self.search > 0 {
-            return;
-        }
-        let (Some(name), Some(input)) = (
-            self.ports.get(port).map(|port| port.name.clone()),
-            self.inputs.get_mut(port),
-        ) else {
-            return;
-        };
-        input.reports += 1;
-        say(Happened::Report(&format!(
-            "{}\r\n",
-            String::from_utf8_lossy(line)
-        )));
-        if let Some(tag) = of_report(&name, &None, &report, self.arrived_ms) {
-            say(Happened::Message(Message::Tag(tag)));
-            return;
-        }
-        let mut board = std::mem::take(&mut self.board);
-        let answers = board.take(
-            report,
-            |time| self.dates.at(time),
-            |course, metres| {
-                let place = self.place?;
-                let degrees = |e7: i32| f64::from(e7) / 1e7;
-                let from = Place {
-                    latitude: degrees(place.latitude_e7()),
-                    longitude: degrees(place.longitude_e7()),
-                };
-                Some(words::way(from, course, metres))
-            },
-        );
-        self.board = board;
-        for answer in answers {
-            say(Happened::Message(Message::Answer(answer)));
-        }
     }
 }
 

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use foxhunt::gateway::Rejected;
-
 use super::search::Engine;
 
 /// What an input has said.
@@ -41,18 +39,10 @@ impl Engine {
             };
             heard.lines += u64::from(counters.lines);
             heard.used += u64::from(counters.sentences) + u64::from(counters.bearings);
-            for reason in Rejected::ALL {
-                let count = u64::from(counters.rejected(reason));
-                if count > 0 {
-                    *heard.refused.entry(reason.to_string()).or_default() += count;
-                }
-            }
         }
         heard.used += input.reports;
-        for (reason, count) in &input.refused {
-            heard.lines += count;
-            *heard.refused.entry(reason.to_string()).or_default() += count;
-        }
+        heard.lines += input.refused_messages;
+        heard.refused.clone_from(&input.refused);
         heard
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use foxhunt_decode::{Refusal, Stream};
+use foxhunt_decode::Stream;
 
 /// An input.
 #[derive(Default)]
@@ -15,13 +15,20 @@ pub struct Input {
     pub lines: u64,
     /// The beginning of the line that is coming in: of a line of no kind, the gateway keeps nothing.
     pub begun: Vec<u8>,
-    /// Messages that were of no use.
-    pub refused: BTreeMap<Refusal, u64>,
+    /// Lines and messages that were not used, by the reason as it is told.
+    pub refused: BTreeMap<String, u64>,
+    /// Those of them that are no lines of the gateway.
+    pub refused_messages: u64,
     /// Sentences of a board's reports that were used.
     pub reports: u64,
 }
 
 impl Input {
+    /// Counts what was not used.
+    pub fn refuse(&mut self, reason: String) {
+        *self.refused.entry(reason).or_default() += 1;
+    }
+
     /// Notes a byte of a line.
     pub fn begin(&mut self, byte: u8) {
         /// More of it is not told.

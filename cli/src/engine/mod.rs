@@ -12,6 +12,7 @@ pub mod message;
 mod outliers;
 mod piece;
 mod refused;
+mod reported;
 mod search;
 mod setup;
 mod site;

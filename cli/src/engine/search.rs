@@ -230,7 +230,8 @@ impl Engine {
             Err(reason) => Err(reason),
         };
         if let Err(reason) = done {
-            *self.inputs[input].refused.entry(reason).or_default() += 1;
+            self.inputs[input].refused_messages += 1;
+            self.inputs[input].refuse(reason.to_string());
             let number = self.inputs[input].lines + 1;
             say(Happened::Refused {
                 input,
@@ -295,15 +296,14 @@ impl Engine {
         }
         let known = |port: &Port| port.input == input && port.name == station;
         let found = self.ports.iter().position(known);
-        found
-            .or_else(|| {
-                self.ports.push(Port {
-                    name: station.to_owned(),
-                    input,
-                });
-                Some(self.ports.len() - 1)
+        found.or_else(|| {
+            let number = self.ports.len();
+            (number < PORTS).then(|| {
+                let name = station.to_owned();
+                self.ports.push(Port { name, input });
+                number
             })
-            .filter(|port| *port < PORTS)
+        })
     }
 
     /// What an event of a port means to others.
@@ -328,10 +328,14 @@ impl Engine {
             event,
             Event::Rejected(Rejected::Duplicate | Rejected::Frozen)
         );
-        if let Event::Rejected(reason) = event
-            && !is_harmless
-        {
-            self.refused(port, why(*reason, line), line, say);
+        if let Event::Rejected(reason) = event {
+            let why = why(*reason, line);
+            if let Some(input) = self.inputs.get_mut(input) {
+                input.refuse(why.clone());
+            }
+            if !is_harmless {
+                self.refused(port, why, line, say);
+            }
         }
         if *event == Event::Other
             && let Some(report) = decode::report(line)

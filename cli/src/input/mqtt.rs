@@ -11,6 +11,9 @@ use super::{
 };
 use crate::{output, settings::Mqtt};
 
+/// Messages that the broker sends before the first of them is acknowledged.
+const WAITING: u16 = 200;
+
 /// Takes what others publish under the prefix; not what this vehicle, of the name `own`, does.
 pub async fn run(mqtt: Mqtt, own: String, feed: Feed) {
     again(&feed.status, || read(&mqtt, &own, &feed)).await;
@@ -22,13 +25,16 @@ async fn read(mqtt: &Mqtt, own: &str, feed: &Feed) -> Result<Never, Failure> {
     // The broker keeps what comes while this program is away for a moment.
     options.set_clean_start(false);
     options.set_session_expiry_interval(Some(600));
+    options.set_receive_maximum(Some(WAITING));
     let (client, mut events) = AsyncClient::new(options, 64);
-    let (sender, mut received) = mpsc::channel(256);
+    // The connection must never wait for who reads it, who may wait for the connection to take an acknowledgement: it is the
+    // broker that waits.
+    let (sender, mut received) = mpsc::unbounded_channel();
     let task = tokio::spawn(async move {
         loop {
             let event = events.poll().await;
             let is_over = event.is_err();
-            if sender.send(event).await.is_err() || is_over {
+            if sender.send(event).is_err() || is_over {
                 return;
             }
         }

@@ -3,6 +3,7 @@
 use std::{sync::Arc, time::Duration};
 
 use anyhow::{Context, Result};
+use tokio::task::JoinHandle;
 
 use super::{
     clock::now_ms,
@@ -127,13 +128,18 @@ async fn serve(settings: &Settings, extra: Extra) -> Result<Engine> {
     }
     search.send(Ask::Stop).await;
     let engine = is_over.await.context("the search has failed")??;
+    end(&hub, senders).await;
+    Ok(engine)
+}
+
+/// Lets outputs send what there is.
+async fn end(hub: &Hub, senders: Vec<JoinHandle<()>>) {
     hub.end();
     tokio::select! {
         () = output::settled(senders) => {}
         // Who asks twice does not want to wait.
         () = stopped() => {}
     }
-    Ok(engine)
 }
 
 /// Waits for Ctrl-C, or until the system ends the program.

@@ -362,21 +362,14 @@ mod tests {
         }
     }
 
+    /// The line and what is said of wrong settings.
+    fn wrong(text: &str) -> (Option<usize>, String) {
+        let (at, what) = Settings::parse(text).unwrap_err();
+        (at.map(|(line, _)| line), what)
+    }
+
     #[test]
-    fn what_is_wrong_is_said_with_its_line() {
-        let wrong = |text: &str| {
-            let (at, what) = Settings::parse(text).unwrap_err();
-            (at.map(|(line, _)| line), what)
-        };
-        let (line, what) = wrong("name = \"a\"\nlocater = \"robust\"\n");
-        assert_eq!(line, Some(2));
-        assert!(what.contains("locater"), "{what}");
-        let (line, _) = wrong("[web]\nenabled = 3\n");
-        assert_eq!(line, Some(2));
-        let (_, what) = wrong("[[input]]\nname = \"a\"\n");
-        assert!(what.contains("input a"), "{what}");
-        let (_, what) = wrong("[[input]]\nname=\"a\"\nudp=\"0.0.0.0:1\"\nstdin=true\n");
-        assert!(what.contains("input a"), "{what}");
+    fn a_value_that_cannot_be_is_named_with_its_line() {
         for (text, line, what) in [
             (
                 "[errors]\n\noutliers = 1.5\n",
@@ -449,6 +442,19 @@ mod tests {
             assert_eq!(at, Some(line), "{text}: {said}");
             assert!(said.starts_with(what), "{said}");
         }
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_line() {
+        let (line, what) = wrong("name = \"a\"\nlocater = \"robust\"\n");
+        assert_eq!(line, Some(2));
+        assert!(what.contains("locater"), "{what}");
+        let (line, _) = wrong("[web]\nenabled = 3\n");
+        assert_eq!(line, Some(2));
+        let (_, what) = wrong("[[input]]\nname = \"a\"\n");
+        assert!(what.contains("input a"), "{what}");
+        let (_, what) = wrong("[[input]]\nname=\"a\"\nudp=\"0.0.0.0:1\"\nstdin=true\n");
+        assert!(what.contains("input a"), "{what}");
         let twice = "[[input]]\nname=\"a\"\nstdin=true\n".repeat(2);
         let (line, what) = wrong(&twice);
         assert!(line == Some(5) && what.contains("two inputs"), "{what}");

@@ -3,7 +3,7 @@
 use std::{
     collections::BTreeSet,
     fs,
-    io::{BufRead, BufReader},
+    io::{BufRead, BufReader, Write},
     net::UdpSocket,
     process::{Child, Command, Stdio},
     sync::mpsc,
@@ -205,6 +205,53 @@ fn vehicles_meet_at_a_broker() {
     drop(one);
     client.until("lost", |_, message| message["state"] == "lost");
     assert!(fs::metadata(north.0.join("queue/broker.jsonl")).is_ok());
+}
+
+/// More bearings at once than wait anywhere on the way.
+#[test]
+fn a_burst_of_bearings_is_taken() {
+    const ALL: i64 = 2_000;
+    let folder = Folder::new();
+    let port = free_port();
+    let Some(_broker) = Broker::start(&folder, port) else {
+        eprintln!("skipped: mosquitto is not installed");
+        return;
+    };
+    let settings = format!(
+        "locator = \"plain\"\n[[input]]\nname = \"others\"\nmqtt = {{ broker = \"127.0.0.1:{port}\" }}\n"
+    );
+    let live = Live::start(&folder, &settings, &[]);
+    live.said("others: open");
+    thread::sleep(Duration::from_millis(300));
+    let mut publisher = Command::new("mosquitto_pub")
+        .args(["-V", "5", "-q", "1", "-l", "-p", &port.to_string()])
+        .args(["-t", "foxhunt/other/bearing"])
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let lines: String = (0..ALL)
+        .map(|k| {
+            let feature = json!({
+                "type": "Feature", "geometry": {"type": "Point", "coordinates": [11.5, 48.1]},
+                "properties": {
+                    "kind": "bearing", "station": "other", "id": k.to_string(), "bearing_deg": 10.0,
+                    "sigma_deg": 2.0, "time_ms": 1_795_339_800_000 + 100 * k,
+                },
+            });
+            format!("{feature}\n")
+        })
+        .collect();
+    publisher
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(lines.as_bytes())
+        .unwrap();
+    assert!(publisher.wait().unwrap().success());
+    live.until("every bearing", |live| {
+        let health = live.messages("health").pop()?;
+        (health["inputs"][0]["lines"] == ALL).then_some(())
+    });
 }
 
 /// A vehicle that is told to end has not been lost.
