@@ -337,6 +337,13 @@ mod tests {
     }
 
     #[test]
+    fn longitudes_go_on_behind_the_date_line() {
+        for (longitude, expected) in [(181, -179), (-181, 179), (180, 180), (-180, -180), (7, 7)] {
+            assert_eq!(wrap_e7(longitude * 10_000_000), expected * 10_000_000);
+        }
+    }
+
+    #[test]
     fn places_are_near_or_far() {
         let here = Geodetic::new(481_173_000, 115_166_667).unwrap();
         // 11.12 metres further north.

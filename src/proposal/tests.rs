@@ -425,3 +425,15 @@ fn the_posterior_is_the_mixture_times_the_likelihood() {
     };
     assert_eq!(nowhere.log_likelihood(&[0.0]), f32::NEG_INFINITY);
 }
+
+#[test]
+fn a_random_walk_has_the_density_of_its_noise() {
+    let walk = RandomWalk { sigma: [0.5, 2.0] };
+    let (from, to, dt) = ([1.0, -2.0], [2.5, 1.0], 4.0);
+    let density = Gaussian {
+        mean: walk.mean(&from, dt),
+        covariance: Transition::noise(&walk, dt),
+    };
+    let difference = walk.log_transition(&from, &to, dt) - density.log_density(to);
+    assert!(difference.abs() < 1e-5, "{difference}");
+}

@@ -1,4 +1,7 @@
 //! The main loop of a gateway's firmware.
+//!
+//! It is not that of real boards, in `boards/shared`, which reads a queue of each line: of more than one queue the compiler
+//! does not see the length, and keeps the check against a division by zero, in which a firmware could panic.
 
 use cortex_m::Peripherals;
 use cortex_m::peripheral::syst::SystClkSource;

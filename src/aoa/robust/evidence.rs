@@ -463,3 +463,24 @@ impl Comparison for Lines {
         doubt(a) <= doubt(b)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_within_a_quarter_of_the_correlation_are_one() {
+        let lines = Lines {
+            source: None,
+            extent_m: 0.0,
+            errors: Errors::DEFAULT,
+            of_several: false,
+        };
+        for length_m in [10.0, 400.0] {
+            let near: f32 = 0.24 * length_m;
+            let far: f32 = 0.26 * length_m;
+            assert!(lines.is_one_place(near * near, length_m));
+            assert!(!lines.is_one_place(far * far, length_m));
+        }
+    }
+}

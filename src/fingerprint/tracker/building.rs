@@ -301,6 +301,34 @@ mod tests {
         }
     }
 
+    /// Half a second on stairs that are taken once in so many. The number that take them is binomial: of 4,000, five standard
+    /// deviations are 0.017, which a correct program exceeds once in a million seeds.
+    #[test]
+    fn stairs_are_taken_as_often_as_they_say() {
+        const N: usize = 4_000;
+        let maps = LOSS_DB.map(|loss_db| map_behind(loss_db, 1));
+        let [below, above] = maps.each_ref().map(|map| RadioMap::new(map).unwrap());
+        let above = [Storey {
+            map: above,
+            walls: Walls::None,
+        }];
+        let building = Building {
+            lowest: Site::new(below, Config::DEFAULT).unwrap(),
+            above: &above,
+            passages: &[STAIRS],
+        };
+        let [first, _, third, _] = STAIRS.place.corners else {
+            panic!("the stairs have four corners")
+        };
+        let middle = [0, 1].map(|axis| 0.5 * (first[axis] + third[axis]));
+        let places = middle.map(|middle| [middle; N]);
+        let (mut floors, mut rng) = ([0; N], Xoshiro128PlusPlus::seed_from_u64(4));
+        building.change_floors(&places, &mut floors, 0.5, &mut rng);
+        let taken = floors.iter().filter(|floor| **floor == 1).count() as f32 / N as f32;
+        let expected = 1.0 - (-0.5 / STAIRS.seconds).exp();
+        assert!((taken - expected).abs() < 0.017, "{taken} {expected}");
+    }
+
     #[test]
     fn who_climbs_the_stairs_is_followed() {
         for seed in 0..10 {

@@ -227,3 +227,35 @@ impl<S: Stored<Floor = OneFloor>> Stored for OnFloor<S> {
 }
 
 persist!(impl[S: Persist] OnFloor<S> as "OnFloor"() { stored, floor });
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn particles_are_unpacked_as_they_were_packed() {
+        let grain = Grain {
+            units: [256.0, 1.0 / 256.0],
+            velocity: [8.0, 0.125],
+        };
+        let (places, velocities) = ([3.25, 7.5], [2.0, -4.0]);
+        let exact = Exact::pack(places, velocities, OneFloor, &grain);
+        let upstairs = OnFloor::<Exact>::pack(places, velocities, 3, &grain);
+        assert_eq!(upstairs.floor(), 3);
+        for (place, velocity) in [
+            (
+                [exact.place::<0>(&grain), exact.place::<1>(&grain)],
+                [exact.velocity::<0>(&grain), exact.velocity::<1>(&grain)],
+            ),
+            (
+                [upstairs.place::<0>(&grain), upstairs.place::<1>(&grain)],
+                [
+                    upstairs.velocity::<0>(&grain),
+                    upstairs.velocity::<1>(&grain),
+                ],
+            ),
+        ] {
+            assert_eq!((place, velocity), (places, velocities));
+        }
+    }
+}

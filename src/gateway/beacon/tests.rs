@@ -371,6 +371,29 @@ fn a_new_map_that_cannot_be_used_is_refused() {
 }
 
 #[test]
+fn a_plane_does_not_fit_a_line() {
+    let (row, plane) = (map(1), map(2));
+    let site = Site::new(RadioMap::new(&row).unwrap(), tracker::Config::DEFAULT).unwrap();
+    let config = Config::new(site);
+    for (map, expected) in [(&row, Ok(true)), (&plane, Err(NewMapError::Axes))] {
+        let mut state = BeaconGateway::<2, 100, 128, 4, 1>::EMPTY;
+        let mut buffer = std::vec![0; 2_000];
+        let mut last = Ok(false);
+        for (number, bytes) in map.chunks(MapPiece::BYTES).enumerate() {
+            let offset = number * MapPiece::BYTES;
+            let digits: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+            let piece = sentence(&format!("PFOXM,{offset},{},{digits}", map.len()));
+            for byte in piece.bytes() {
+                if let Some(Event::MapPiece(piece)) = state.push(byte, &config) {
+                    last = state.take_map(&piece, &mut buffer).map(|map| map.is_some());
+                }
+            }
+        }
+        assert_eq!(last, expected);
+    }
+}
+
+#[test]
 fn an_uncertain_fix_is_reported_as_such() {
     let map = map(1);
     let mut gateway = gateway(&map, Framing::Lines);

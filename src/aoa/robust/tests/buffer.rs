@@ -1,6 +1,8 @@
 //! Merging of bearings in the buffer.
 
 use super::*;
+use crate::aoa::core::Buffer;
+use crate::aoa::robust::evidence::Lines;
 use crate::math::wrap;
 
 /// Information of all bearings at their source, in those of one reading.
@@ -229,4 +231,30 @@ fn a_correlation_and_a_range_are_checked() {
     };
     assert_eq!(range(0.0).check().unwrap_err().field(), "range_m");
     assert!(range(10.0).check().is_ok());
+}
+
+/// Of more bearings than there is room for, those at the beginning make it; the last ones stay as they are.
+#[test]
+fn bearings_that_are_handed_on_become_one_from_the_first_on() {
+    let entries: Vec<Entry> = (0..6)
+        .map(|step| {
+            let position = [300.0 * step as f32, 0.0];
+            Entry::new(towards(position, SOURCE, 0.0, SIGMA), 1.0)
+        })
+        .collect();
+    let lines = Lines {
+        source: Some(SOURCE),
+        extent_m: 0.0,
+        errors: Errors::DEFAULT,
+        of_several: false,
+    };
+    let mut buffer = Buffer::<4>::EMPTY;
+    buffer.adopt(entries.iter(), None, &lines);
+    let readings: Vec<f32> = buffer
+        .entries()
+        .iter()
+        .map(|entry| entry.readings)
+        .collect();
+    assert_eq!(readings, [2.0, 2.0, 1.0, 1.0]);
+    assert_eq!(buffer.count(), 6);
 }
