@@ -151,7 +151,7 @@ enum FoxhuntResult
    */
   FOXHUNT_RESULT_SIZE = 3,
   /**
-   * A locator, gateway, tracker, workspace, site or generator was not initialised, or is of another type.
+   * The locator, gateway or tracker was not initialised, or holds another type.
    */
   FOXHUNT_RESULT_UNINITIALISED = 4,
   /**
@@ -166,6 +166,14 @@ enum FoxhuntResult
    * The gateway has no such port.
    */
   FOXHUNT_RESULT_PORT = 7,
+  /**
+   * The generator was not initialised, or holds another type.
+   */
+  FOXHUNT_RESULT_NO_GENERATOR = 8,
+  /**
+   * The site was not initialised, or holds another type.
+   */
+  FOXHUNT_RESULT_NO_SITE = 9,
   /**
    * A position is not finite or too far from the origin.
    */
@@ -246,6 +254,10 @@ enum FoxhuntResult
    * A packet is older than the last update of its tag.
    */
   FOXHUNT_RESULT_OLD_PACKET = 32,
+  /**
+   * The workspace was not initialised, or holds another type.
+   */
+  FOXHUNT_RESULT_NO_WORKSPACE = 33,
   /**
    * What this library does not know by name.
    */

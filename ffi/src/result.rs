@@ -17,7 +17,7 @@ pub enum FoxhuntResult {
     Misaligned = 2,
     /// Storage has another size than in the library: `size` is not `sizeof` the type, or the header is of another version.
     Size = 3,
-    /// A locator, gateway, tracker, workspace, site or generator was not initialised, or is of another type.
+    /// The locator, gateway or tracker was not initialised, or holds another type.
     Uninitialised = 4,
     /// A field of a configuration is out of range: the function `..._config_fault` of the configuration names it.
     Config = 5,
@@ -25,6 +25,10 @@ pub enum FoxhuntResult {
     Nothing = 6,
     /// The gateway has no such port.
     Port = 7,
+    /// The generator was not initialised, or holds another type.
+    NoGenerator = 8,
+    /// The site was not initialised, or holds another type.
+    NoSite = 9,
     /// A position is not finite or too far from the origin.
     Position = 10,
     /// A bearing is not finite.
@@ -65,6 +69,8 @@ pub enum FoxhuntResult {
     Strength = 31,
     /// A packet is older than the last update of its tag.
     OldPacket = 32,
+    /// The workspace was not initialised, or holds another type.
+    NoWorkspace = 33,
     /// What this library does not know by name.
     Other = 99,
 }
@@ -72,7 +78,7 @@ pub enum FoxhuntResult {
 use FoxhuntResult as Code;
 
 /// Every result with its text.
-const TEXTS: [(Code, &str); 29] = [
+const TEXTS: [(Code, &str); 32] = [
     (Code::Ok, "all is well"),
     (Code::NullPointer, "a pointer is null"),
     (Code::Misaligned, "a pointer is not aligned"),
@@ -82,7 +88,7 @@ const TEXTS: [(Code, &str); 29] = [
     ),
     (
         Code::Uninitialised,
-        "a locator, gateway, tracker, workspace, site or generator was not initialised, or is of another type",
+        "the locator, gateway or tracker was not initialised, or holds another type",
     ),
     (
         Code::Config,
@@ -90,6 +96,14 @@ const TEXTS: [(Code, &str); 29] = [
     ),
     (Code::Nothing, "there is no fix yet, or no more of them"),
     (Code::Port, "the gateway has no such port"),
+    (
+        Code::NoGenerator,
+        "the generator was not initialised, or holds another type",
+    ),
+    (
+        Code::NoSite,
+        "the site was not initialised, or holds another type",
+    ),
     (Code::Position, ObservationError::Position.message()),
     (Code::Bearing, ObservationError::Bearing.message()),
     (Code::Sigma, ObservationError::Sigma.message()),
@@ -113,6 +127,10 @@ const TEXTS: [(Code, &str); 29] = [
     (Code::Beacon, ReadingError::Beacon.message()),
     (Code::Strength, ReadingError::Strength.message()),
     (Code::OldPacket, "the packet is older than the last update"),
+    (
+        Code::NoWorkspace,
+        "the workspace was not initialised, or holds another type",
+    ),
     (Code::Other, "refused"),
 ];
 

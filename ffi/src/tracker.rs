@@ -13,7 +13,7 @@ use crate::words::{FoxhuntGenerator, FoxhuntSymmetric2, draw};
 
 opaque!(
     /// A radio map, and how tags are tracked on it: one serves all trackers.
-    FoxhuntSite = b"fxSi": Site<'static>, () = ()
+    FoxhuntSite = b"fxSi": Site<'static>, () = (), NoSite
 );
 
 opaque!(
@@ -23,7 +23,7 @@ opaque!(
 
 opaque!(
     /// Scratch memory of an update: one serves all trackers.
-    FoxhuntWorkspace = b"fxWo": (), Workspace = Workspace::EMPTY
+    FoxhuntWorkspace = b"fxWo": (), Workspace = Workspace::EMPTY, NoWorkspace
 );
 
 /// How tags are tracked. `INFINITY` is a value.

@@ -9,7 +9,7 @@ use crate::result::{FoxhuntResult, FoxhuntText, code};
 
 opaque!(
     /// A generator of random numbers: one seed replays one run.
-    FoxhuntGenerator = b"fxGe": u64, Option<Xoshiro128PlusPlus> = None
+    FoxhuntGenerator = b"fxGe": u64, Option<Xoshiro128PlusPlus> = None, NoGenerator
 );
 
 /// Seeds a generator. `size` is `sizeof *generator`.

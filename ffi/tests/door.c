@@ -37,7 +37,7 @@ static void pointers(void) {
   EXPECT(foxhunt_clean_reset(&clean) == FOXHUNT_RESULT_UNINITIALISED);
   EXPECT(foxhunt_clean_init(&clean, sizeof clean, &config) == FOXHUNT_RESULT_OK);
   EXPECT(foxhunt_robust_answer((FoxhuntRobust *)(void *)&clean, &answer) == FOXHUNT_RESULT_UNINITIALISED);
-  EXPECT(foxhunt_clean_push(&clean, &observation, &generator, &answer) == FOXHUNT_RESULT_UNINITIALISED);
+  EXPECT(foxhunt_clean_push(&clean, &observation, &generator, &answer) == FOXHUNT_RESULT_NO_GENERATOR);
   EXPECT(foxhunt_generator_init(&generator, sizeof generator, 1) == FOXHUNT_RESULT_OK);
   EXPECT(foxhunt_clean_push(&clean, 0, &generator, &answer) == FOXHUNT_RESULT_NULL_POINTER);
   EXPECT(foxhunt_clean_push(&clean, &observation, 0, &answer) == FOXHUNT_RESULT_NULL_POINTER);

@@ -117,14 +117,16 @@ static void tags(const char *data) {
   FoxhuntTrackerConfig config;
   FoxhuntTagFix fix;
   foxhunt_tracker_config_tunnel(&config);
+  EXPECT(foxhunt_tracker_init(&tracker, sizeof tracker) == FOXHUNT_RESULT_OK);
+  EXPECT(foxhunt_tracker_push(&tracker, 0, 0, -60, &site, &workspace, &generator, 0, 0) == FOXHUNT_RESULT_NO_SITE);
   size_t length = read_file(data, "tunnel.map", map, sizeof map);
   EXPECT(foxhunt_site_init(&site, sizeof site, map, length - 1, &config) == FOXHUNT_RESULT_MAP_LENGTH);
   map[60] ^= 1;
   EXPECT(foxhunt_site_init(&site, sizeof site, map, length, &config) == FOXHUNT_RESULT_MAP_CHECKSUM);
   map[60] ^= 1;
   EXPECT(foxhunt_site_init(&site, sizeof site, map, length, &config) == FOXHUNT_RESULT_OK);
-  EXPECT(foxhunt_tracker_init(&tracker, sizeof tracker) == FOXHUNT_RESULT_OK);
   EXPECT(foxhunt_tracker_fix(&tracker, &fix) == FOXHUNT_RESULT_NOTHING);
+  EXPECT(foxhunt_tracker_flush(&tracker, &site, &workspace, &generator) == FOXHUNT_RESULT_NO_WORKSPACE);
   EXPECT(foxhunt_workspace_init(&workspace, sizeof workspace) == FOXHUNT_RESULT_OK);
   /* 20 m into the tunnel, to a decibel or two, for ten seconds. */
   const float heard[4] = {-60, -55, -70, -72};
