@@ -1,12 +1,12 @@
-/* foxhunt for C. Written by `cargo xtask c --bless`, not by hand.
+/* foxhunt for C. Written by foxhunt-ffi-header, not by hand.
  *
  * All memory is the caller's: a type of foxhunt_sizes.h is storage, to be initialised by its `..._init` with its own size.
  * Nothing is allocated, nothing waits, and a program in which the library could panic does not link. A function that does
  * not return FOXHUNT_RESULT_OK has changed nothing.
  *
  * What is refused: null, pointers that are not aligned, storage of another size, storage that was not initialised or is of
- * another type. What is up to the caller: that pointers lead to what they should, that those of one call do not overlap, and
- * that no two calls use the same storage at the same time. */
+ * another type, numbers that are out of range. What is up to the caller: that pointers lead to what they should, that those
+ * of one call do not overlap, and that no two calls use the same storage at the same time. */
 
 #ifndef FOXHUNT_H
 #define FOXHUNT_H
@@ -51,7 +51,8 @@
 #define FOXHUNT_ROBUST_PARTICLES 256
 
 /**
- * Bearings that a locator of one source keeps.
+ * Bearings that a `FoxhuntClean`, a `FoxhuntRobust` or a gateway with one of them keeps. A `FoxhuntSeveral` keeps 64 for
+ * each source, whatever this says, with 256 particles.
  */
 #define FOXHUNT_BEARINGS 64
 
@@ -146,11 +147,11 @@ enum FoxhuntResult
    */
   FOXHUNT_RESULT_MISALIGNED = 2,
   /**
-   * Storage has another size than in the library: it is of another version than the header.
+   * Storage has another size than in the library: `size` is not `sizeof` the type, or the header is of another version.
    */
   FOXHUNT_RESULT_SIZE = 3,
   /**
-   * Storage was not initialised, or holds another type.
+   * The locator, gateway or tracker was not initialised, or holds another type.
    */
   FOXHUNT_RESULT_UNINITIALISED = 4,
   /**
@@ -162,11 +163,23 @@ enum FoxhuntResult
    */
   FOXHUNT_RESULT_NOTHING = 6,
   /**
+   * The gateway has no such port.
+   */
+  FOXHUNT_RESULT_PORT = 7,
+  /**
+   * The generator was not initialised, or holds another type.
+   */
+  FOXHUNT_RESULT_NO_GENERATOR = 8,
+  /**
+   * The site was not initialised, or holds another type.
+   */
+  FOXHUNT_RESULT_NO_SITE = 9,
+  /**
    * A position is not finite or too far from the origin.
    */
   FOXHUNT_RESULT_POSITION = 10,
   /**
-   * A bearing or a heading is not finite.
+   * A bearing is not finite.
    */
   FOXHUNT_RESULT_BEARING = 11,
   /**
@@ -174,13 +187,25 @@ enum FoxhuntResult
    */
   FOXHUNT_RESULT_SIGMA = 12,
   /**
-   * A bearing or a packet is older than all that is kept.
+   * A bearing is older than all that are kept. The first of all sets the beginning: even the second may not be earlier.
    */
   FOXHUNT_RESULT_TOO_OLD = 13,
   /**
    * A bearing of this station and time was taken already.
    */
   FOXHUNT_RESULT_DUPLICATE = 14,
+  /**
+   * A heading is not finite.
+   */
+  FOXHUNT_RESULT_HEADING = 15,
+  /**
+   * A probability is not from 0 to 1.
+   */
+  FOXHUNT_RESULT_PROBABILITY = 16,
+  /**
+   * A covariance is none: an entry is not finite, or a variance would be negative.
+   */
+  FOXHUNT_RESULT_COVARIANCE = 17,
   /**
    * A map has fewer or more bytes than its header says.
    */
@@ -225,6 +250,14 @@ enum FoxhuntResult
    * No receiver can report such a strength.
    */
   FOXHUNT_RESULT_STRENGTH = 31,
+  /**
+   * A packet is older than the last update of its tag.
+   */
+  FOXHUNT_RESULT_OLD_PACKET = 32,
+  /**
+   * The workspace was not initialised, or holds another type.
+   */
+  FOXHUNT_RESULT_NO_WORKSPACE = 33,
   /**
    * What this library does not know by name.
    */
@@ -317,7 +350,7 @@ typedef uint32_t FoxhuntTagState;
 #endif // __cplusplus
 
 /**
- * What a locator knows, or why it does not.
+ * What a locator knows, or why it does not: `foxhunt_answer_text` says it.
  */
 enum FoxhuntAnswerKind
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -871,11 +904,11 @@ typedef struct FoxhuntTrackerConfig {
 } FoxhuntTrackerConfig;
 
 /**
- * How a gateway treats its lines.
+ * How a gateway treats its lines. What the functions that fill it choose is in parentheses; what has none is zero.
  */
 typedef struct FoxhuntLineConfig {
   /**
-   * Seed of the particles: the same bytes with the same seed give the same reports.
+   * Seed of the particles: the same bytes with the same seed give the same reports (1).
    */
   uint64_t seed;
   /**
@@ -916,35 +949,35 @@ typedef struct FoxhuntLineConfig {
    */
   float station_heading_deg;
   /**
-   * Quality, 0 to 100, below which a bearing is rejected.
+   * Quality, 0 to 100, below which a bearing is rejected (40).
    */
   float min_quality;
   /**
-   * Standard deviation of a bearing of quality 100, at least 0.001 rad.
+   * Standard deviation of a bearing of quality 100, at least 0.001 rad (2 degrees).
    */
   float best_sigma_rad;
   /**
-   * Standard deviation of a bearing of quality 0, up to 3.2 rad.
+   * Standard deviation of a bearing of quality 0, up to 3.2 rad (10 degrees).
    */
   float worst_sigma_rad;
   /**
-   * Longest time between a bearing and its position or heading, up to an hour.
+   * Longest time between a bearing and its position or heading, up to an hour (2,000).
    */
   uint32_t max_age_ms;
   /**
-   * How many bearings without a time are taken at one time of the receiver, up to 255.
+   * How many bearings without a time are taken at one time of the receiver, up to 255 (20).
    */
   uint32_t undated_bearings;
   /**
-   * Speed from which the course over ground is the heading.
+   * Speed from which the course over ground is the heading (1.5).
    */
   float min_speed_m_s;
   /**
-   * Rate of turn of the course above which it is not taken for the heading, up to 360 degrees a second.
+   * Rate of turn of the course above which it is not taken for the heading, up to 360 degrees a second (10).
    */
   float max_turn_rate_deg_s;
   /**
-   * Speed that the vehicle never exceeds.
+   * Speed that the vehicle never exceeds (100).
    */
   float max_speed_m_s;
   /**
@@ -956,7 +989,7 @@ typedef struct FoxhuntLineConfig {
    */
   float variation_deg;
   /**
-   * Shortest time between two reports, up to an hour; 0 reports on every bearing.
+   * Shortest time between two reports, up to an hour; 0 reports on every bearing (1,000).
    */
   uint32_t report_interval_ms;
 } FoxhuntLineConfig;
@@ -984,14 +1017,30 @@ typedef struct FoxhuntEvent {
    */
   FoxhuntEventKind kind;
   /**
-   * Number of the reason for a rejection: `foxhunt_rejected_text` says it.
+   * The reason, where it is a rejection: `foxhunt_rejected_text` says it. It counts from 0 what the status sentence counts
+   * from its seventh number on.
    */
   uint32_t rejected;
   /**
-   * What is known of the source, in metres of a plane round where the first bearing was taken.
+   * What is known of the source, where a bearing was used; else it says nothing. In metres of a plane round where the
+   * first bearing was taken: `foxhunt_vehicle_place` has latitude and longitude.
    */
   struct FoxhuntAnswer answer;
 } FoxhuntEvent;
+
+/**
+ * A place on the Earth.
+ */
+typedef struct FoxhuntPlace {
+  /**
+   * Latitude in 1e-7 degree, north positive.
+   */
+  int32_t latitude_e7;
+  /**
+   * Longitude in 1e-7 degree, east positive.
+   */
+  int32_t longitude_e7;
+} FoxhuntPlace;
 
 /**
  * How the gateway of a vehicle with a robust locator works.
@@ -1033,6 +1082,11 @@ extern "C" {
  * Fills a configuration: sentences, and five seconds until a radio is silent.
  */
 FoxhuntResult foxhunt_beacon_config_default(struct FoxhuntBeaconConfig *config);
+
+/**
+ * The name of the first field that is out of range, and what it may be; an empty text if all is right.
+ */
+struct FoxhuntText foxhunt_beacon_config_fault(const FoxhuntSite *site, const struct FoxhuntBeaconConfig *config);
 
 /**
  * Why a message was rejected, by the number of the reason; an empty text of any other number.
@@ -1288,7 +1342,7 @@ FoxhuntResult foxhunt_vehicle_init(FoxhuntVehicle *vehicle, size_t size, const s
 FoxhuntResult foxhunt_vehicle_restart(FoxhuntVehicle *vehicle);
 
 /**
- * Takes the next byte of a port, 0 to `FOXHUNT_PORTS` - 1, and says what it led to; `event` may be null. Never waits.
+ * Takes the next byte of a port, 0 to `FOXHUNT_PORTS - 1`, and says what it led to; `event` may be null. Never waits.
  */
 FoxhuntResult foxhunt_vehicle_push(FoxhuntVehicle *vehicle, uint32_t port, uint8_t byte, struct FoxhuntEvent *event);
 
@@ -1297,6 +1351,15 @@ FoxhuntResult foxhunt_vehicle_push(FoxhuntVehicle *vehicle, uint32_t port, uint8
  * gateway.
  */
 struct FoxhuntText foxhunt_vehicle_report(const FoxhuntVehicle *vehicle);
+
+/**
+ * Latitude and longitude of so many metres east and north of the origin, as a fix has them, up to 100 km:
+ * `FOXHUNT_RESULT_NOTHING` before the first bearing.
+ */
+FoxhuntResult foxhunt_vehicle_place(const FoxhuntVehicle *vehicle,
+                                    float east_m,
+                                    float north_m,
+                                    struct FoxhuntPlace *place);
 
 /**
  * Fills a configuration for a car in a city.
@@ -1321,7 +1384,7 @@ FoxhuntResult foxhunt_robust_vehicle_init(FoxhuntRobustVehicle *vehicle,
 FoxhuntResult foxhunt_robust_vehicle_restart(FoxhuntRobustVehicle *vehicle);
 
 /**
- * Takes the next byte of a port, 0 to `FOXHUNT_PORTS` - 1, and says what it led to; `event` may be null. Never waits.
+ * Takes the next byte of a port, 0 to `FOXHUNT_PORTS - 1`, and says what it led to; `event` may be null. Never waits.
  */
 FoxhuntResult foxhunt_robust_vehicle_push(FoxhuntRobustVehicle *vehicle,
                                           uint32_t port,
@@ -1335,9 +1398,23 @@ FoxhuntResult foxhunt_robust_vehicle_push(FoxhuntRobustVehicle *vehicle,
 struct FoxhuntText foxhunt_robust_vehicle_report(const FoxhuntRobustVehicle *vehicle);
 
 /**
+ * Latitude and longitude of so many metres east and north of the origin, as a fix has them, up to 100 km:
+ * `FOXHUNT_RESULT_NOTHING` before the first bearing.
+ */
+FoxhuntResult foxhunt_robust_vehicle_place(const FoxhuntRobustVehicle *vehicle,
+                                           float east_m,
+                                           float north_m,
+                                           struct FoxhuntPlace *place);
+
+/**
  * Seeds a generator. `size` is `sizeof *generator`.
  */
 FoxhuntResult foxhunt_generator_init(FoxhuntGenerator *generator, size_t size, uint64_t seed);
+
+/**
+ * What a kind of answer says, without its numbers; an empty text of any other number.
+ */
+struct FoxhuntText foxhunt_answer_text(uint32_t kind);
 
 /**
  * Radians counter-clockwise from east, of degrees clockwise from true north.
@@ -1350,7 +1427,7 @@ float foxhunt_from_compass(float degrees);
 float foxhunt_to_compass(float radians);
 
 /**
- * The ellipse that holds what has this covariance with a probability from 0 to 1, such as 0.95.
+ * The ellipse that holds what has this covariance with a probability from 0 to 1, such as 0.95 for 95 %.
  */
 FoxhuntResult foxhunt_ellipse(const struct FoxhuntSymmetric2 *covariance,
                               float probability,
@@ -1377,6 +1454,7 @@ FOXHUNT_ASSERT(sizeof(FoxhuntLineConfig) == FOXHUNT_LINE_CONFIG_SIZE, "FoxhuntLi
 FOXHUNT_ASSERT(sizeof(FoxhuntVehicleConfig) == FOXHUNT_VEHICLE_CONFIG_SIZE, "FoxhuntVehicleConfig has another size");
 FOXHUNT_ASSERT(sizeof(FoxhuntRobustVehicleConfig) == FOXHUNT_ROBUST_VEHICLE_CONFIG_SIZE, "FoxhuntRobustVehicleConfig has another size");
 FOXHUNT_ASSERT(sizeof(FoxhuntEvent) == FOXHUNT_EVENT_SIZE, "FoxhuntEvent has another size");
+FOXHUNT_ASSERT(sizeof(FoxhuntPlace) == FOXHUNT_PLACE_SIZE, "FoxhuntPlace has another size");
 FOXHUNT_ASSERT(sizeof(FoxhuntTrackerConfig) == FOXHUNT_TRACKER_CONFIG_SIZE, "FoxhuntTrackerConfig has another size");
 FOXHUNT_ASSERT(sizeof(FoxhuntTagFix) == FOXHUNT_TAG_FIX_SIZE, "FoxhuntTagFix has another size");
 FOXHUNT_ASSERT(sizeof(FoxhuntBeaconConfig) == FOXHUNT_BEACON_CONFIG_SIZE, "FoxhuntBeaconConfig has another size");

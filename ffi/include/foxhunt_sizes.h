@@ -1,18 +1,23 @@
-/* The sizes of foxhunt's types. Written by `cargo xtask c --bless`, not by hand.
+/* The sizes of foxhunt's types. Written by foxhunt-ffi-header, not by hand.
  *
  * The library for each machine checks them again when storage is initialised. */
 
 #ifndef FOXHUNT_SIZES_H
 #define FOXHUNT_SIZES_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
 #define FOXHUNT_ASSERT(holds, text) static_assert(holds, text)
 #define FOXHUNT_ALIGNMENT(type) alignof(type)
-#else
+#elif defined(__STDC_VERSION__) && __STDC_VERSION__ >= 201112L
 #define FOXHUNT_ASSERT(holds, text) _Static_assert(holds, text)
 #define FOXHUNT_ALIGNMENT(type) _Alignof(type)
+#else
+/* C99 has neither. */
+#define FOXHUNT_ASSERT(holds, text) extern const char foxhunt_assert[(holds) ? 1 : -1]
+#define FOXHUNT_ALIGNMENT(type) offsetof(struct { char first; type second; }, second)
 #endif
 
 #if UINTPTR_MAX == 0xFFFFFFFFu
@@ -41,6 +46,7 @@
 #define FOXHUNT_VEHICLE_CONFIG_SIZE 104u
 #define FOXHUNT_ROBUST_VEHICLE_CONFIG_SIZE 168u
 #define FOXHUNT_EVENT_SIZE 48u
+#define FOXHUNT_PLACE_SIZE 8u
 #define FOXHUNT_TRACKER_CONFIG_SIZE 60u
 #define FOXHUNT_TAG_FIX_SIZE 44u
 #define FOXHUNT_BEACON_CONFIG_SIZE 16u
@@ -71,6 +77,7 @@
 #define FOXHUNT_VEHICLE_CONFIG_SIZE 112u
 #define FOXHUNT_ROBUST_VEHICLE_CONFIG_SIZE 176u
 #define FOXHUNT_EVENT_SIZE 48u
+#define FOXHUNT_PLACE_SIZE 8u
 #define FOXHUNT_TRACKER_CONFIG_SIZE 60u
 #define FOXHUNT_TAG_FIX_SIZE 44u
 #define FOXHUNT_BEACON_CONFIG_SIZE 16u

@@ -5,7 +5,7 @@ use foxhunt::fingerprint::tracker::Site;
 use foxhunt::gateway::beacon::{Config, Event, Framing, Rejected};
 
 use crate::door::{self, Out, opaque, plain};
-use crate::locator;
+use crate::locator::{self, Fault};
 use crate::result::{FoxhuntResult, FoxhuntText, code};
 use crate::tracker::{FoxhuntSite, FoxhuntTagFix};
 use crate::types::Beacon;
@@ -67,18 +67,20 @@ pub struct FoxhuntBeaconEvent {
 plain!(FoxhuntBeaconConfig);
 
 impl FoxhuntBeaconConfig {
-    /// In the library's words, on a site.
-    fn to_rust(self, site: *const FoxhuntSite) -> Result<Config<Site<'static>>, FoxhuntResult> {
-        Ok(Config {
+    /// In the library's words, on a site, and checked.
+    fn to_rust(self, site: *const FoxhuntSite) -> Result<Config<Site<'static>>, Fault> {
+        let config = Config {
             framing: match self.framing {
                 FOXHUNT_FRAMING_LINES => Framing::Lines,
                 FOXHUNT_FRAMING_FRAMES => Framing::Frames,
-                _ => return Err(FoxhuntResult::Config),
+                _ => return Err(ConfigError::new("framing must be 0 or 1").into()),
             },
             seed: self.seed,
             silence_ms: self.silence_ms,
             ..Config::new(door::look(site, |site, ()| *site)?)
-        })
+        };
+        config.check()?;
+        Ok(config)
     }
 }
 
@@ -113,6 +115,19 @@ pub extern "C" fn foxhunt_beacon_config_default(config: *mut FoxhuntBeaconConfig
     locator::write(config, default)
 }
 
+/// The name of the first field that is out of range, and what it may be; an empty text if all is right.
+#[unsafe(no_mangle)]
+pub extern "C" fn foxhunt_beacon_config_fault(
+    site: *const FoxhuntSite,
+    config: *const FoxhuntBeaconConfig,
+) -> FoxhuntText {
+    let result = || door::get(config)?.to_rust(site);
+    match result() {
+        Ok(_) => "".into(),
+        Err(fault) => fault.message(),
+    }
+}
+
 /// Why a message was rejected, by the number of the reason; an empty text of any other number.
 #[unsafe(no_mangle)]
 pub extern "C" fn foxhunt_beacon_rejected_text(rejected: u32) -> FoxhuntText {
@@ -131,8 +146,6 @@ pub extern "C" fn foxhunt_beacon_init(
 ) -> FoxhuntResult {
     let result = || {
         let config = door::get(config)?.to_rust(site)?;
-        let checked: Result<(), ConfigError> = config.check();
-        checked.map_err(|_| FoxhuntResult::Config)?;
         door::init(beacon, size, config)
     };
     code(result())

@@ -4,7 +4,7 @@ use foxhunt::ConfigError;
 use foxhunt::aoa::{Locate, clean};
 
 use crate::door::{opaque, plain};
-use crate::locator::{self, Told};
+use crate::locator::{self, Fault, Told};
 use crate::result::{FoxhuntResult, FoxhuntText};
 use crate::types::Clean;
 use crate::words::{FoxhuntAnswer, FoxhuntGenerator, FoxhuntObservation};
@@ -41,7 +41,7 @@ impl From<clean::Config> for FoxhuntCleanConfig {
 impl Told for FoxhuntCleanConfig {
     type Rust = clean::Config;
 
-    fn to_rust(self) -> Result<clean::Config, FoxhuntResult> {
+    fn to_rust(self) -> Result<clean::Config, Fault> {
         Ok(clean::Config {
             relative_range_sigma: self.relative_range_sigma,
             resample_below: self.resample_below,

@@ -28,13 +28,19 @@ pub unsafe trait Opaque {
     type State;
     /// The mark of storage that holds it: differs from those of all others.
     const MARK: u32;
+    /// What is returned where there is no such storage.
+    const MISSING: FoxhuntResult;
     /// The state at first.
     const EMPTY: Self::State;
 }
 
-/// Makes an [`Opaque`] type: `opaque!(Name = b"Mark": Config, State = EMPTY)`.
+/// Makes an [`Opaque`] type: `opaque!(Name = b"Mark": Config, State = EMPTY)`, with what is returned where there is none, if
+/// that is not [`FoxhuntResult::Uninitialised`].
 macro_rules! opaque {
     ($(#[$doc:meta])* $name:ident = $mark:literal: $config:ty, $state:ty = $empty:expr) => {
+        $crate::door::opaque!($(#[$doc])* $name = $mark: $config, $state = $empty, Uninitialised);
+    };
+    ($(#[$doc:meta])* $name:ident = $mark:literal: $config:ty, $state:ty = $empty:expr, $missing:ident) => {
         $(#[$doc])*
         #[repr(transparent)]
         pub struct $name(pub $crate::door::Kept<$config, $state>);
@@ -44,6 +50,7 @@ macro_rules! opaque {
             type Config = $config;
             type State = $state;
             const MARK: u32 = u32::from_be_bytes(*$mark);
+            const MISSING: $crate::result::FoxhuntResult = $crate::result::FoxhuntResult::$missing;
             const EMPTY: $state = $empty;
         }
     };
@@ -109,7 +116,7 @@ fn holds<T: Opaque>(pointer: *const T) -> Result<(), FoxhuntResult> {
     if mark == T::MARK {
         Ok(())
     } else {
-        Err(FoxhuntResult::Uninitialised)
+        Err(T::MISSING)
     }
 }
 

@@ -9,6 +9,63 @@ use crate::words::{
     FoxhuntAnswer, FoxhuntGenerator, FoxhuntHypothesis, FoxhuntObservation, FoxhuntSource, draw,
 };
 
+/// Why a configuration is refused.
+pub enum Fault {
+    /// It, or what it points to, cannot be read.
+    Unreadable(FoxhuntResult),
+    /// A field is out of range.
+    Field(ConfigError),
+}
+
+impl Fault {
+    /// What it says: where it is a field, its name and what it may be.
+    pub fn message(self) -> FoxhuntText {
+        match self {
+            Self::Unreadable(result) => result.text(),
+            Self::Field(error) => in_c(&error).into(),
+        }
+    }
+}
+
+impl From<FoxhuntResult> for Fault {
+    fn from(result: FoxhuntResult) -> Self {
+        Self::Unreadable(result)
+    }
+}
+
+impl From<ConfigError> for Fault {
+    fn from(error: ConfigError) -> Self {
+        Self::Field(error)
+    }
+}
+
+impl From<Fault> for FoxhuntResult {
+    fn from(fault: Fault) -> Self {
+        match fault {
+            Fault::Unreadable(result) => result,
+            Fault::Field(_) => Self::Config,
+        }
+    }
+}
+
+/// The message of an error with the name that the field has in C.
+fn in_c(error: &ConfigError) -> &'static str {
+    const RENAMED: [(&str, &str); 7] = [
+        ("rates", "direct, mirrored and outlier must add up to 1"),
+        ("at_rest", "correlation_at_rest must be from 0 to 0.999"),
+        ("distance", "correlation_distance must be from 0 to 1"),
+        ("distance_m", "correlation_distance_m must be from 0 to 1e6"),
+        ("time_s", "correlation_time_s must be at least 0.001"),
+        ("heading_deg", "station_heading_deg must be from 0 to 360"),
+        (
+            "range_dbm",
+            "lowest_dbm and highest_dbm must be 10 dB or more apart, from -128 to 127",
+        ),
+    ];
+    let renamed = RENAMED.iter().find(|(name, _)| *name == error.field());
+    renamed.map_or(error.message(), |(_, message)| message)
+}
+
 /// A configuration as C has it.
 pub trait Told: Plain {
     /// As the library has it.
@@ -17,8 +74,8 @@ pub trait Told: Plain {
     /// In the library's words.
     ///
     /// # Errors
-    /// Of a pointer in it, or of a value that means nothing.
-    fn to_rust(self) -> Result<Self::Rust, FoxhuntResult>;
+    /// Of a pointer in it, or of a field whose value means nothing.
+    fn to_rust(self) -> Result<Self::Rust, Fault>;
 
     /// Checks it.
     ///
@@ -28,24 +85,18 @@ pub trait Told: Plain {
 }
 
 /// The configuration at a pointer, checked.
-pub fn checked<C: Told>(config: *const C) -> Result<C::Rust, FoxhuntResult> {
+pub fn checked<C: Told>(config: *const C) -> Result<C::Rust, Fault> {
     let config = door::get(config)?.to_rust()?;
-    match C::check(&config) {
-        Ok(()) => Ok(config),
-        Err(_) => Err(FoxhuntResult::Config),
-    }
+    C::check(&config)?;
+    Ok(config)
 }
 
 /// What is wrong with a configuration: the name of the first field that is out of range, and what it may be. Nothing, if it
 /// is right.
 pub fn fault<C: Told>(config: *const C) -> FoxhuntText {
-    match door::get(config).and_then(C::to_rust) {
-        Ok(config) => match C::check(&config) {
-            Ok(()) => "".into(),
-            Err(error) => error.message().into(),
-        },
-        Err(FoxhuntResult::Config) => "a number stands for nothing".into(),
-        Err(_) => "a pointer is null or not aligned".into(),
+    match checked(config) {
+        Ok(_) => "".into(),
+        Err(fault) => fault.message(),
     }
 }
 
@@ -60,7 +111,11 @@ pub fn init<T: Opaque, C: Told<Rust = T::Config>>(
     size: usize,
     config: *const C,
 ) -> FoxhuntResult {
-    code(checked(config).and_then(|config| door::init(storage, size, config)))
+    let result = || {
+        let config = checked(config)?;
+        door::init(storage, size, config)
+    };
+    code(result())
 }
 
 /// Forgets all.

@@ -15,24 +15,36 @@ pub enum FoxhuntResult {
     NullPointer = 1,
     /// A pointer is not aligned as its type must be.
     Misaligned = 2,
-    /// Storage has another size than in the library: it is of another version than the header.
+    /// Storage has another size than in the library: `size` is not `sizeof` the type, or the header is of another version.
     Size = 3,
-    /// Storage was not initialised, or holds another type.
+    /// The locator, gateway or tracker was not initialised, or holds another type.
     Uninitialised = 4,
     /// A field of a configuration is out of range: the function `..._config_fault` of the configuration names it.
     Config = 5,
     /// There is no such thing: no fix yet, or no more of them.
     Nothing = 6,
+    /// The gateway has no such port.
+    Port = 7,
+    /// The generator was not initialised, or holds another type.
+    NoGenerator = 8,
+    /// The site was not initialised, or holds another type.
+    NoSite = 9,
     /// A position is not finite or too far from the origin.
     Position = 10,
-    /// A bearing or a heading is not finite.
+    /// A bearing is not finite.
     Bearing = 11,
     /// A standard deviation is out of range.
     Sigma = 12,
-    /// A bearing or a packet is older than all that is kept.
+    /// A bearing is older than all that are kept. The first of all sets the beginning: even the second may not be earlier.
     TooOld = 13,
     /// A bearing of this station and time was taken already.
     Duplicate = 14,
+    /// A heading is not finite.
+    Heading = 15,
+    /// A probability is not from 0 to 1.
+    Probability = 16,
+    /// A covariance is none: an entry is not finite, or a variance would be negative.
+    Covariance = 17,
     /// A map has fewer or more bytes than its header says.
     MapLength = 20,
     /// Bytes are not a map.
@@ -55,6 +67,10 @@ pub enum FoxhuntResult {
     Beacon = 30,
     /// No receiver can report such a strength.
     Strength = 31,
+    /// A packet is older than the last update of its tag.
+    OldPacket = 32,
+    /// The workspace was not initialised, or holds another type.
+    NoWorkspace = 33,
     /// What this library does not know by name.
     Other = 99,
 }
@@ -62,28 +78,43 @@ pub enum FoxhuntResult {
 use FoxhuntResult as Code;
 
 /// Every result with its text.
-const TEXTS: [(Code, &str); 24] = [
+const TEXTS: [(Code, &str); 32] = [
     (Code::Ok, "all is well"),
     (Code::NullPointer, "a pointer is null"),
     (Code::Misaligned, "a pointer is not aligned"),
     (
         Code::Size,
-        "storage has another size: header and library are of different versions",
+        "storage has another size: `size` is not that of the type, or header and library are of different versions",
     ),
     (
         Code::Uninitialised,
-        "storage was not initialised, or holds another type",
+        "the locator, gateway or tracker was not initialised, or holds another type",
     ),
     (
         Code::Config,
         "a field of the configuration is out of range: ..._config_fault names it",
     ),
     (Code::Nothing, "there is no fix yet, or no more of them"),
+    (Code::Port, "the gateway has no such port"),
+    (
+        Code::NoGenerator,
+        "the generator was not initialised, or holds another type",
+    ),
+    (
+        Code::NoSite,
+        "the site was not initialised, or holds another type",
+    ),
     (Code::Position, ObservationError::Position.message()),
     (Code::Bearing, ObservationError::Bearing.message()),
     (Code::Sigma, ObservationError::Sigma.message()),
     (Code::TooOld, PushError::TooOld.message()),
     (Code::Duplicate, PushError::Duplicate.message()),
+    (Code::Heading, "heading is not finite"),
+    (Code::Probability, ObservationError::Probability.message()),
+    (
+        Code::Covariance,
+        "the covariance is not finite, or a variance would be negative",
+    ),
     (Code::MapLength, MapError::Length.message()),
     (Code::MapMagic, MapError::Magic.message()),
     (Code::MapVersion, MapError::Version.message()),
@@ -95,6 +126,11 @@ const TEXTS: [(Code, &str); 24] = [
     (Code::MapHeader, "the header of the map is impossible"),
     (Code::Beacon, ReadingError::Beacon.message()),
     (Code::Strength, ReadingError::Strength.message()),
+    (Code::OldPacket, "the packet is older than the last update"),
+    (
+        Code::NoWorkspace,
+        "the workspace was not initialised, or holds another type",
+    ),
     (Code::Other, "refused"),
 ];
 
@@ -168,10 +204,17 @@ impl From<ReadingError> for FoxhuntResult {
         match error {
             ReadingError::Beacon => Self::Beacon,
             ReadingError::Strength => Self::Strength,
-            ReadingError::TooOld => Self::TooOld,
+            ReadingError::TooOld => Self::OldPacket,
             ReadingError::Points => Self::MapPoints,
             _ => Self::Other,
         }
+    }
+}
+
+impl FoxhuntResult {
+    /// What it says.
+    pub fn text(self) -> FoxhuntText {
+        foxhunt_error_text(self as i32)
     }
 }
 

@@ -5,7 +5,7 @@ use foxhunt::aoa::robust::{self, Biases, Correlation, Errors};
 use foxhunt::aoa::{Locate, Mixture};
 
 use crate::door::{opaque, plain};
-use crate::locator::{self, Told};
+use crate::locator::{self, Fault, Told};
 use crate::result::{FoxhuntResult, FoxhuntText};
 use crate::types::Robust;
 use crate::words::{FoxhuntAnswer, FoxhuntGenerator, FoxhuntHypothesis, FoxhuntObservation};
@@ -102,7 +102,7 @@ impl From<robust::Config> for FoxhuntRobustConfig {
 impl Told for FoxhuntRobustConfig {
     type Rust = robust::Config;
 
-    fn to_rust(self) -> Result<robust::Config, FoxhuntResult> {
+    fn to_rust(self) -> Result<robust::Config, Fault> {
         let errors = Errors {
             rates: Mixture {
                 direct: self.direct,
@@ -118,7 +118,7 @@ impl Told for FoxhuntRobustConfig {
                 FOXHUNT_BIASES_COMMON => Biases::Common,
                 FOXHUNT_BIASES_PER_STATION => Biases::PerStation,
                 FOXHUNT_BIASES_BY_DIRECTION => Biases::ByDirection,
-                _ => return Err(FoxhuntResult::Config),
+                _ => return Err(ConfigError::new("biases must be from 0 to 2").into()),
             },
             position_sigma_m: self.position_sigma_m,
             correlation: Correlation {

@@ -4,7 +4,7 @@ use foxhunt::ConfigError;
 use foxhunt::aoa::{Locate, manoeuvring, multi, presets};
 
 use crate::door::{opaque, plain};
-use crate::locator::{self, Told};
+use crate::locator::{self, Fault, Told};
 use crate::result::{FoxhuntResult, FoxhuntText};
 use crate::robust::FoxhuntRobustConfig;
 use crate::types::{Several, SeveralConfig};
@@ -58,7 +58,7 @@ impl From<SeveralConfig> for FoxhuntSeveralConfig {
 impl Told for FoxhuntSeveralConfig {
     type Rust = SeveralConfig;
 
-    fn to_rust(self) -> Result<SeveralConfig, FoxhuntResult> {
+    fn to_rust(self) -> Result<SeveralConfig, Fault> {
         let track = manoeuvring::Config {
             stationary: self.stationary.to_rust()?,
             speed_m_s: self.speed_m_s,

@@ -1,11 +1,11 @@
-//! How much there is room for. Whoever changes a number here, or a type, runs `cargo xtask c --bless` in the end: it writes
-//! the header anew.
+//! How much there is room for. Whoever changes a number here, or a type, writes the header anew: the README has the command.
 
 /// Particles of a locator for clean bearings.
 pub const FOXHUNT_PARTICLES: usize = 200;
 /// Particles of a locator for bearings of which some are wrong.
 pub const FOXHUNT_ROBUST_PARTICLES: usize = 256;
-/// Bearings that a locator of one source keeps.
+/// Bearings that a `FoxhuntClean`, a `FoxhuntRobust` or a gateway with one of them keeps. A `FoxhuntSeveral` keeps 64 for
+/// each source, whatever this says, with 256 particles.
 pub const FOXHUNT_BEARINGS: usize = 64;
 /// The most sources of a locator of several.
 pub const FOXHUNT_SOURCES: usize = 3;

@@ -9,8 +9,8 @@ use crate::tracker::{
     FoxhuntSite, FoxhuntTagFix, FoxhuntTracker, FoxhuntTrackerConfig, FoxhuntWorkspace,
 };
 use crate::vehicle::{
-    FoxhuntEvent, FoxhuntLineConfig, FoxhuntRobustVehicle, FoxhuntRobustVehicleConfig,
-    FoxhuntVehicle, FoxhuntVehicleConfig,
+    FoxhuntEvent, FoxhuntLineConfig, FoxhuntPlace, FoxhuntRobustVehicle,
+    FoxhuntRobustVehicleConfig, FoxhuntVehicle, FoxhuntVehicleConfig,
 };
 use crate::words::{
     FoxhuntAnswer, FoxhuntEllipse, FoxhuntFix, FoxhuntGenerator, FoxhuntHypothesis,
@@ -64,6 +64,6 @@ table! {
         FoxhuntTracker, FoxhuntWorkspace, FoxhuntBeacon;
     plain: FoxhuntText, FoxhuntObservation, FoxhuntSymmetric2, FoxhuntFix, FoxhuntAnswer, FoxhuntHypothesis, FoxhuntSource,
         FoxhuntEllipse, FoxhuntCleanConfig, FoxhuntRobustConfig, FoxhuntSeveralConfig, FoxhuntLineConfig,
-        FoxhuntVehicleConfig, FoxhuntRobustVehicleConfig, FoxhuntEvent, FoxhuntTrackerConfig, FoxhuntTagFix,
+        FoxhuntVehicleConfig, FoxhuntRobustVehicleConfig, FoxhuntEvent, FoxhuntPlace, FoxhuntTrackerConfig, FoxhuntTagFix,
         FoxhuntBeaconConfig, FoxhuntBeaconEvent;
 }

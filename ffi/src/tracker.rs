@@ -5,7 +5,7 @@ use foxhunt::fingerprint::tracker::{Config, Fix, Site, State};
 use foxhunt::fingerprint::{RadioMap, Reading};
 
 use crate::door::{self, Out, opaque, plain};
-use crate::locator::{self, Told};
+use crate::locator::{self, Fault, Told};
 use crate::result::{FoxhuntResult, FoxhuntText, code};
 use crate::sizes::{FOXHUNT_BEACONS, FOXHUNT_POINTS};
 use crate::types::{Tracker, Workspace};
@@ -13,7 +13,7 @@ use crate::words::{FoxhuntGenerator, FoxhuntSymmetric2, draw};
 
 opaque!(
     /// A radio map, and how tags are tracked on it: one serves all trackers.
-    FoxhuntSite = b"fxSi": Site<'static>, () = ()
+    FoxhuntSite = b"fxSi": Site<'static>, () = (), NoSite
 );
 
 opaque!(
@@ -23,7 +23,7 @@ opaque!(
 
 opaque!(
     /// Scratch memory of an update: one serves all trackers.
-    FoxhuntWorkspace = b"fxWo": (), Workspace = Workspace::EMPTY
+    FoxhuntWorkspace = b"fxWo": (), Workspace = Workspace::EMPTY, NoWorkspace
 );
 
 /// How tags are tracked. `INFINITY` is a value.
@@ -128,7 +128,7 @@ impl From<Config> for FoxhuntTrackerConfig {
 impl Told for FoxhuntTrackerConfig {
     type Rust = Config;
 
-    fn to_rust(self) -> Result<Config, FoxhuntResult> {
+    fn to_rust(self) -> Result<Config, Fault> {
         Ok(Config {
             velocity_sigma_m_s: self.velocity_sigma_m_s,
             velocity_noise_m2_s3: self.velocity_noise_m2_s3,
@@ -209,6 +209,9 @@ pub extern "C" fn foxhunt_site_init(
 ) -> FoxhuntResult {
     let result = || {
         let config = locator::checked(config)?;
+        if map.is_null() {
+            return Err(FoxhuntResult::NullPointer);
+        }
         let map = RadioMap::new(door::list(map, length)?)?;
         let map = map.limited(FOXHUNT_POINTS, FOXHUNT_BEACONS)?;
         // The configuration is in order, so it is the encoding that is refused.

@@ -2,13 +2,13 @@
 
 use foxhunt::ConfigError;
 use foxhunt::aoa::geodesy::Geodetic;
-use foxhunt::aoa::{Locate, clean, robust};
+use foxhunt::aoa::{Locate, ObservationError, clean, robust};
 use foxhunt::gateway::formats::{self, Finder, Formats};
 use foxhunt::gateway::{self, BearingReference, Config, Event, Rejected, ReportForm, Station};
 
 use crate::clean::FoxhuntCleanConfig;
 use crate::door::{self, Opaque, Out, opaque, plain};
-use crate::locator::{self, Told};
+use crate::locator::{self, Fault, Told};
 use crate::result::{FoxhuntResult, FoxhuntText, code};
 use crate::robust::FoxhuntRobustConfig;
 use crate::types::{RobustVehicle, Vehicle};
@@ -42,11 +42,11 @@ pub const FOXHUNT_FINDER_KN5R: u32 = 4;
 /// A direction finder that reports by APRS: a value of `finder`.
 pub const FOXHUNT_FINDER_APRS: u32 = 5;
 
-/// How a gateway treats its lines.
+/// How a gateway treats its lines. What the functions that fill it choose is in parentheses; what has none is zero.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub struct FoxhuntLineConfig {
-    /// Seed of the particles: the same bytes with the same seed give the same reports.
+    /// Seed of the particles: the same bytes with the same seed give the same reports (1).
     pub seed: u64,
     /// The frequencies that a KrakenSDR hears the sources on, which must stay as long as the gateway is used. Null with a
     /// count of zero takes every frequency for one source.
@@ -67,27 +67,27 @@ pub struct FoxhuntLineConfig {
     pub station_longitude_e7: i32,
     /// Where relative bearings of 0 point, in degrees clockwise from true north, 0 to 360.
     pub station_heading_deg: f32,
-    /// Quality, 0 to 100, below which a bearing is rejected.
+    /// Quality, 0 to 100, below which a bearing is rejected (40).
     pub min_quality: f32,
-    /// Standard deviation of a bearing of quality 100, at least 0.001 rad.
+    /// Standard deviation of a bearing of quality 100, at least 0.001 rad (2 degrees).
     pub best_sigma_rad: f32,
-    /// Standard deviation of a bearing of quality 0, up to 3.2 rad.
+    /// Standard deviation of a bearing of quality 0, up to 3.2 rad (10 degrees).
     pub worst_sigma_rad: f32,
-    /// Longest time between a bearing and its position or heading, up to an hour.
+    /// Longest time between a bearing and its position or heading, up to an hour (2,000).
     pub max_age_ms: u32,
-    /// How many bearings without a time are taken at one time of the receiver, up to 255.
+    /// How many bearings without a time are taken at one time of the receiver, up to 255 (20).
     pub undated_bearings: u32,
-    /// Speed from which the course over ground is the heading.
+    /// Speed from which the course over ground is the heading (1.5).
     pub min_speed_m_s: f32,
-    /// Rate of turn of the course above which it is not taken for the heading, up to 360 degrees a second.
+    /// Rate of turn of the course above which it is not taken for the heading, up to 360 degrees a second (10).
     pub max_turn_rate_deg_s: f32,
-    /// Speed that the vehicle never exceeds.
+    /// Speed that the vehicle never exceeds (100).
     pub max_speed_m_s: f32,
     /// Not zero: the variation of magnetic north is what the next field says.
     pub has_variation: u32,
     /// Degrees clockwise, -180 to 180.
     pub variation_deg: f32,
-    /// Shortest time between two reports, up to an hour; 0 reports on every bearing.
+    /// Shortest time between two reports, up to an hour; 0 reports on every bearing (1,000).
     pub report_interval_ms: u32,
 }
 
@@ -139,10 +139,22 @@ pub enum FoxhuntEventKind {
 pub struct FoxhuntEvent {
     /// What it is.
     pub kind: FoxhuntEventKind,
-    /// Number of the reason for a rejection: `foxhunt_rejected_text` says it.
+    /// The reason, where it is a rejection: `foxhunt_rejected_text` says it. It counts from 0 what the status sentence counts
+    /// from its seventh number on.
     pub rejected: u32,
-    /// What is known of the source, in metres of a plane round where the first bearing was taken.
+    /// What is known of the source, where a bearing was used; else it says nothing. In metres of a plane round where the
+    /// first bearing was taken: `foxhunt_vehicle_place` has latitude and longitude.
     pub answer: FoxhuntAnswer,
+}
+
+/// A place on the Earth.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct FoxhuntPlace {
+    /// Latitude in 1e-7 degree, north positive.
+    pub latitude_e7: i32,
+    /// Longitude in 1e-7 degree, east positive.
+    pub longitude_e7: i32,
 }
 
 plain!(FoxhuntVehicleConfig, FoxhuntRobustVehicleConfig);
@@ -175,7 +187,7 @@ fn lines<C>(config: &Config<C>) -> FoxhuntLineConfig {
 
 impl FoxhuntLineConfig {
     /// In the library's words.
-    fn to_rust<C>(self, locator: C) -> Result<Config<C>, FoxhuntResult> {
+    fn to_rust<C>(self, locator: C) -> Result<Config<C>, Fault> {
         let mut formats = formats::Config {
             finder: finder(self.finder)?,
             simulated: self.simulated != 0,
@@ -187,7 +199,7 @@ impl FoxhuntLineConfig {
             reference: match self.reference {
                 FOXHUNT_REFERENCE_RELATIVE => BearingReference::Relative,
                 FOXHUNT_REFERENCE_TRUE_NORTH => BearingReference::TrueNorth,
-                _ => return Err(FoxhuntResult::Config),
+                _ => return Err(ConfigError::new("reference must be 0 or 1").into()),
             },
             station: self.station()?,
             seed: self.seed,
@@ -196,7 +208,7 @@ impl FoxhuntLineConfig {
             worst_sigma_rad: self.worst_sigma_rad,
             max_age_ms: self.max_age_ms,
             undated_bearings: u8::try_from(self.undated_bearings)
-                .map_err(|_| FoxhuntResult::Config)?,
+                .map_err(|_| ConfigError::new("undated_bearings must be at most 255"))?,
             min_speed_m_s: self.min_speed_m_s,
             max_turn_rate_deg_s: self.max_turn_rate_deg_s,
             max_speed_m_s: self.max_speed_m_s,
@@ -206,19 +218,25 @@ impl FoxhuntLineConfig {
         })
     }
 
-    fn station(&self) -> Result<Option<Station>, FoxhuntResult> {
+    fn station(&self) -> Result<Option<Station>, ConfigError> {
         if self.is_station == 0 {
             return Ok(None);
         }
         let place = Geodetic::new(self.station_latitude_e7, self.station_longitude_e7);
+        let place = place.map_err(|error| {
+            ConfigError::new(match error {
+                ObservationError::Latitude => "station_latitude_e7 must be from -90 to 90 degrees",
+                _ => "station_longitude_e7 must be from -180 to 180 degrees",
+            })
+        })?;
         Ok(Some(Station {
-            place: place.map_err(|_| FoxhuntResult::Config)?,
+            place,
             heading_deg: self.station_heading_deg,
         }))
     }
 }
 
-fn finder(number: u32) -> Result<Option<Finder>, FoxhuntResult> {
+fn finder(number: u32) -> Result<Option<Finder>, ConfigError> {
     Ok(Some(match number {
         FOXHUNT_FINDER_ALL => return Ok(None),
         FOXHUNT_FINDER_AGRELO => Finder::Agrelo,
@@ -226,14 +244,14 @@ fn finder(number: u32) -> Result<Option<Finder>, FoxhuntResult> {
         FOXHUNT_FINDER_UBLOX => Finder::Ublox,
         FOXHUNT_FINDER_KN5R => Finder::Kn5r,
         FOXHUNT_FINDER_APRS => Finder::Aprs,
-        _ => return Err(FoxhuntResult::Config),
+        _ => return Err(ConfigError::new("finder must be from 0 to 5")),
     }))
 }
 
 impl Told for FoxhuntVehicleConfig {
     type Rust = Config<clean::Config>;
 
-    fn to_rust(self) -> Result<Self::Rust, FoxhuntResult> {
+    fn to_rust(self) -> Result<Self::Rust, Fault> {
         self.lines.to_rust(self.locator.to_rust()?)
     }
 
@@ -246,7 +264,7 @@ impl Told for FoxhuntVehicleConfig {
 impl Told for FoxhuntRobustVehicleConfig {
     type Rust = Config<robust::Config>;
 
-    fn to_rust(self) -> Result<Self::Rust, FoxhuntResult> {
+    fn to_rust(self) -> Result<Self::Rust, Fault> {
         self.lines.to_rust(self.locator.to_rust()?)
     }
 
@@ -292,10 +310,35 @@ where
 {
     let result = || {
         let out = Out::optional(event)?;
+        let port = usize::try_from(port).unwrap_or(usize::MAX);
         let event = door::change(vehicle, |config, state| {
-            state.push(port as usize, byte, config)
+            (port < PORTS).then(|| state.push(port, byte, config))
         })?;
-        out.write(event.into());
+        out.write(event.ok_or(FoxhuntResult::Port)?.into());
+        Ok(())
+    };
+    code(result())
+}
+
+fn place<T, L, F, R, const PORTS: usize>(
+    vehicle: *const T,
+    local: [f32; 2],
+    place: *mut FoxhuntPlace,
+) -> FoxhuntResult
+where
+    T: Opaque<State = gateway::Vehicle<L, F, R, PORTS>>,
+    L: Locate,
+    F: Formats,
+    R: ReportForm,
+{
+    let result = || {
+        let out = Out::new(place)?;
+        let plane = door::look(vehicle, |_, state| state.plane().copied())?;
+        let found = plane.ok_or(FoxhuntResult::Nothing)?.to_geodetic(local)?;
+        out.write(FoxhuntPlace {
+            latitude_e7: found.latitude_e7(),
+            longitude_e7: found.longitude_e7(),
+        });
         Ok(())
     };
     code(result())
@@ -343,7 +386,7 @@ pub extern "C" fn foxhunt_vehicle_restart(vehicle: *mut FoxhuntVehicle) -> Foxhu
     code(door::change(vehicle, |_, state| state.restart()))
 }
 
-/// Takes the next byte of a port, 0 to `FOXHUNT_PORTS` - 1, and says what it led to; `event` may be null. Never waits.
+/// Takes the next byte of a port, 0 to `FOXHUNT_PORTS - 1`, and says what it led to; `event` may be null. Never waits.
 #[unsafe(no_mangle)]
 pub extern "C" fn foxhunt_vehicle_push(
     vehicle: *mut FoxhuntVehicle,
@@ -359,6 +402,18 @@ pub extern "C" fn foxhunt_vehicle_push(
 #[unsafe(no_mangle)]
 pub extern "C" fn foxhunt_vehicle_report(vehicle: *const FoxhuntVehicle) -> FoxhuntText {
     door::look(vehicle, |_, state| state.report().into()).unwrap_or_else(|_| "".into())
+}
+
+/// Latitude and longitude of so many metres east and north of the origin, as a fix has them, up to 100 km:
+/// `FOXHUNT_RESULT_NOTHING` before the first bearing.
+#[unsafe(no_mangle)]
+pub extern "C" fn foxhunt_vehicle_place(
+    vehicle: *const FoxhuntVehicle,
+    east_m: f32,
+    north_m: f32,
+    place: *mut FoxhuntPlace,
+) -> FoxhuntResult {
+    self::place(vehicle, [east_m, north_m], place)
 }
 
 /// Fills a configuration for a car in a city.
@@ -400,7 +455,7 @@ pub extern "C" fn foxhunt_robust_vehicle_restart(
     code(door::change(vehicle, |_, state| state.restart()))
 }
 
-/// Takes the next byte of a port, 0 to `FOXHUNT_PORTS` - 1, and says what it led to; `event` may be null. Never waits.
+/// Takes the next byte of a port, 0 to `FOXHUNT_PORTS - 1`, and says what it led to; `event` may be null. Never waits.
 #[unsafe(no_mangle)]
 pub extern "C" fn foxhunt_robust_vehicle_push(
     vehicle: *mut FoxhuntRobustVehicle,
@@ -418,4 +473,16 @@ pub extern "C" fn foxhunt_robust_vehicle_report(
     vehicle: *const FoxhuntRobustVehicle,
 ) -> FoxhuntText {
     door::look(vehicle, |_, state| state.report().into()).unwrap_or_else(|_| "".into())
+}
+
+/// Latitude and longitude of so many metres east and north of the origin, as a fix has them, up to 100 km:
+/// `FOXHUNT_RESULT_NOTHING` before the first bearing.
+#[unsafe(no_mangle)]
+pub extern "C" fn foxhunt_robust_vehicle_place(
+    vehicle: *const FoxhuntRobustVehicle,
+    east_m: f32,
+    north_m: f32,
+    place: *mut FoxhuntPlace,
+) -> FoxhuntResult {
+    self::place(vehicle, [east_m, north_m], place)
 }

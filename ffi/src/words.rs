@@ -5,11 +5,11 @@ use foxhunt::estimate::{Ellipse, Symmetric2};
 use foxhunt::random::{SeedableRng, Xoshiro128PlusPlus};
 
 use crate::door::{self, Out, opaque, plain};
-use crate::result::{FoxhuntResult, code};
+use crate::result::{FoxhuntResult, FoxhuntText, code};
 
 opaque!(
     /// A generator of random numbers: one seed replays one run.
-    FoxhuntGenerator = b"fxGe": u64, Option<Xoshiro128PlusPlus> = None
+    FoxhuntGenerator = b"fxGe": u64, Option<Xoshiro128PlusPlus> = None, NoGenerator
 );
 
 /// Seeds a generator. `size` is `sizeof *generator`.
@@ -82,7 +82,7 @@ pub struct FoxhuntFix {
     pub bearings: u32,
 }
 
-/// What a locator knows, or why it does not.
+/// What a locator knows, or why it does not: `foxhunt_answer_text` says it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
 pub enum FoxhuntAnswerKind {
@@ -171,7 +171,7 @@ impl FoxhuntObservation {
     pub fn to_rust(self) -> Result<Observation, FoxhuntResult> {
         let heading = Bearing::from_radians(self.heading_rad);
         if !heading.radians().is_finite() {
-            return Err(FoxhuntResult::Bearing);
+            return Err(FoxhuntResult::Heading);
         }
         let bearing = Bearing::from_radians(self.bearing_rad);
         let position = [self.east_m, self.north_m];
@@ -239,6 +239,37 @@ impl From<NotObservable> for FoxhuntAnswer {
     }
 }
 
+impl FoxhuntAnswerKind {
+    /// Every kind with its text.
+    const TEXTS: [(Self, &str); 8] = [
+        (Self::TooFewBearings, "too few bearings"),
+        (Self::Fix, "a fix"),
+        (
+            Self::CrossingAngle,
+            "the bearings cross at too small an angle",
+        ),
+        (
+            Self::NoIntersection,
+            "the bearings do not meet in front of their receivers",
+        ),
+        (Self::SeveralPlaces, "several places fit"),
+        (Self::WideRange, "the range is not known well enough"),
+        (
+            Self::Contradiction,
+            "most bearings do not fit the best place",
+        ),
+        (Self::Other, "no fix"),
+    ];
+}
+
+/// What a kind of answer says, without its numbers; an empty text of any other number.
+#[unsafe(no_mangle)]
+pub extern "C" fn foxhunt_answer_text(kind: u32) -> FoxhuntText {
+    let mut texts = FoxhuntAnswerKind::TEXTS.iter();
+    let found = texts.find(|(known, _)| *known as u32 == kind);
+    found.map_or("", |(_, text)| text).into()
+}
+
 impl FoxhuntAnswer {
     /// One that says this much.
     pub fn without_fix(kind: FoxhuntAnswerKind, have: f32, needed: f32) -> Self {
@@ -291,7 +322,25 @@ pub extern "C" fn foxhunt_to_compass(radians: f32) -> f32 {
     Bearing::from_radians(radians).compass_degrees()
 }
 
-/// The ellipse that holds what has this covariance with a probability from 0 to 1, such as 0.95.
+impl FoxhuntSymmetric2 {
+    /// In the library's words.
+    ///
+    /// # Errors
+    /// If it is no covariance.
+    fn to_covariance(self) -> Result<Symmetric2, FoxhuntResult> {
+        /// More than rounding adds to the square of the correlation of what lies on a line.
+        const ROUNDING: f32 = 1e-3;
+        let Self { xx, xy, yy } = self;
+        let is_finite = [xx, xy, yy].iter().all(|entry| entry.is_finite());
+        if is_finite && xx >= 0.0 && yy >= 0.0 && xy * xy <= (1.0 + ROUNDING) * (xx * yy) {
+            Ok(Symmetric2 { xx, xy, yy })
+        } else {
+            Err(FoxhuntResult::Covariance)
+        }
+    }
+}
+
+/// The ellipse that holds what has this covariance with a probability from 0 to 1, such as 0.95 for 95 %.
 #[unsafe(no_mangle)]
 pub extern "C" fn foxhunt_ellipse(
     covariance: *const FoxhuntSymmetric2,
@@ -299,14 +348,17 @@ pub extern "C" fn foxhunt_ellipse(
     ellipse: *mut FoxhuntEllipse,
 ) -> FoxhuntResult {
     let result = || {
-        let FoxhuntSymmetric2 { xx, xy, yy } = door::get(covariance)?;
+        let covariance = door::get(covariance)?;
         let out = Out::new(ellipse)?;
+        if !(0.0..=1.0).contains(&probability) {
+            return Err(FoxhuntResult::Probability);
+        }
         let Ellipse {
             semi_major,
             semi_minor,
             orientation,
             ..
-        } = Ellipse::of_normal([0.0; 2], Symmetric2 { xx, xy, yy }, probability);
+        } = Ellipse::of_normal([0.0; 2], covariance.to_covariance()?, probability);
         out.write(FoxhuntEllipse {
             semi_major_m: semi_major,
             semi_minor_m: semi_minor,

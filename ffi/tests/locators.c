@@ -117,14 +117,16 @@ static void tags(const char *data) {
   FoxhuntTrackerConfig config;
   FoxhuntTagFix fix;
   foxhunt_tracker_config_tunnel(&config);
+  EXPECT(foxhunt_tracker_init(&tracker, sizeof tracker) == FOXHUNT_RESULT_OK);
+  EXPECT(foxhunt_tracker_push(&tracker, 0, 0, -60, &site, &workspace, &generator, 0, 0) == FOXHUNT_RESULT_NO_SITE);
   size_t length = read_file(data, "tunnel.map", map, sizeof map);
   EXPECT(foxhunt_site_init(&site, sizeof site, map, length - 1, &config) == FOXHUNT_RESULT_MAP_LENGTH);
   map[60] ^= 1;
   EXPECT(foxhunt_site_init(&site, sizeof site, map, length, &config) == FOXHUNT_RESULT_MAP_CHECKSUM);
   map[60] ^= 1;
   EXPECT(foxhunt_site_init(&site, sizeof site, map, length, &config) == FOXHUNT_RESULT_OK);
-  EXPECT(foxhunt_tracker_init(&tracker, sizeof tracker) == FOXHUNT_RESULT_OK);
   EXPECT(foxhunt_tracker_fix(&tracker, &fix) == FOXHUNT_RESULT_NOTHING);
+  EXPECT(foxhunt_tracker_flush(&tracker, &site, &workspace, &generator) == FOXHUNT_RESULT_NO_WORKSPACE);
   EXPECT(foxhunt_workspace_init(&workspace, sizeof workspace) == FOXHUNT_RESULT_OK);
   /* 20 m into the tunnel, to a decibel or two, for ten seconds. */
   const float heard[4] = {-60, -55, -70, -72};
@@ -138,6 +140,7 @@ static void tags(const char *data) {
     }
   }
   EXPECT(updates > 5);
+  EXPECT(foxhunt_tracker_push(&tracker, 0, 0, -60, &site, &workspace, &generator, 0, 0) == FOXHUNT_RESULT_OLD_PACKET);
   EXPECT(foxhunt_tracker_push(&tracker, 0, 4, -60, &site, &workspace, &generator, 0, 0) == FOXHUNT_RESULT_BEACON);
   EXPECT(foxhunt_tracker_push(&tracker, 0, 0, 99, &site, &workspace, &generator, 0, 0) == FOXHUNT_RESULT_STRENGTH);
   EXPECT(foxhunt_tracker_flush(&tracker, &site, &workspace, &generator) == FOXHUNT_RESULT_OK);
@@ -151,6 +154,7 @@ static void tags(const char *data) {
   FoxhuntBeaconConfig how;
   foxhunt_beacon_config_default(&how);
   how.silence_ms = 1;
+  EXPECT(memcmp(foxhunt_beacon_config_fault(&site, &how).bytes, "silence_ms must be", 18) == 0);
   EXPECT(foxhunt_beacon_init(&beacon, sizeof beacon, &site, &how) == FOXHUNT_RESULT_CONFIG);
   foxhunt_beacon_config_default(&how);
   EXPECT(foxhunt_beacon_init(&beacon, sizeof beacon, &site, &how) == FOXHUNT_RESULT_OK);
@@ -195,9 +199,39 @@ static void gateways(void) {
   FoxhuntText report = foxhunt_robust_vehicle_report(&vehicle);
   EXPECT(report.length > 20 && memcmp(report.bytes, "$PFOXN,,FEW,0,,*", 16) == 0);
   EXPECT(foxhunt_robust_vehicle_restart(&vehicle) == FOXHUNT_RESULT_OK);
-  /* There is no such port. */
-  EXPECT(foxhunt_robust_vehicle_push(&vehicle, 99, '\n', &event) == FOXHUNT_RESULT_OK);
-  EXPECT(event.kind == FOXHUNT_EVENT_KIND_NONE);
+  EXPECT(foxhunt_robust_vehicle_push(&vehicle, 99, '\n', &event) == FOXHUNT_RESULT_PORT);
+}
+
+/* The example's drive, of which the event has metres, the report degrees and minutes, and both mean the same. */
+static void places(const char *data) {
+  static FoxhuntRobustVehicle vehicle;
+  static char drive[1 << 20];
+  FoxhuntRobustVehicleConfig config;
+  FoxhuntPlace place;
+  foxhunt_robust_vehicle_config_city(&config);
+  config.lines.report_interval_ms = 0;
+  EXPECT(foxhunt_robust_vehicle_init(&vehicle, sizeof vehicle, &config) == FOXHUNT_RESULT_OK);
+  size_t length = read_file(data, "drive.nmea", drive, sizeof drive);
+  int fixes = 0;
+  for (size_t i = 0; i < length; i++) {
+    FoxhuntEvent event;
+    EXPECT(foxhunt_robust_vehicle_push(&vehicle, 0, (uint8_t)drive[i], &event) == FOXHUNT_RESULT_OK);
+    if (event.kind == FOXHUNT_EVENT_KIND_FIX) {
+      const FoxhuntFix *fix = &event.answer.fix;
+      EXPECT(foxhunt_robust_vehicle_place(&vehicle, fix->east_m, fix->north_m, &place) == FOXHUNT_RESULT_OK);
+      char report[256] = "";
+      FoxhuntText text = foxhunt_robust_vehicle_report(&vehicle);
+      memcpy(report, text.bytes, text.length < sizeof report - 1 ? text.length : sizeof report - 1);
+      double latitude, longitude;
+      EXPECT(sscanf(report, "$PFOXF,%*[^,],%lf,N,%lf,E", &latitude, &longitude) == 2);
+      const double degrees[2] = {floor(latitude / 100), floor(longitude / 100)};
+      EXPECT(fabs((degrees[0] + (latitude - 100 * degrees[0]) / 60) * 1e7 - place.latitude_e7) < 1);
+      EXPECT(fabs((degrees[1] + (longitude - 100 * degrees[1]) / 60) * 1e7 - place.longitude_e7) < 1);
+      fixes++;
+    }
+  }
+  EXPECT(fixes > 5);
+  EXPECT(foxhunt_robust_vehicle_place(&vehicle, NAN, 0, &place) == FOXHUNT_RESULT_POSITION);
 }
 
 void locators(const char *data) {
@@ -207,5 +241,6 @@ void locators(const char *data) {
   several_sources();
   tags(data);
   gateways();
+  places(data);
   EXPECT(fabsf(foxhunt_to_compass(foxhunt_from_compass(123)) - 123) < 1e-3f);
 }

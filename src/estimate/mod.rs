@@ -17,9 +17,11 @@ pub fn mean<const D: usize>(columns: &[&[f32]; D], weights: &[f32]) -> [f32; D] 
 pub fn covariance<const D: usize>(columns: &[&[f32]; D], weights: &[f32]) -> [[f32; D]; D] {
     let mean = mean(columns, weights);
     let mut covariance = [[0.0; D]; D];
-    for (a, row) in covariance.iter_mut().enumerate() {
-        for (b, entry) in row.iter_mut().enumerate() {
-            *entry = weighted_product(weights, (columns[a], mean[a]), (columns[b], mean[b]));
+    // Without an index: at `opt-level = "z"` the compiler keeps the check of one, which could panic.
+    let axes = columns.iter().zip(&mean);
+    for (row, (x, mean_x)) in covariance.iter_mut().zip(axes.clone()) {
+        for (entry, (y, mean_y)) in row.iter_mut().zip(axes.clone()) {
+            *entry = weighted_product(weights, (x, *mean_x), (y, *mean_y));
         }
     }
     covariance

@@ -193,13 +193,13 @@ const fn split(bytes: &[u8], length: usize) -> (&[u8], &[u8]) {
     }
 }
 
-/// Whether there are enough bytes, of a map, and of this version.
+/// Whether they are of a map, there are enough of them, and they are of this version.
 const fn check_beginning(bytes: &[u8]) -> Result<(), MapError> {
-    if bytes.len() < HEADER + CHECKSUM {
-        return Err(MapError::Length);
-    }
     if u32::from_le_bytes(take(bytes, 0)) != u32::from_le_bytes(*b"FXRM") {
         return Err(MapError::Magic);
+    }
+    if bytes.len() < HEADER + CHECKSUM {
+        return Err(MapError::Length);
     }
     let [version] = take(bytes, 4);
     if version != RadioMap::VERSION {

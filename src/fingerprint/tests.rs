@@ -131,8 +131,15 @@ fn every_flipped_bit_and_every_lost_byte_is_found() {
         assert!(RadioMap::new(&flipped).is_err(), "bit {bit}");
     }
     for length in 0..bytes.len() {
-        assert!(RadioMap::new(&bytes[..length]).is_err(), "length {length}");
+        let error = match length {
+            0..4 => MapError::Magic,
+            _ => MapError::Length,
+        };
+        let refused = RadioMap::new(&bytes[..length]).err();
+        assert_eq!(refused, Some(error), "length {length}");
     }
+    let junk = RadioMap::new(b"a text");
+    assert_eq!(junk.err(), Some(MapError::Magic));
     let mut longer = bytes.clone();
     longer.push(0);
     assert_eq!(RadioMap::new(&longer).err(), Some(MapError::Length));

@@ -1,6 +1,6 @@
 //! The task `replay`: the recorded drive through every build of the vehicle's gateway.
 
-use std::{fs, path::Path, process::Command, time::Duration};
+use std::{fs, path::Path, time::Duration};
 
 use anyhow::{Context, Result, bail, ensure};
 use comfy_table::Table;
@@ -72,45 +72,12 @@ fn asked(machine: &mut Machine, drive: &[u8]) -> Result<Vec<u8>> {
     Ok(said)
 }
 
-/// What the firmware of the STM32F411 says. Its queues bear what comes at the pace of a real line; here, each bearing is
-/// answered before more is sent.
+/// What the firmware of the STM32F411 says.
 fn stm32f4(drive: &[u8]) -> Result<Vec<u8>> {
     let elf = boards::emulated_stm32f4()?;
-    let mut qemu = Command::new("qemu-system-arm");
-    qemu.args([
-        "-machine",
-        "netduinoplus2",
-        "-display",
-        "none",
-        "-monitor",
-        "none",
-    ]);
     // USART1 is that of the receiver, USART2 that of the computer.
-    qemu.args(["-serial", "null", "-serial", "stdio", "-kernel"]);
-    let mut machine = Machine::start(
-        {
-            qemu.arg(elf);
-            qemu
-        },
-        LIMIT,
-    )?;
-    let (mut replay, mut said) = (Replay::default(), Vec::new());
-    let mut unsent = drive;
-    while !unsent.is_empty() {
-        let before = replay.output().len();
-        let answered = unsent.iter().position(|byte| {
-            replay.push(&[*byte]);
-            replay.output().len() > before
-        });
-        let (now, later) = unsent.split_at(answered.map_or(unsent.len(), |last| last + 1));
-        unsent = later;
-        machine.send(now)?;
-        while said.len() < replay.output().len() {
-            let bytes = machine.receive();
-            said.extend(bytes.context("the firmware ended before it answered")?);
-        }
-    }
-    Ok(said)
+    let mut machine = board::stm32f405(&elf, &["null", "stdio"], LIMIT)?;
+    board::paced(&mut machine, drive)
 }
 
 fn web() -> Result<Vec<u8>> {

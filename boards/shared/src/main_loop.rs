@@ -71,7 +71,8 @@ where
     R: embedded_io::Read + ReadReady,
     W: embedded_io::Write,
 {
-    /// Goes round for ever. `feed` feeds the watchdog, `sleep` waits until a line may have something, or a while.
+    /// Goes round for ever. `feed` feeds the watchdog. `sleep` waits until a line may have something; it must end well within
+    /// the watchdog's time also if no line has.
     pub fn run(mut self, mut feed: impl FnMut(), mut sleep: impl FnMut()) -> ! {
         loop {
             feed();

@@ -1,9 +1,11 @@
-//! Both ends of a line that belong to the main loop: its interrupt fills one queue and empties another.
+//! Both ends of a line that belong to the main loop: its interrupt fills one queue and empties another. They are queues of
+//! `heapless` 0.9.
 
 use embedded_io::{ErrorType, Read, ReadReady, Write};
 use heapless::spsc::{Consumer, Producer};
 
-/// Bytes that an interrupt has received. Where some were lost, it puts a [`LOST`](crate::lines::LOST).
+/// Bytes that an interrupt has received. Where some were damaged or did not fit into the queue, the interrupt must put a
+/// [`LOST`](crate::lines::LOST), so that the line that they belong to is rejected as a whole.
 pub struct Received<'a>(pub Consumer<'a, u8>);
 
 impl ErrorType for Received<'_> {
@@ -36,7 +38,7 @@ pub struct ToSend<'a, F> {
 }
 
 impl<'a, F: FnMut()> ToSend<'a, F> {
-    /// `start` has the interrupt look for bytes, should it be idle.
+    /// `start` must make the interrupt look at the queue, should it be idle: else nothing is sent.
     pub fn new(queue: Producer<'a, u8>, start: F) -> Self {
         Self { queue, start }
     }

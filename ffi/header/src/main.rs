@@ -1,7 +1,8 @@
 //! Writes the header of the library for C, `include/foxhunt.h` and `include/foxhunt_sizes.h`.
 //!
 //! `foxhunt-ffi-header FOLDER ARCHIVE_32 ARCHIVE_64` takes the sizes of types from the library as it was built for a machine
-//! with pointers of 32 bits and for one with 64, and writes both files to the folder.
+//! with pointers of 32 bits and for one with 64, and writes both files to the folder. The README of the library has the whole
+//! command.
 
 use std::{
     env,
@@ -106,21 +107,26 @@ fn entry(bytes: &[u8]) -> Type {
 }
 
 const BEGIN: &str = "\
-/* The sizes of foxhunt's types. Written by `cargo xtask c --bless`, not by hand.
+/* The sizes of foxhunt's types. Written by foxhunt-ffi-header, not by hand.
  *
  * The library for each machine checks them again when storage is initialised. */
 
 #ifndef FOXHUNT_SIZES_H
 #define FOXHUNT_SIZES_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
 #define FOXHUNT_ASSERT(holds, text) static_assert(holds, text)
 #define FOXHUNT_ALIGNMENT(type) alignof(type)
-#else
+#elif defined(__STDC_VERSION__) && __STDC_VERSION__ >= 201112L
 #define FOXHUNT_ASSERT(holds, text) _Static_assert(holds, text)
 #define FOXHUNT_ALIGNMENT(type) _Alignof(type)
+#else
+/* C99 has neither. */
+#define FOXHUNT_ASSERT(holds, text) extern const char foxhunt_assert[(holds) ? 1 : -1]
+#define FOXHUNT_ALIGNMENT(type) offsetof(struct { char first; type second; }, second)
 #endif
 
 ";
@@ -151,15 +157,15 @@ fn sizes(narrow: &[Type], wide: &[Type]) -> Result<String> {
 }
 
 const HEADER: &str = "\
-/* foxhunt for C. Written by `cargo xtask c --bless`, not by hand.
+/* foxhunt for C. Written by foxhunt-ffi-header, not by hand.
  *
  * All memory is the caller's: a type of foxhunt_sizes.h is storage, to be initialised by its `..._init` with its own size.
  * Nothing is allocated, nothing waits, and a program in which the library could panic does not link. A function that does
  * not return FOXHUNT_RESULT_OK has changed nothing.
  *
  * What is refused: null, pointers that are not aligned, storage of another size, storage that was not initialised or is of
- * another type. What is up to the caller: that pointers lead to what they should, that those of one call do not overlap, and
- * that no two calls use the same storage at the same time. */";
+ * another type, numbers that are out of range. What is up to the caller: that pointers lead to what they should, that those
+ * of one call do not overlap, and that no two calls use the same storage at the same time. */";
 
 /// The header, with the sizes of plain types checked at the end.
 fn header(types: &[Type]) -> Result<String> {
