@@ -57,10 +57,7 @@ fn what_is_no_storage_is_refused() {
     ok(init(pointer, size));
     ok(foxhunt_clean_reset(pointer));
     let other = pointer.cast::<FoxhuntGenerator>();
-    assert_eq!(
-        draw(other, |_| ()).err(),
-        Some(FoxhuntResult::Uninitialised)
-    );
+    assert_eq!(draw(other, |_| ()).err(), Some(FoxhuntResult::NoGenerator));
 }
 
 #[test]

@@ -15,16 +15,9 @@ pub fn mean<const D: usize>(columns: &[&[f32]; D], weights: &[f32]) -> [f32; D] 
 
 /// Weighted covariance of the columns about their mean: symmetric, in the product of their units.
 pub fn covariance<const D: usize>(columns: &[&[f32]; D], weights: &[f32]) -> [[f32; D]; D] {
-    let mean = mean(columns, weights);
-    let mut covariance = [[0.0; D]; D];
     // Without an index: at `opt-level = "z"` the compiler keeps the check of one, which could panic.
-    let axes = columns.iter().zip(&mean);
-    for (row, (x, mean_x)) in covariance.iter_mut().zip(axes.clone()) {
-        for (entry, (y, mean_y)) in row.iter_mut().zip(axes.clone()) {
-            *entry = weighted_product(weights, (x, *mean_x), (y, *mean_y));
-        }
-    }
-    covariance
+    let axes = columns.map(|column| (column, weighted_sum(weights, column)));
+    axes.map(|x| axes.map(|y| weighted_product(weights, x, y)))
 }
 
 /// Sum of `w (x - mean of x) (y - mean of y)` over the particles that have a weight.
