@@ -62,7 +62,9 @@ pub use input::Packet;
 pub use new_map::{MapPiece, NewMapError};
 pub use outcome::{Counters, Event, Rejected};
 
-use crate::fingerprint::tracker::{Ground, OnFloor, Packed, Stored, Tracker, Trackers, Workspace};
+use crate::fingerprint::tracker::{
+    Fix, Ground, OnFloor, Packed, Stored, Tracker, Trackers, Workspace,
+};
 use crate::fingerprint::{RadioMap, Reading, ReadingError};
 use crate::persist;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus};
@@ -260,9 +262,7 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
             self.report.survey(spot, packet);
         }
         let site = &config.site;
-        // All floors have the same beacons.
-        let map = site.map(0);
-        let beacon = map.beacon_index(packet.radio.into());
+        let beacon = site.map(0).beacon_index(packet.radio.into());
         let beacon = beacon.and_then(|beacon| u8::try_from(beacon).ok());
         let reading = Reading {
             beacon: beacon.ok_or(Rejected::UnknownRadio)?,
@@ -290,25 +290,7 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
             })?;
         let known = tracker.fix().zip(tracker.floor());
         let floor = floor_of(tracker, site);
-        let report = &mut self.report;
-        let now_ms = self.trackers.now_ms();
-        let radio = usize::from(reading.beacon);
-        let identifier = |radio| map.beacon(radio).map_or(0, |beacon| beacon.identifier);
-        (self.radios).hear(
-            now_ms,
-            radio,
-            (map.beacons(), config.silence_ms),
-            |radio, is_silent| {
-                let word = if is_silent { "SILENT" } else { "HEARD" };
-                report.radio(now_ms, identifier(radio), word);
-            },
-        );
-        if let Some((known, on)) = known {
-            let heard = (radio, reading.rssi_dbm);
-            (self.health).hear(heard, time_ms, (&known, on), site, |radio, finding| {
-                report.radio(now_ms, identifier(radio), finding.word());
-            });
-        }
+        self.watch(&reading, time_ms, known, config);
         Ok(match fix {
             Some(fix) => {
                 self.report.tag(tag, &fix, floor);
@@ -316,6 +298,34 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
             }
             None => Event::Taken { tag },
         })
+    }
+
+    /// Notes what a packet shows of the radios, by where its tag is thought to be, on which floor.
+    fn watch<G: Ground>(
+        &mut self,
+        heard: &Reading,
+        time_ms: u32,
+        known: Option<(Fix, u8)>,
+        config: &Config<G>,
+    ) {
+        // All floors have the same beacons.
+        let map = config.site.map(0);
+        let report = &mut self.report;
+        let now_ms = self.trackers.now_ms();
+        let radio = usize::from(heard.beacon);
+        let identifier = |radio| map.beacon(radio).map_or(0, |beacon| beacon.identifier);
+        let radios = (map.beacons(), config.silence_ms);
+        (self.radios).hear(now_ms, radio, radios, |radio, is_silent| {
+            let word = if is_silent { "SILENT" } else { "HEARD" };
+            report.radio(now_ms, identifier(radio), word);
+        });
+        if let Some((fix, floor)) = known {
+            let heard = (radio, heard.rssi_dbm);
+            let site = &config.site;
+            (self.health).hear(heard, time_ms, (&fix, floor), site, |radio, finding| {
+                report.radio(now_ms, identifier(radio), finding.word());
+            });
+        }
     }
 
     /// Reports every tag and the status.
