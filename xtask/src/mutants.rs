@@ -205,8 +205,7 @@ pub fn run(options: &Options) -> Result<()> {
         let (mut rest, tried): (BTreeSet<String>, BTreeSet<String>) =
             left.into_iter().partition(|name| stage.is_blind_to(name));
         if !tried.is_empty() {
-            let found = try_out(stage, &faults, &tried, &folder.join(stage.name))?;
-            let judgement = judge(&found)?;
+            let judgement = try_out(stage, &faults, &tried, &folder.join(stage.name))?;
             noticed += judgement.noticed;
             rest.extend(judgement.missed);
         }
@@ -255,7 +254,12 @@ fn equivalent(faults: &[Fault]) -> Result<BTreeSet<String>> {
 }
 
 /// Tries some faults, one at a time, with the tests of a stage.
-fn try_out(stage: &Stage, all: &[Fault], tried: &BTreeSet<String>, folder: &Path) -> Result<Found> {
+fn try_out(
+    stage: &Stage,
+    all: &[Fault],
+    tried: &BTreeSet<String>,
+    folder: &Path,
+) -> Result<Judgement> {
     println!("{}: {} faults", stage.name, tried.len());
     // cargo-mutants cannot be told which ones to try, but which ones were noticed before.
     let written = folder.join("mutants.out");
@@ -274,7 +278,12 @@ fn try_out(stage: &Stage, all: &[Fault], tried: &BTreeSet<String>, folder: &Path
     let file = written.join("outcomes.json");
     let text = fs::read_to_string(&file)
         .with_context(|| format!("cargo mutants has not written {}", file.display()))?;
-    Ok(serde_json::from_str(&text)?)
+    let found: Found = serde_json::from_str(&text)?;
+    let judgement = judge(&found)?;
+    // The first is of no fault.
+    let ended = found.outcomes.len() == tried.len() + 1;
+    ensure!(ended, "cargo mutants did not end");
+    Ok(judgement)
 }
 
 /// How cargo-mutants is called for a stage. What it builds once for all faults, and for the next sample, is beside its

@@ -241,3 +241,43 @@ impl Drive {
         event.log_weight(happens)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aoa::clean;
+    use crate::estimate::Symmetric2;
+    use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+
+    /// What is drawn of a velocity and what is left to the filter make the whole variance.
+    #[test]
+    fn a_new_velocity_has_the_variance_of_its_pace() {
+        const RUNS: usize = 4_000;
+        let drive = Drive::new(&Config::new(clean::Config::DEFAULT), 1.0);
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(8);
+        let mut at_rest = Component::<1>::stationary([0.0; 2], Symmetric2::ZERO);
+        drive.accelerate(&mut at_rest, &mut rng);
+        let sigma = at_rest.pace() * drive.sigma_m_s;
+        assert_eq!(at_rest.velocity, [0.0; 2]);
+        assert_eq!(
+            at_rest.velocity_covariance,
+            Symmetric2::isotropic(sigma * sigma)
+        );
+        assert!(!at_rest.is_stationary());
+
+        let mut drawn = 0.0;
+        for _ in 0..RUNS {
+            let mut moving = Component::<0>::stationary([0.0; 2], Symmetric2::ZERO);
+            moving.stationary_s = -0.5;
+            drive.accelerate(&mut moving, &mut rng);
+            assert_eq!(moving.pace(), 0.5);
+            let [u, v] = moving.velocity;
+            drawn += (u * u + v * v) / (2 * RUNS) as f32;
+            let left = 0.05 * drive.sigma_m_s * drive.sigma_m_s;
+            assert!((moving.velocity_covariance.xx / left - 1.0).abs() < 1e-4);
+        }
+        // Of 8,000 squares of normal numbers, five standard deviations of the mean are 0.08: once in a million seeds.
+        let whole = 0.2 * drive.sigma_m_s * drive.sigma_m_s;
+        assert!((drawn / whole - 1.0).abs() < 0.08, "{drawn} {whole}");
+    }
+}
