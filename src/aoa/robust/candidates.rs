@@ -265,3 +265,34 @@ fn take_largest(numbers: &mut [Option<f32>]) -> Option<(usize, f32)> {
     *numbers.get_mut(place)? = None;
     Some((place, largest))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aoa::Bearing;
+    use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+
+    #[test]
+    fn what_was_released_is_no_candidate_any_more() {
+        const SOURCES: [[f32; 2]; 2] = [[400.0, 900.0], [1_500.0, 700.0]];
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(6);
+        let mut candidates = Candidates::<64>::EMPTY;
+        for step in 0..40_u16 {
+            let east = 50.0 * f32::from(step);
+            let [x, y] = SOURCES[usize::from(step % 2)];
+            let bearing = Bearing::from_radians(y.atan2(x - east));
+            let reading = Observation::new(1_000 * u32::from(step), [east, 0.0], bearing, 0.03);
+            let reading = [reading.unwrap().into()];
+            let (shared, config) = (Shared::NOTHING, Config::DEFAULT);
+            let taken = candidates.push(&reading, &shared, 0.0, &config, &mut rng);
+            assert_eq!(taken, Ok(()));
+        }
+        let found = candidates.found();
+        assert!(found > 0);
+        let [first, second] = [0, 1].map(|rank| candidates.ranked(rank).unwrap());
+        candidates.release(0, &Config::DEFAULT);
+        assert_eq!(candidates.found(), found - 1);
+        assert_eq!(candidates.ranked(0), Some(second));
+        assert_ne!(first.position, second.position);
+    }
+}
