@@ -272,7 +272,7 @@ mod tests {
             ("x,y,beacon,rssi\n3e7,0,1,-50\n", ["line 2", "x is more"]),
             ("x,y,beacon,rssi\n0,0,1\n", ["line: 2", "3 fields"]),
             ("x,y,rssi\n0,0,-50\n", ["line 2", "missing field `beacon`"]),
-            ("x,y,beacon,rssi\n", ["no reading", "-120"]),
+            ("x,y,beacon,rssi\n", ["no row", "the names"]),
             ("x,y,beacon,rssi\n0,0,1,42\n", ["no reading", "0 dBm"]),
         ] {
             let error = refusal(csv);
