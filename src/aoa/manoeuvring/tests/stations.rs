@@ -83,6 +83,38 @@ fn who_walks_on_is_followed_by_the_default_for_cars_too() {
     assert!(10 * off < all);
 }
 
+/// Bearings of anything but the source are counted, one by one, until some fit again or everything starts anew.
+#[test]
+fn bearings_without_the_source_are_counted() {
+    let mut locator = Locator::<Among>::new(config()).unwrap();
+    let mut rng = generator(1);
+    let mut lost = Vec::new();
+    for second in 0..60 {
+        for observation in round(second, &mut rng) {
+            let [x, y] = observation.position();
+            let angle = TAU * uniform(&mut rng);
+            let nowhere = [
+                x + crate::math::sin_cos(angle).1,
+                y + crate::math::sin_cos(angle).0,
+            ];
+            let observation = if second < 20 {
+                observation
+            } else {
+                towards(observation.time_ms(), [x, y], nowhere, 0.0, 0.03)
+                    .from_station(observation.station())
+            };
+            locator.push(&observation, &mut rng).unwrap();
+            lost.push(locator.state().lost.bearings);
+        }
+    }
+    let counts = |pair: &[u32]| pair[1] == pair[0] + 1 || pair[1] == 0;
+    assert!(lost.windows(2).all(counts), "{lost:?}");
+    assert!(
+        lost[..80].iter().all(|lost| *lost < 5) && lost.iter().any(|lost| *lost > 10),
+        "{lost:?}"
+    );
+}
+
 #[test]
 fn a_bearing_is_taken_once_and_in_its_order() {
     let mut locator = Locator::<Among>::new(config()).unwrap();

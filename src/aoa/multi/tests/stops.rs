@@ -38,7 +38,10 @@ fn a_track_takes_the_bearings_that_it_can_explain_now() {
         sources.push(sight, &Config::DEFAULT, &mut rng).unwrap();
     }
     let held = |sources: &MultiTarget<3, One>| sources.source(0).unwrap().fix.bearings;
+    let heard =
+        |sources: &MultiTarget<3, One>| sources.slots.iter().map(|slot| slot.heard).sum::<f32>();
     let [left, had] = [sources.candidates.entries().len() as u32, held(&sources)];
+    let heard_before = heard(&sources);
     let beliefs = One::beliefs(&Config::DEFAULT.track);
     let missed = [(*missed).into()];
     (sources.candidates)
@@ -48,6 +51,7 @@ fn a_track_takes_the_bearings_that_it_can_explain_now() {
     sources.push(last, &Config::DEFAULT, &mut rng).unwrap();
     assert_eq!(sources.candidates.entries().len() as u32, left);
     assert_eq!(held(&sources), had + 2);
+    assert_eq!(heard(&sources), heard_before + 2.0);
 }
 
 #[test]
