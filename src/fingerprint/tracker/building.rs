@@ -252,6 +252,22 @@ mod tests {
 
     type Tag = BuildingTracker<200, 4, 1>;
 
+    /// Two floors of one row, and stairs between them.
+    fn in_building<T>(maps: &[Vec<u8>; 2], go: impl FnOnce(&Building<'_>) -> T) -> T {
+        let [below, above] = maps.each_ref().map(|map| RadioMap::new(map).unwrap());
+        let above = [Storey {
+            map: above,
+            walls: Walls::None,
+        }];
+        let building = Building {
+            lowest: Site::new(below, Config::DEFAULT).unwrap(),
+            above: &above,
+            passages: &[STAIRS],
+        };
+        building.check().unwrap();
+        go(&building)
+    }
+
     /// A tag that is heard on two floors of one row.
     struct Walk {
         maps: [Vec<u8>; 2],
@@ -274,29 +290,20 @@ mod tests {
 
         /// For so many seconds, two packets of each beacon a second.
         fn go(&mut self, floor: usize, seconds: u32, path: impl Fn(f32) -> f32) -> Vec<State> {
-            let [below, above] = self.maps.each_ref().map(|map| RadioMap::new(map).unwrap());
-            let above = [Storey {
-                map: above,
-                walls: Walls::None,
-            }];
-            let building = Building {
-                lowest: Site::new(below, Config::DEFAULT).unwrap(),
-                above: &above,
-                passages: &[STAIRS],
-            };
-            building.check().unwrap();
             let mut states = Vec::new();
-            for half in 0..2 * seconds {
-                for beacon in 0..4 {
-                    let loss_db = LOSS_DB[floor][usize::from(beacon)];
-                    let rssi_dbm = level(beacon, path(0.5 * half as f32)) - loss_db;
-                    let packet = Reading { beacon, rssi_dbm };
-                    let (room, rng) = (&mut self.workspace, &mut self.rng);
-                    let fix = self.tag.push(self.time_ms, packet, &building, room, rng);
-                    states.extend(fix.unwrap().map(|fix| fix.state));
+            in_building(&self.maps, |building| {
+                for half in 0..2 * seconds {
+                    for beacon in 0..4 {
+                        let loss_db = LOSS_DB[floor][usize::from(beacon)];
+                        let rssi_dbm = level(beacon, path(0.5 * half as f32)) - loss_db;
+                        let packet = Reading { beacon, rssi_dbm };
+                        let (room, rng) = (&mut self.workspace, &mut self.rng);
+                        let fix = self.tag.push(self.time_ms, packet, building, room, rng);
+                        states.extend(fix.unwrap().map(|fix| fix.state));
+                    }
+                    self.time_ms += 500;
                 }
-                self.time_ms += 500;
-            }
+            });
             states
         }
     }
@@ -307,23 +314,15 @@ mod tests {
     fn stairs_are_taken_as_often_as_they_say() {
         const N: usize = 4_000;
         let maps = LOSS_DB.map(|loss_db| map_behind(loss_db, 1));
-        let [below, above] = maps.each_ref().map(|map| RadioMap::new(map).unwrap());
-        let above = [Storey {
-            map: above,
-            walls: Walls::None,
-        }];
-        let building = Building {
-            lowest: Site::new(below, Config::DEFAULT).unwrap(),
-            above: &above,
-            passages: &[STAIRS],
-        };
         let [first, _, third, _] = STAIRS.place.corners else {
             panic!("the stairs have four corners")
         };
         let middle = [0, 1].map(|axis| 0.5 * (first[axis] + third[axis]));
         let places = middle.map(|middle| [middle; N]);
         let (mut floors, mut rng) = ([0; N], Xoshiro128PlusPlus::seed_from_u64(4));
-        building.change_floors(&places, &mut floors, 0.5, &mut rng);
+        in_building(&maps, |building| {
+            building.change_floors(&places, &mut floors, 0.5, &mut rng);
+        });
         let taken = floors.iter().filter(|floor| **floor == 1).count() as f32 / N as f32;
         let expected = 1.0 - (-0.5 / STAIRS.seconds).exp();
         assert!((taken - expected).abs() < 0.017, "{taken} {expected}");
