@@ -66,6 +66,21 @@ struct Step {
     cores: [f64; 3],
 }
 
+impl Step {
+    /// Of latencies from the least to the largest, in seconds.
+    fn of(rate: f64, published: &Published, latencies: &[f64], cores: [f64; 3]) -> Self {
+        let at = |part: f64| latencies[((latencies.len() - 1) as f64 * part) as usize];
+        let missing = published.fixes.saturating_sub(latencies.len() as u64);
+        Self {
+            rate,
+            published: published.fixes as f64 / published.seconds,
+            lost: missing.max(published.lost + published.queued),
+            latency: [at(0.5), at(0.99)],
+            cores,
+        }
+    }
+}
+
 /// Seconds beyond which a map is not live any more.
 const LATE: f64 = 1.0;
 
@@ -293,15 +308,7 @@ fn measured(options: &Options, rate: f64, publisher: &Path, folder: &Path) -> Re
     client.end()?;
     let latencies = latencies(&fs::read_to_string(&heard)?)?;
     ensure!(!latencies.is_empty(), "nothing arrived");
-    let at = |part: f64| latencies[((latencies.len() - 1) as f64 * part) as usize];
-    let missing = published.fixes.saturating_sub(latencies.len() as u64);
-    Ok(Step {
-        rate,
-        published: published.fixes as f64 / published.seconds,
-        lost: missing.max(published.lost + published.queued),
-        latency: [at(0.5), at(0.99)],
-        cores,
-    })
+    Ok(Step::of(rate, &published, &latencies, cores))
 }
 
 /// Waits until nothing more comes, for a few seconds at most.

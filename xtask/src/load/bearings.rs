@@ -89,15 +89,7 @@ pub fn measured(
     let mut latencies = all_taken(&taken);
     ensure!(!latencies.is_empty(), "no bearing was taken");
     latencies.sort_by(f64::total_cmp);
-    let at = |part: f64| latencies[((latencies.len() - 1) as f64 * part) as usize];
-    let missing = published.fixes.saturating_sub(latencies.len() as u64);
-    Ok(Step {
-        rate,
-        published: published.fixes as f64 / published.seconds,
-        lost: missing.max(published.lost + published.queued),
-        latency: [at(0.5), at(0.99)],
-        cores,
-    })
+    Ok(Step::of(rate, &published, &latencies, cores))
 }
 
 /// All that comes until nothing more does, for half a minute at most.
