@@ -16,7 +16,7 @@ use foxhunt_host::packets;
 use foxhunt_simulation::people;
 
 use super::{
-    gateways::{BEACONS, BEACONS_OF_ALL, Gateways, POINTS, Within},
+    gateways::{self, BEACONS, BEACONS_OF_ALL, Gateway, POINTS, Within},
     message::{self, Tag},
 };
 use crate::settings;
@@ -27,7 +27,7 @@ pub const DEMO_MAP: &str = "the demo's";
 /// A gateway of a tunnel or a building.
 pub struct Site {
     name: String,
-    gateway: Gateways,
+    gateway: Box<dyn Gateway + Send>,
     /// That of the only floor, or of the lowest.
     map: RadioMap<'static>,
     /// The rooms, and what they are called.
@@ -89,9 +89,9 @@ impl Site {
         Ok(Self {
             name: told.name.to_string(),
             gateway: if above.is_empty() && told.passage.is_empty() {
-                Gateways::of_floor(config)
+                gateways::of_floor(config)
             } else {
-                Gateways::of_building(&config, above, passages).with_context(in_site)?
+                gateways::of_building(&config, above, passages).with_context(in_site)?
             },
             map,
             rooms,
