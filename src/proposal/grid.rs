@@ -187,3 +187,14 @@ fn occupied<const D: usize, const G: usize>(memory: &[f32; G]) -> Option<([f32; 
     }
     Some((first, last))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_fill_the_box() {
+        let rows = (0..17).flat_map(|i| (0..17).map(move |k| [i, k]));
+        assert!(places::<2, 300>().eq(rows));
+    }
+}

@@ -275,3 +275,37 @@ impl SearchRay<'_> {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aoa::Bearing;
+    use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+
+    /// A ray to the north-east, from a place where the source was 500 m along it.
+    #[test]
+    fn places_lie_on_the_ray_about_where_the_source_was() {
+        let sigma_m = 50.0;
+        let bearing = Bearing::from_radians(core::f32::consts::FRAC_PI_4);
+        let observation = Observation::new(0, [100.0, 200.0], bearing, 0.02).unwrap();
+        let middle = 500.0 * core::f32::consts::FRAC_1_SQRT_2;
+        let about = [100.0 + middle, 200.0 + middle];
+        let ray = SearchRay {
+            observation: &observation,
+            about,
+            sigma_m,
+        };
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+        for _ in 0..100 {
+            let place = ray.draw::<0, _>(&mut rng);
+            let [x, y] = [0, 1].map(|d| place.position[d] - about[d]);
+            let (along, across) = (0.5 * (x + y), x - y);
+            assert!(along.abs() < 5.0 * sigma_m && across.abs() < 1e-3);
+            let Symmetric2 { xx, xy, yy } = place.position_covariance;
+            let (along, across) = (0.5 * (xx + yy) + xy, 0.5 * (xx + yy) - xy);
+            // 0.02 at 250 to 750 m.
+            assert!((5.0_f32.powi(2)..15.0_f32.powi(2)).contains(&across));
+            assert!((along.sqrt() / (LENGTH * sigma_m) - 1.0).abs() < 1e-3);
+        }
+    }
+}

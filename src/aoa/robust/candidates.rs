@@ -273,6 +273,13 @@ mod tests {
     use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 
     #[test]
+    fn odds_are_probabilities() {
+        for (odds, probability) in [(1.0_f32, 0.5), (4.0, 0.8), (0.25, 0.2)] {
+            assert!((of_log_odds(odds.ln()) - probability).abs() < 1e-6);
+        }
+    }
+
+    #[test]
     fn what_was_released_is_no_candidate_any_more() {
         const SOURCES: [[f32; 2]; 2] = [[400.0, 900.0], [1_500.0, 700.0]];
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(6);

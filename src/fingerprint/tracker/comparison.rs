@@ -347,3 +347,40 @@ impl Sums {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// So many that the product of their precisions would be no number.
+    #[test]
+    fn many_readings_cost_the_sum_of_what_each_costs() {
+        const READINGS: u8 = 100;
+        const VARIANCE: f32 = 64.0;
+        let terms = Comparison::<1> {
+            readings: heapless::Vec::new(),
+            columns: 0,
+            tempering: 1.0,
+            is_estimated: true,
+            has_offset: false,
+            belief: OffsetBelief::EMPTY,
+            log_none: 0.0,
+            log_some: 0.0,
+            mean: 2.0,
+            variance: 1.0,
+            gate: 16.0,
+            mismatch: 0.0,
+        };
+        let mut sums = Sums::EMPTY;
+        for _ in 0..READINGS {
+            // Expected but for the offset.
+            sums.add(2.0, 1.0, VARIANCE, &terms);
+        }
+        let with = f32::from(READINGS) * VARIANCE.ln();
+        let without = with + f32::from(READINGS) * 4.0 / VARIANCE;
+        for (cost, expected) in [(sums.cost_with, with), (sums.cost, without)] {
+            let cost = cost - sums.product.ln();
+            assert!((cost / expected - 1.0).abs() < 1e-4, "{cost} {expected}");
+        }
+    }
+}

@@ -380,6 +380,7 @@ fn bearings_are_told_apart_once_there_is_a_fix() {
             let rates = locator.classify(&observation).unwrap();
             let rates = [rates.direct, rates.mirrored, rates.outlier];
             assert!((rates.iter().sum::<f32>() - 1.0).abs() < 1e-3);
+            assert!(rates.iter().all(|rate| (-1e-3..=1.001).contains(rate)));
             all += 1;
             right += usize::from(rates[kind] > 0.5);
         }
