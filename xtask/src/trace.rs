@@ -13,7 +13,7 @@ use anyhow::{Context, Result, ensure};
 use foxhunt_host::{
     array::Method,
     measured::{Measured, SIGMA_DEGREES},
-    packets,
+    packets::{self, Scene},
     passes::{Build, Pass},
     replay,
     scripts::Script,
@@ -22,7 +22,7 @@ use foxhunt_simulation::people::EXAMPLE_SEED;
 use rayon::prelude::*;
 
 use crate::{
-    board::{self, PLAIN, QUERY, ROBUST, VEHICLES, ensure_same},
+    board::{self, BEACONS, PLAIN, QUERY, ROBUST, VEHICLES, ensure_same},
     drive::EXAMPLE,
     project,
     qemu::Machine,
@@ -99,25 +99,31 @@ pub fn compare_tunnel() -> Result<()> {
     let scene = tunnel::scene()?;
     let crowd = packets::crowd(EXAMPLE_SEED, CROWD_S);
     ensure!(scene.map == crowd.map, "the map is not that of the seed");
-    for (scene, framed) in [
+    project::build_firmwares(&BEACONS)?;
+    let trials = [
         (&scene, Framed::Lines),
         (&scene, Framed::Frames),
         (&crowd, Framed::Lines),
-    ] {
-        let mut replay = packets::Replay::new(scene, framed.framing())?;
-        let bytes = framed.bytes(&scene.recording);
-        replay.push(&bytes);
-        let host = lines(replay.output());
-        for tag in scene.recording.truth.keys() {
-            ensure!(
-                host.contains(&format!(",{tag},TRACKING,")),
-                "{tag} was not tracked"
-            );
-        }
-        let board = on_board(framed.firmware(), &bytes)?;
-        ensure_same(&board, replay.output()).context(framed.firmware())?;
-    }
+    ];
+    trials
+        .into_par_iter()
+        .try_for_each(|(scene, framed)| compare_people(scene, framed).context(framed.firmware()))?;
     damaged_map()
+}
+
+/// Fails unless a firmware of the tunnel tracks all people of a scene, byte for byte as the host does.
+fn compare_people(scene: &Scene, framed: Framed) -> Result<()> {
+    let bytes = framed.bytes(&scene.recording);
+    let mut replay = packets::Replay::new(scene, framed.framing())?;
+    replay.push(&bytes);
+    let host = lines(replay.output());
+    for tag in scene.recording.truth.keys() {
+        ensure!(
+            host.contains(&format!(",{tag},TRACKING,")),
+            "{tag} was not tracked"
+        );
+    }
+    ensure_same(&on_board(framed.firmware(), &bytes)?, replay.output())
 }
 
 /// Fails if a firmware with a damaged map compiles, or another reason keeps it from compiling.
