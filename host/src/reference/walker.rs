@@ -11,11 +11,12 @@ use foxhunt_simulation::{Sight, random::normal};
 
 /// A bootstrap filter over walks. The biases of the arrays are marginalised: given a walk, they are normal (Rao-Blackwellised
 /// filtering, Doucet and others 2000), whatever the errors have in common from one reading to the next. It knows all but the
-/// walls.
+/// room: where he starts, it knows no better than a locator does by its default.
 pub struct Walkers {
     walker: Walker,
     stations: Stations,
     interval_s: f64,
+    count: usize,
     particles: Vec<Particle>,
     log_weights: Vec<f64>,
     /// Variance of each bias: the same for all walks.
@@ -31,7 +32,7 @@ struct Particle {
 }
 
 impl Walkers {
-    /// So many walks that start anywhere in the room; rounds of readings come at this interval.
+    /// So many walks that start anywhere about the room; rounds of readings come at this interval.
     pub fn new(
         walker: Walker,
         stations: Stations,
@@ -39,8 +40,11 @@ impl Walkers {
         particles: usize,
         rng: &mut impl Rng,
     ) -> Self {
-        /// How far outside the room he may be as well, for it does not know the walls.
-        const MARGIN: f64 = 2.0;
+        /// How far outside the room he may be as well: then the area is that within `range_m` of `robust::Config::ROOM`.
+        const MARGIN: f64 = 14.0;
+        /// Starts for each walk that goes on after the first round, which excludes most of the area.
+        const STARTS: usize = 10;
+        let starts = STARTS * particles;
         let particle = |_| Particle {
             gait: walker.start_within(MARGIN, rng),
             biases: [0.0; 4],
@@ -50,8 +54,9 @@ impl Walkers {
             walker,
             stations,
             interval_s,
-            particles: (0..particles).map(particle).collect(),
-            log_weights: vec![0.0; particles],
+            count: particles,
+            particles: (0..starts).map(particle).collect(),
+            log_weights: vec![0.0; starts],
             variances: [stations.bias_sigma.powi(2); 4],
         }
     }
@@ -80,7 +85,7 @@ impl Walkers {
             })
             .sum();
         let worth = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
-        if worth < 0.5 * weights.len() as f64 {
+        if is_first || worth < 0.5 * self.count as f64 {
             self.resample(&weights, rng);
         }
         (mean, scatter)
@@ -121,7 +126,7 @@ impl Walkers {
     /// Systematically; copies are set a centimetre apart, so that those who stand differ.
     fn resample(&mut self, weights: &[f64], rng: &mut impl Rng) {
         const JITTER_M: f64 = 0.01;
-        let count = weights.len();
+        let count = self.count;
         let mut left = rng.random::<f64>();
         let mut chosen = Vec::with_capacity(count);
         for (particle, weight) in self.particles.iter().zip(weights) {
@@ -141,7 +146,7 @@ impl Walkers {
             chosen.push(*last);
         }
         self.particles = chosen;
-        self.log_weights.fill(0.0);
+        self.log_weights = vec![0.0; count];
     }
 }
 

@@ -14,8 +14,9 @@ use crate::snapshot::value;
 const LEFT: f32 = 0.1;
 
 /// Iterations of the iterated Kalman filter after the first linearisation: one less biases close passes, one more changes
-/// nothing that is seen.
+/// nothing that is seen. Among stations, nobody passes so close, and one is as good as more.
 const ITERATIONS: u32 = 2;
+const ITERATIONS_AMONG_STATIONS: u32 = 1;
 
 /// Sigmas within which a component that has stopped is where the stationary source is: more join what is another stop, fewer
 /// keep two explanations of one stop.
@@ -290,7 +291,12 @@ impl<const K: usize> Component<K> {
     /// iterated filter: Bell and Cathey 1993).
     fn take(&mut self, heard: &Heard<'_>, mut prediction: Prediction<K>, fit: f32) {
         if fit >= 0.5 {
-            for _ in 0..ITERATIONS {
+            let iterations = if K == 0 {
+                ITERATIONS
+            } else {
+                ITERATIONS_AMONG_STATIONS
+            };
+            for _ in 0..iterations {
                 let shift = prediction.error / prediction.variance;
                 let ([x, y], [gx, gy]) = (self.position, prediction.gain.position);
                 let about = [x - gx * shift, y - gy * shift];

@@ -135,7 +135,7 @@ pub fn run(runs: u32, seed: u64) -> Result<Vec<Figure>> {
     println!(
         "Somebody walks among four arrays with a bias of 10 degrees each and 3 degrees a reading, one a second of each; \
          {runs} walks of {SECONDS} s, scored every second from {FIRST_S} s on; the reference is a filter of {PARTICLES} \
-         particles that knows all but the walls, on one walk in {REFERENCE_EVERY}\n\n{table}\n"
+         particles that knows all but the room, on one walk in {REFERENCE_EVERY}\n\n{table}\n"
     );
     Ok(figures)
 }
