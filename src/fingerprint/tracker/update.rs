@@ -25,9 +25,6 @@ const LOST_BELOW: f32 = -0.7;
 /// How far beyond the gate, in variances, a reading is no longer kept for those after it: it is an outlier, not an error of
 /// the map.
 const OUTLIER: f32 = 1.5;
-/// Seconds of which the mean place tells whether a tag is at rest: more takes longer to see that it is, fewer takes slow
-/// walkers for tags at rest.
-const REST_S: f32 = 10.0;
 
 impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D, S> {
     #[inline(never)]
@@ -293,7 +290,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         let Symmetric2 { xx, xy, yy } = covariance.scaled(step * step);
         let [xx, yy] = lattice.along_axes([xx, yy]);
         let position = lattice.place_of(place);
-        self.follow(time_ms, position);
+        self.follow(time_ms, position, site.config().error_memory_s);
         let look_m = site.map(floor.number()).rest_error_m();
         let variance = (xx + yy) / lattice.axes() as f32;
         self.widening = self.widening_at(position, variance, look_m * look_m / (xx + yy));
@@ -315,12 +312,12 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         self.has_fix = true;
     }
 
-    /// Lets the mean place of the last seconds follow that of the tag.
-    fn follow(&mut self, time_ms: u32, place: [f32; 2]) {
+    /// Lets the mean place of the last seconds follow that of the tag: of those from which it remembers the error of the map.
+    fn follow(&mut self, time_ms: u32, place: [f32; 2], memory_s: f32) {
         match self.fix() {
             Some(last) if self.redrawn_s != Some(0.0) => {
                 let dt = seconds(time_ms.wrapping_sub(last.time_ms) as i32);
-                let fraction = 1.0 - exp(-dt * (1.0 / REST_S));
+                let fraction = 1.0 - exp(-dt / memory_s);
                 for (rest, place) in self.rest.iter_mut().zip(place) {
                     *rest += fraction * (place - *rest);
                 }
