@@ -35,7 +35,7 @@ use crate::checksum::crc32;
 /// | 4 | 1 | version: 2 |
 /// | 5 | 1 | [`Encoding`]: 1 or 2 |
 /// | 6 | 1 | beacons: 1 to 255 |
-/// | 7 | 1 | levels: 2 to 255; 0 in encoding 1, as are the fields from offset 24 |
+/// | 7 | 1 | levels: 2 to 255; 0 in encoding 1, whose fields from offset 24 are below |
 /// | 8 | 2 + 2 | columns, rows of the lattice |
 /// | 12 | 4 + 4 | origin of the lattice in metres, f32 |
 /// | 20 | 4 | spacing of the lattice in metres, f32 |
@@ -43,6 +43,8 @@ use crate::checksum::crc32;
 /// | 25 | 1 | dB from one level to the next |
 /// | 26 | 4 | natural logarithm of the density, per dB, that code 0 stands for, f32 |
 /// | 30 | 4 | what every step of a code takes off that, f32 |
+/// | 24 | 2 | in encoding 1: what a tag at rest is off by, in centimetres, see [`RadioMap::rest_error_m`]; 0: not known |
+/// | 26 | 8 | in encoding 1: 0 |
 /// | 34 | 4 | length of the map's error in metres, f32; 0: not known |
 /// | 38 | 4 | date of the survey, days since 1970-01-01; 0: not known |
 /// | 42 | 1 | sigma of a packet in quarters of a dB |
@@ -121,6 +123,7 @@ struct Origin {
     days: u32,
     noise: u8,
     by_hand: u8,
+    rest_error_cm: u16,
 }
 
 impl Origin {
@@ -131,6 +134,11 @@ impl Origin {
             days: u32::from_le_bytes(take(bytes, 38)),
             noise,
             by_hand,
+            // In the other encoding these bytes are of the levels.
+            rest_error_cm: match take(bytes, 5) {
+                [1] => u16::from_le_bytes(take(bytes, 24)),
+                _ => 0,
+            },
         }
     }
 
@@ -330,6 +338,12 @@ impl<'a> RadioMap<'a> {
     /// readings are taken for independent.
     pub const fn error_length_m(&self) -> f32 {
         self.origin.error_length_m
+    }
+
+    /// What a tag at rest is off by, however long it is heard, because the error of the map stays as it is: the root mean
+    /// square in metres of one look without noise, over the places of the map; 0 when that is not known.
+    pub const fn rest_error_m(&self) -> f32 {
+        0.01 * self.origin.rest_error_cm as f32
     }
 
     /// Standard deviation of a packet about the mean at its place, in dB.

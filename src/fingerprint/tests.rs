@@ -21,7 +21,8 @@ fn header([encoding, beacons, levels, columns, rows]: [u8; 5]) -> Vec<u8> {
         bytes.extend((-2.3f32).to_le_bytes());
         bytes.extend(0.6f32.to_le_bytes());
     } else {
-        bytes.extend([0; 10]);
+        bytes.extend(325u16.to_le_bytes());
+        bytes.extend([0; 8]);
     }
     bytes.extend(1.5f32.to_le_bytes());
     bytes.extend(20_000u32.to_le_bytes());
@@ -71,6 +72,7 @@ fn a_map_reads_as_it_was_written() {
         Lattice::new([10.0, -5.0], 0.5, 3, 1).unwrap()
     );
     assert_eq!((map.error_length_m(), map.noise_db()), (1.5, 4.0));
+    assert_eq!(map.rest_error_m(), 3.25);
     assert_eq!((map.surveyed_on(), map.by_hand()), (Some(20_000), 0b101));
     assert_eq!(map.beacons(), 2);
     let beacon = map.beacon(1).unwrap();
@@ -100,6 +102,8 @@ fn a_table_reads_as_it_was_written() {
     }
     let bytes = sealed(bytes);
     let map = RadioMap::new(&bytes).unwrap();
+    // Those bytes are the levels.
+    assert_eq!(map.rest_error_m(), 0.0);
     for (point, code) in [0, 1, 2, 3, 4, 5, 6, 7, 9, 9].into_iter().enumerate() {
         let exact = -2.3 - 0.6 * code as f32;
         assert_eq!(map.log_density(0, -98.9, point), Some(exact), "{point}");

@@ -1,6 +1,7 @@
 //! What a map says of its points, before it is rounded to bytes.
 
 use foxhunt::fingerprint::Lattice;
+use foxhunt_simulation::random::{generator, normal};
 
 use super::{
     cells::{Cells, nearest},
@@ -84,6 +85,48 @@ impl Content {
             }
         }
         errors
+    }
+
+    /// The root mean square error of looks without noise, in metres, where tags can be: at levels that are wrong as the map is
+    /// expected to be.
+    pub fn at_rest(&self) -> f64 {
+        /// Looks, of which each takes time in proportion to the points.
+        const LOOKS: usize = 1024;
+        let places: Vec<usize> = (0..self.points.len())
+            .filter(|point| self.possible[*point])
+            .collect();
+        let Some(most) = places.len().checked_sub(1) else {
+            return 0.0;
+        };
+        let mut rng = generator(0, 0);
+        let mut squares = 0.0;
+        for look in 0..LOOKS {
+            let point = places[(look as f64 / LOOKS as f64 * most as f64).round() as usize];
+            let (means, sigma) = &self.points[point];
+            let levels: Vec<Option<f64>> = (means.iter().zip(&self.heard[point]))
+                .map(|(mean, heard)| heard.then(|| mean + sigma * normal(&mut rng)))
+                .collect();
+            let weights = posterior(&self.lattice, &levels, |other| {
+                let (means, sigma) = &self.points[other];
+                (means.clone(), sigma * sigma)
+            });
+            squares += self.variance(&places, &weights);
+        }
+        (squares / LOOKS as f64).sqrt()
+    }
+
+    /// The variance of places that have these weights, by point, in square metres.
+    fn variance(&self, places: &[usize], weights: &[f64]) -> f64 {
+        let mut sums = [0.0; 4];
+        for point in places {
+            let (weight, [x, y]) = (weights[*point], self.place(*point));
+            let terms = [1.0, x, y, x * x + y * y];
+            for (sum, term) in sums.iter_mut().zip(terms) {
+                *sum += weight * term;
+            }
+        }
+        let [total, x, y, squares] = sums;
+        (squares - (x * x + y * y) / total) / total
     }
 }
 

@@ -17,18 +17,18 @@ pub(super) fn bytes(
     survey: &SiteSurvey,
     content: &Content,
     choices: &Choices,
+    rest_m: f64,
     recipe: &Recipe,
-    by_hand: u8,
 ) -> Vec<u8> {
     let levels = match recipe.encoding {
         Encoding::Levels => Some(survey.levels(recipe)),
         _ => None,
     };
-    let mut bytes = header(survey, content, levels.as_ref());
+    let mut bytes = header(survey, content, rest_m, levels.as_ref());
     bytes.extend((choices.length_m as f32).to_le_bytes());
     bytes.extend(recipe.days.unwrap_or(0).to_le_bytes());
     bytes.push((4.0 * choices.packet_sigma_db).round().clamp(1.0, 255.0) as u8);
-    bytes.push(by_hand);
+    bytes.push(recipe.by_hand());
     let sensitivity = survey.weakest().floor().max(-128.0);
     let detections: Vec<f64> = (0..survey.beacons().len())
         .map(|beacon| survey.detection(beacon))
@@ -160,7 +160,7 @@ impl SiteSurvey {
 const RANGE_DB: f64 = SiteSurvey::RANGE_DBM[1] - SiteSurvey::RANGE_DBM[0];
 
 /// All that comes before what is said of the survey.
-fn header(survey: &SiteSurvey, content: &Content, levels: Option<&Levels>) -> Vec<u8> {
+fn header(survey: &SiteSurvey, content: &Content, rest_m: f64, levels: Option<&Levels>) -> Vec<u8> {
     let lattice = &content.lattice;
     let mut bytes = b"FXRM".to_vec();
     bytes.push(RadioMap::VERSION);
@@ -179,7 +179,11 @@ fn header(survey: &SiteSurvey, content: &Content, levels: Option<&Levels>) -> Ve
             bytes.extend((levels.top as f32).to_le_bytes());
             bytes.extend((levels.step as f32).to_le_bytes());
         }
-        None => bytes.extend([0; 10]),
+        None => {
+            // Saturates.
+            bytes.extend(((100.0 * rest_m).round() as u16).to_le_bytes());
+            bytes.extend([0; 8]);
+        }
     }
     bytes
 }

@@ -14,6 +14,8 @@ pub struct Expected {
     /// By point of the lattice: the expected error of a look of [`Expected::PACKETS`] packets without memory there, in
     /// metres: the root mean square.
     pub by_point_m: Vec<f64>,
+    /// The error of a look without noise, in metres, over all points: the root mean square. A tag at rest is known no better.
+    pub rest_m: f64,
     /// The errors of such looks, taken from the survey at places that were left out with their neighbours, in rising order.
     pub left_out_m: Vec<f64>,
 }
@@ -34,6 +36,7 @@ impl Expected {
         let packets = choices.packet_sigma_db.powi(2);
         Self {
             by_point_m: content.look(packets / Self::PACKETS as f64),
+            rest_m: content.at_rest(),
             left_out_m: left_out(content, choices, survey, cells, kriging),
         }
     }

@@ -83,7 +83,7 @@ impl SiteSurvey {
         };
         let content = Content::new(self, &lattice, (&cells, &kriging), &choices, recipe);
         let expected = Expected::new(&content, &choices, self, &cells, &kriging);
-        let bytes = encode::bytes(self, &content, &choices, recipe, recipe.by_hand());
+        let bytes = encode::bytes(self, &content, &choices, expected.rest_m, recipe);
         progress(1.0);
         Ok(Made {
             bytes,

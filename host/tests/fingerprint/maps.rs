@@ -3,7 +3,7 @@
 use std::{fs, path::PathBuf};
 
 use foxhunt::fingerprint::{Encoding, MapError, RadioMap};
-use foxhunt_host::radio_map::{Recipe, SiteSurvey, rust_constant};
+use foxhunt_host::radio_map::{Reading, Recipe, Shape, SiteSurvey, rust_constant};
 
 use crate::site::*;
 
@@ -165,6 +165,50 @@ fn what_was_stated_is_in_the_header() {
     let sigma = map.moments(0, 0).unwrap().sigma_db;
     assert!((3.0..4.0).contains(&sigma), "{sigma}");
     assert_eq!(made.expected.by_point_m.len(), map.lattice().points());
+    let rest = made.expected.rest_m;
+    assert!(
+        (f64::from(map.rest_error_m()) - rest).abs() < 0.006,
+        "{rest}"
+    );
+}
+
+/// Levels that rise evenly along a line: places err as a mean of all beacons does.
+#[test]
+fn what_a_tag_at_rest_is_off_by_is_that_of_the_errors_of_the_map() {
+    const DB_PER_M: f64 = 0.5;
+    const SIGMA_DB: f64 = 4.0;
+    for beacons in [2, 8] {
+        let readings = (0..200).flat_map(|point| {
+            (0..beacons).map(move |beacon| {
+                let rise = if beacon % 2 == 0 { DB_PER_M } else { -DB_PER_M };
+                let x = f64::from(point);
+                Reading {
+                    x,
+                    y: 0.0,
+                    beacon,
+                    rssi: -70.0 + rise * (x - 100.0),
+                }
+            })
+        });
+        let recipe = Recipe {
+            spacing_m: Some(1.0),
+            cell_m: Some(0.0),
+            shape: Some(Shape {
+                length_m: 40.0,
+                noise: 1e-3,
+            }),
+            sigma_db: Some(SIGMA_DB),
+            ..Recipe::default()
+        };
+        let made = SiteSurvey::new(readings).map(&recipe, &mut |_| ()).unwrap();
+        let expected = SIGMA_DB / DB_PER_M / f64::from(beacons).sqrt();
+        let rest = made.expected.rest_m;
+        // At the ends of the line a tag is known better.
+        assert!(
+            (0.85..1.02).contains(&(rest / expected)),
+            "{rest} {expected}"
+        );
+    }
 }
 
 #[test]

@@ -119,6 +119,8 @@ pub struct Tracker<const N: usize, const B: usize = 16, const D: usize = 2, S: S
     memory: Memory<B>,
     /// The mean place of the last seconds, in metres.
     rest: [f32; 2],
+    /// How much larger the covariance of the fix is than that of the particles.
+    widening: f32,
     pending: Pending<B>,
     /// That of the fix.
     floor: S::Floor,
@@ -148,6 +150,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         offset: OffsetBelief::EMPTY,
         memory: Memory::EMPTY,
         rest: [0.0; 2],
+        widening: 0.0,
         pending: Pending::EMPTY,
         floor: S::Floor::LOWEST,
         fix: Fix::EMPTY,
@@ -298,7 +301,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
 
 persist!(
     impl[const N: usize, const B: usize, const D: usize, S: Stored] Tracker<N, B, D, S> as "Tracker"(N, B)
-    { particles, velocity_variance, offset, memory, rest, pending, floor, fix, has_fix, evidence, redrawn_s, old_packets }
+    { particles, velocity_variance, offset, memory, rest, widening, pending, floor, fix, has_fix, evidence, redrawn_s, old_packets }
 );
 
 #[cfg(test)]

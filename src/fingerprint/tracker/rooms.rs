@@ -159,7 +159,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
     /// The fraction of the particles that are in it, spread about their mean as the covariance of the fix says.
     pub fn probability_in<G: Ground>(&self, zone: &Zone<'_>, site: &G) -> Option<f32> {
         let fix = self.fix()?;
-        let spread = sqrt(self.widening(fix.position, site.config().tempering));
+        let spread = sqrt(self.widening);
         let [mx, my] = fix.position;
         let places = self.particles.iter().zip(self.particles(site));
         let inside = places.filter(|(particle, [x, y, ..])| {
@@ -174,7 +174,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
 mod tests {
     extern crate std;
     use super::*;
-    use crate::fingerprint::tracker::tests::map;
+    use crate::fingerprint::tracker::tests::map_at_rest;
     use crate::fingerprint::tracker::{Config, Site, Workspace};
     use crate::fingerprint::{RadioMap, Reading};
     use crate::random::{SeedableRng, Xoshiro128PlusPlus};
@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn rooms_that_meet_share_the_probability_and_events_alternate() {
-        let bytes = map(1);
+        let bytes = map_at_rest(300);
         // So uncertain at rest that its region is wider than its particles are.
         let site = Site::new(RadioMap::new(&bytes).unwrap(), Config::TUNNEL).unwrap();
         let (first, second) = (corners(-100.0, 20.0), corners(20.0, 140.0));

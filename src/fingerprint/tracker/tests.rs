@@ -26,9 +26,22 @@ fn turned(columns: u16) -> Vec<u8> {
     let (columns, rows): ([u8; 2], [u8; 2]) = ([bytes[10], bytes[11]], [bytes[8], bytes[9]]);
     bytes[8..10].copy_from_slice(&columns);
     bytes[10..12].copy_from_slice(&rows);
+    seal(&mut bytes);
+    bytes
+}
+
+/// Writes the checksum anew.
+fn seal(bytes: &mut [u8]) {
     let end = bytes.len() - 4;
     let sum = crc32(&bytes[..end]);
     bytes[end..].copy_from_slice(&sum.to_le_bytes());
+}
+
+/// The map of one row, on which a tag at rest is off by so many centimetres.
+pub(crate) fn map_at_rest(error_cm: u16) -> Vec<u8> {
+    let mut bytes = map(1);
+    bytes[24..26].copy_from_slice(&error_cm.to_le_bytes());
+    seal(&mut bytes);
     bytes
 }
 
@@ -348,4 +361,20 @@ fn a_tag_at_rest_does_not_become_certain_of_a_wrong_place() {
         let fix = walk.tracker.fix().unwrap();
         assert!(fix.contains([18.0, 0.0], 0.95), "{fix:?}");
     }
+}
+
+#[test]
+fn a_tag_at_rest_is_known_no_better_than_the_map_says() {
+    let told = map_at_rest(400);
+    let not_told = map(1);
+    let sigma_m = |bytes: &[u8], seconds, path: fn(f32) -> f32| {
+        let site = Site::new(RadioMap::new(bytes).unwrap(), Config::TUNNEL).unwrap();
+        let mut walk = Walk::new();
+        walk.go(&site, seconds, path);
+        walk.tracker.fix().unwrap().sigma_m()
+    };
+    let rests = [&told, &not_told].map(|map| sigma_m(map, 40, |_| 20.0));
+    assert!(rests[1] < 2.0 && (rests[0] - 4.0).abs() < 0.3, "{rests:?}");
+    let walks = [&told, &not_told].map(|map| sigma_m(map, 20, |time| 5.0 + 1.5 * time));
+    assert!((walks[0] - walks[1]).abs() < 1e-3, "{walks:?}");
 }

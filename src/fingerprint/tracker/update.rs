@@ -25,15 +25,6 @@ const LOST_BELOW: f32 = -0.7;
 /// How far beyond the gate, in variances, a reading is no longer kept for those after it: it is an outlier, not an error of
 /// the map.
 const OUTLIER: f32 = 1.5;
-/// The variance that a tag at rest has besides that of its particles, as a multiple of that, for each unit of tempering
-/// above a half: larger makes regions of tags at rest too large, smaller too small. At a half the particles are as
-/// uncertain as they have to be.
-const REST_VARIANCE: f32 = 14.0;
-/// Metres from the mean place of the last seconds over which that falls to 1/e, and how many seconds those are: more takes
-/// slow walkers for tags at rest.
-const REST_M: f32 = 1.0;
-/// See [`REST_M`].
-const REST_S: f32 = 10.0;
 
 impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D, S> {
     #[inline(never)]
@@ -299,13 +290,15 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         let Symmetric2 { xx, xy, yy } = covariance.scaled(step * step);
         let [xx, yy] = lattice.along_axes([xx, yy]);
         let position = lattice.place_of(place);
-        self.follow(time_ms, position);
-        let widening = self.widening(position, site.config().tempering);
+        self.follow(time_ms, position, site.config().error_memory_s);
+        let look_m = site.map(floor.number()).rest_error_m();
+        let variance = (xx + yy) / lattice.axes() as f32;
+        self.widening = self.widening_at(position, variance, look_m * look_m / (xx + yy));
         self.fix = Fix {
             time_ms,
             state: State::Tracking,
             position,
-            covariance: Symmetric2 { xx, xy, yy }.scaled(widening),
+            covariance: Symmetric2 { xx, xy, yy }.scaled(self.widening),
             velocity: lattice.along_axes(velocity.map(|velocity| step * velocity)),
             offset_db: self.offset.probability() * self.offset.mean_db,
             effective_sample_size: sums.weights * sums.weights / sums.squares,
@@ -319,12 +312,12 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         self.has_fix = true;
     }
 
-    /// Lets the mean place of the last seconds follow that of the tag.
-    fn follow(&mut self, time_ms: u32, place: [f32; 2]) {
+    /// Lets the mean place of the last seconds follow that of the tag: of those from which it remembers the error of the map.
+    fn follow(&mut self, time_ms: u32, place: [f32; 2], memory_s: f32) {
         match self.fix() {
             Some(last) if self.redrawn_s != Some(0.0) => {
                 let dt = seconds(time_ms.wrapping_sub(last.time_ms) as i32);
-                let fraction = 1.0 - exp(-dt * (1.0 / REST_S));
+                let fraction = 1.0 - exp(-dt / memory_s);
                 for (rest, place) in self.rest.iter_mut().zip(place) {
                     *rest += fraction * (place - *rest);
                 }
@@ -333,17 +326,20 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         }
     }
 
-    /// By how much the covariance of the particles is too small, because they hold that the error of the map changes as they
-    /// move, and a tag at rest keeps it: by how near a place is to the mean of those of the last seconds.
-    pub(super) fn widening(&self, place: [f32; 2], tempering: f32) -> f32 {
+    /// By how much the covariance of the particles is too small, whose variance along an axis is this.
+    ///
+    /// Particles hold that the error of the map changes as they move; a tag at rest keeps it, and however long it rests, it is
+    /// known no better than by one look without noise. That has `excess` times the variance of the particles. The tag is at
+    /// rest as far as the mean of its last places is one that it may have now.
+    fn widening_at(&self, place: [f32; 2], variance: f32, excess: f32) -> f32 {
         let [dx, dy] = [place[0] - self.rest[0], place[1] - self.rest[1]];
-        let away = sqrt(dx * dx + dy * dy);
-        let excess = if tempering > 0.5 {
-            tempering - 0.5
+        let squared = (dx * dx + dy * dy) / variance;
+        // Particles that are all at one place have no variance.
+        if excess > 1.0 && excess.is_finite() {
+            1.0 + (excess - 1.0) * exp(-0.5 * squared)
         } else {
-            0.0
-        };
-        1.0 + REST_VARIANCE * excess * exp(-away * (1.0 / REST_M))
+            1.0
+        }
     }
 
     /// Draws a fraction of the particles from the match: systematically over the points, uniformly within the cell of each.
