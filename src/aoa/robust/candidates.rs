@@ -296,6 +296,8 @@ mod tests {
         }
         let found = candidates.found();
         assert!(found > 0);
+        let reason = candidates.reason(&Config::DEFAULT);
+        assert!(candidates.advice(reason, &Config::DEFAULT).is_some());
         let [first, second] = [0, 1].map(|rank| candidates.ranked(rank).unwrap());
         candidates.release(0, &Config::DEFAULT);
         assert_eq!(candidates.found(), found - 1);
