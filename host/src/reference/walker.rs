@@ -11,7 +11,7 @@ use foxhunt_simulation::{Sight, random::normal};
 
 /// A bootstrap filter over walks. The biases of the arrays are marginalised: given a walk, they are normal (Rao-Blackwellised
 /// filtering, Doucet and others 2000), whatever the errors have in common from one reading to the next. It knows all but the
-/// room: where he starts, it knows no better than a locator does by its default.
+/// room: where he starts, it knows no better than a locator with `Config::ROOM` does.
 pub struct Walkers {
     walker: Walker,
     stations: Stations,

@@ -279,8 +279,8 @@ mod tests {
         }
     }
 
-    #[test]
-    fn what_was_released_is_no_candidate_any_more() {
+    /// The bearings, in turn, on two sources.
+    fn two_sources() -> Candidates<64> {
         const SOURCES: [[f32; 2]; 2] = [[400.0, 900.0], [1_500.0, 700.0]];
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(6);
         let mut candidates = Candidates::<64>::EMPTY;
@@ -294,10 +294,21 @@ mod tests {
             let taken = candidates.push(&reading, &shared, 0.0, &config, &mut rng);
             assert_eq!(taken, Ok(()));
         }
-        let found = candidates.found();
-        assert!(found > 0);
+        candidates
+    }
+
+    #[test]
+    fn there_is_advice_before_the_first_source() {
+        let candidates = two_sources();
         let reason = candidates.reason(&Config::DEFAULT);
         assert!(candidates.advice(reason, &Config::DEFAULT).is_some());
+    }
+
+    #[test]
+    fn what_was_released_is_no_candidate_any_more() {
+        let mut candidates = two_sources();
+        let found = candidates.found();
+        assert!(found > 0);
         let [first, second] = [0, 1].map(|rank| candidates.ranked(rank).unwrap());
         candidates.release(0, &Config::DEFAULT);
         assert_eq!(candidates.found(), found - 1);

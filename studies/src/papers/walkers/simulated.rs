@@ -24,8 +24,8 @@ use crate::papers::{
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 const INTERVAL_S: f64 = 1.0;
 const SECONDS: usize = 40;
-/// Walks of the reference: twice as many have the same RMSE to 1 % on 30 walks. Its own ellipses hold 92 %, so it has not quite
-/// converged, and the ratio is a little too good for the locator.
+/// Walks of the reference. Its own ellipses hold 92 %, so it may not quite have converged, and the ratio may be a little too
+/// good for the locator.
 const PARTICLES: usize = 100_000;
 /// Of all walks, one in so many is given to the reference: it takes two seconds for each.
 const REFERENCE_EVERY: u64 = 5;
