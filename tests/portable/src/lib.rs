@@ -5,11 +5,13 @@
 
 #![no_std]
 
+mod answers;
 mod aoa;
 mod digest;
 mod filter;
 mod fingerprint;
 mod gateway;
+mod locators;
 mod math;
 mod proposal;
 mod random;
@@ -28,6 +30,7 @@ const GROUPS: &[&[Case]] = &[
     random::CASES,
     filter::CASES,
     aoa::CASES,
+    locators::CASES,
     refine::CASES,
     proposal::CASES,
     fingerprint::CASES,
