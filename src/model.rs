@@ -39,7 +39,7 @@
 //!
 //! A closure from the state to its log-likelihood is a likelihood, too.
 
-use crate::math::sqrt;
+use crate::math::{larger, sqrt};
 use crate::particles::{read, write};
 use crate::random::{Rng, normal};
 
@@ -88,7 +88,7 @@ pub struct RandomWalk<const D: usize> {
 
 impl<const D: usize> Dynamics<D> for RandomWalk<D> {
     fn step<R: Rng + ?Sized>(&self, mut state: [f32; D], dt: f32, rng: &mut R) -> [f32; D] {
-        let root = sqrt(if dt > 0.0 { dt } else { 0.0 });
+        let root = sqrt(larger(dt, 0.0));
         for (x, sigma) in state.iter_mut().zip(self.sigma) {
             *x += sigma * root * normal(rng);
         }
@@ -96,7 +96,7 @@ impl<const D: usize> Dynamics<D> for RandomWalk<D> {
     }
 
     fn predict<R: Rng + ?Sized>(&self, columns: &mut [&mut [f32]; D], dt: f32, rng: &mut R) {
-        let root = sqrt(if dt > 0.0 { dt } else { 0.0 });
+        let root = sqrt(larger(dt, 0.0));
         for (column, sigma) in columns.iter_mut().zip(self.sigma) {
             let spread = sigma * root;
             for x in column.iter_mut() {

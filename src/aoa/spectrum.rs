@@ -111,11 +111,7 @@ impl Spectrum {
 
     /// The highest level.
     fn highest(&self) -> f32 {
-        f32::from(
-            self.levels
-                .iter()
-                .fold(0, |a, b| if *b > a { *b } else { a }),
-        )
+        f32::from(self.levels.iter().fold(0, |a, b| a.max(*b)))
     }
 
     /// The log-likelihood of a source in the direction `angle`, in radians counter-clockwise from the array's axis, less

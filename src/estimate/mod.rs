@@ -5,6 +5,7 @@
 mod ellipse;
 mod symmetric;
 
+use crate::math::{larger, smaller};
 pub use ellipse::Ellipse;
 pub use symmetric::Symmetric2;
 
@@ -93,16 +94,8 @@ pub fn quantile(column: &[f32], weights: &[f32], probability: f32) -> f32 {
     };
     // Within what can be reached, which rounding may leave short of one.
     let reachable = weight_up_to(u32::MAX);
-    let probability = if probability > f32::MIN_POSITIVE {
-        probability
-    } else {
-        f32::MIN_POSITIVE
-    };
-    let probability = if probability < reachable {
-        probability
-    } else {
-        reachable
-    };
+    let probability = larger(probability, f32::MIN_POSITIVE);
+    let probability = smaller(probability, reachable);
     let mut answer = u32::MAX;
     for bit in (0..32).rev() {
         let lower = answer & !(1 << bit);

@@ -45,3 +45,16 @@ pub(crate) const LN_TAU: f32 = ln(core::f32::consts::TAU);
 /// Adding and subtracting 1.5 * 2^23 rounds an f32 of magnitude below 2^22 to the nearest integer, which
 /// then stands in the low bits of the sum.
 pub(crate) const ROUND: f32 = 12_582_912.0;
+
+/// The larger of two numbers, and `b` if they cannot be compared: one comparison, where `f32::max` calls a function on many
+/// cores.
+#[inline]
+pub(crate) fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers, and `b` if they cannot be compared.
+#[inline]
+pub(crate) fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}

@@ -16,6 +16,7 @@ mod normal_table;
 pub use rand_core::{Rng, SeedableRng};
 pub use rand_xoshiro::Xoshiro128PlusPlus;
 
+use crate::math::larger;
 use normal_table::QUANTILE;
 
 const TWO_POW_MINUS_24: f32 = 1.0 / 16_777_216.0;
@@ -50,7 +51,7 @@ pub(crate) fn normal_of(bits: u32) -> f32 {
 /// 4e-4, from a probability of 1e-9 on.
 pub(crate) fn two_sided_quantile(outside: f32) -> f32 {
     let quantile = normal_quantile(2_147_483_648.0 * outside.clamp(1e-9, 1.0));
-    if quantile > 0.0 { quantile } else { 0.0 }
+    larger(quantile, 0.0)
 }
 
 /// The quantile of the normal distribution whose sign is that of `distance`, and whose distance from the end of the tail

@@ -20,7 +20,7 @@ use super::refinement::{Acceptance, Memory, Refinement};
 use crate::ConfigError;
 use crate::config::{require, require_positive, require_within};
 use crate::math::vector::{difference, plus_scaled, square};
-use crate::math::{exp, ln, sqrt};
+use crate::math::{exp, larger, ln, sqrt};
 use crate::model::Likelihood;
 use crate::random::{Rng, uniform};
 
@@ -137,7 +137,7 @@ impl Firefly {
         }
         let dimmer = 1.0 - exp(log_density - goal);
         // The brightest of one half may be dimmer than a firefly of the other.
-        let dimmer = if dimmer > 0.0 { dimmer } else { 0.0 };
+        let dimmer = larger(dimmer, 0.0);
         exp(f32::from(iteration) / -self.decay_iterations) * dimmer * visibility
             + self.least_attraction
     }

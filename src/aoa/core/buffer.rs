@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use crate::aoa::triangulation::linearise;
 use crate::aoa::{Alternative, Bearing, Observation, PushError, Retract, Retracted};
-use crate::math::{atan2, sqrt, wrap};
+use crate::math::{atan2, larger, smaller, sqrt, wrap};
 use crate::persist;
 use crate::snapshot::value;
 
@@ -138,7 +138,7 @@ impl<const B: usize> Buffer<B> {
             }
             stays
         });
-        self.count -= if gone < self.count { gone } else { self.count };
+        self.count -= smaller(gone, self.count);
     }
 
     /// Forgets the bearings that are taken back, as far as they can be told from others.
@@ -398,8 +398,8 @@ impl Entry {
             1e-3 * b.observation.since_ms(a.observation.time_ms()) as f32 - b.span_s()
         };
         let (forth, back) = (after(self, other), after(other, self));
-        let gap = if forth > back { forth } else { back };
-        if gap > 0.0 { gap } else { 0.0 }
+        let gap = larger(forth, back);
+        larger(gap, 0.0)
     }
 
     /// Seconds between the first and the last of the readings.
@@ -458,7 +458,7 @@ impl Entry {
             .map_or(0.0, |[x, y]| atan2(y - position[1], x - position[0]));
         let sigma = 1.0 / sqrt(information);
         let least = Observation::MIN_SIGMA_RAD;
-        let sigma = if sigma > least { sigma } else { least };
+        let sigma = larger(sigma, least);
         let time_ms = (if b.since_ms(a.time_ms()) > 0 { b } else { a }).time_ms();
         let bearing = Bearing::from_radians(direction + error);
         // What lies between two observations is one.

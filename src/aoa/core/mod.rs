@@ -5,7 +5,7 @@ mod buffer;
 mod sweep;
 
 use super::NotObservable;
-use crate::math::sqrt;
+use crate::math::{larger, sqrt};
 pub(super) use buffer::{Buffer, Comparison, Entry, square_of_distance};
 pub(super) use sweep::{BLOCK, Block, Importance, Proposal, Target, sweep};
 
@@ -13,7 +13,7 @@ pub(super) use sweep::{BLOCK, Block, Importance, Proposal, Target, sweep};
 pub(super) fn is_depleted(effective_sample_size: f32, count: usize, fraction: f32) -> bool {
     let needed = fraction * count as f32;
     // A single particle that is left has no covariance to say so.
-    effective_sample_size < if needed > 2.0 { needed } else { 2.0 }
+    effective_sample_size < larger(needed, 2.0)
 }
 
 /// Test against the hypothesis that the bearings are parallel (source at infinity), by the likelihood ratio. The curvature
@@ -33,7 +33,7 @@ pub(in crate::aoa) struct Crossing {
 impl Crossing {
     /// The reason of bearings that do not cross far enough.
     pub(in crate::aoa) fn reason(&self) -> NotObservable {
-        let gain = if self.gain > 0.0 { self.gain } else { 0.0 };
+        let gain = larger(self.gain, 0.0);
         NotObservable::CrossingAngle {
             have_rad: 2.0 * sqrt(gain / self.information),
             // Two halves of the bearings that differ by this angle have a likelihood ratio of 1 / (2 limit^2).

@@ -5,7 +5,7 @@ use crate::aoa::Observation;
 use crate::aoa::robust::Errors;
 use crate::aoa::robust::outside::{Line, read};
 use crate::estimate::Symmetric2;
-use crate::math::sqrt;
+use crate::math::{larger, sqrt};
 use crate::random::{Rng, normal};
 use crate::snapshot::value;
 
@@ -162,7 +162,7 @@ impl<const K: usize> Component<K> {
         let gain = self.gain([gx, gy], station);
         let own = station.map_or(0.0, |station| at(&gain.biases, station));
         let spread = gx * gain.position[0] + gy * gain.position[1] + own;
-        let spread = if spread > 0.0 { spread } else { 0.0 };
+        let spread = larger(spread, 0.0);
         let back = gx * (self.position[0] - x) + gy * (self.position[1] - y);
         Prediction {
             gain,

@@ -4,7 +4,7 @@ use super::{Config, Manoeuvring, Phase};
 use crate::aoa::core::{check_narrow, square_of_distance};
 use crate::aoa::track::Stationary;
 use crate::aoa::{Answer, Fix, Hypothesis, Motion};
-use crate::math::sqrt;
+use crate::math::{larger, sqrt};
 
 /// Factor by which the relative range error of a moving source may exceed the limit for a first fix: more reports worse
 /// fixes, less reports none while the range grows uncertain.
@@ -20,7 +20,7 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
         let (velocity_m_s, variance) = self.cloud.velocity();
         let moving = self.moved * (1.0 - self.cloud.stopped().probability);
         Some(Motion {
-            moving: if moving > 0.0 { moving } else { 0.0 },
+            moving: larger(moving, 0.0),
             velocity_m_s,
             sigma_m_s: sqrt(variance),
         })

@@ -2,7 +2,7 @@
 
 use super::component::Component;
 use super::config::Config;
-use crate::math::{ln, one_minus_exp, sqrt};
+use crate::math::{larger, ln, one_minus_exp, sqrt};
 use crate::random::{Rng, normal, uniform, uniform_open};
 
 /// On a straight road the velocity is remembered for so many times the time until a turn: the larger, the straighter a
@@ -229,7 +229,7 @@ impl Drive {
             let way = event.after(rng);
             component.travel(way, 1.0);
             let left = self.seconds - way;
-            component.stop(if left > 0.0 { left } else { 0.0 });
+            component.stop(larger(left, 0.0));
         } else if chance < event.drawn + (1.0 - event.drawn) * self.turn.probability {
             // Half of the time with the former velocity, half of it with the new one.
             component.travel(0.5 * self.seconds, 1.0);

@@ -8,7 +8,7 @@ use crate::aoa::robust::Errors;
 use crate::aoa::track::{Stationary, odds_by_moments};
 use crate::aoa::{Alternative, Observation};
 use crate::estimate::Symmetric2;
-use crate::math::{sin_cos, sqrt};
+use crate::math::{larger, sin_cos, smaller, sqrt};
 use crate::random::{Rng, normal};
 
 /// Least probability that a stationary source is still there, after any time without a bearing: it may have returned. The
@@ -89,7 +89,7 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
             return;
         }
         let stayed = 1.0 - drive.departed();
-        let stayed = if stayed > RETURNED { stayed } else { RETURNED };
+        let stayed = larger(stayed, RETURNED);
         let departed = (1.0 - stayed) * (1.0 - self.moved);
         if departed <= 0.0 && self.moved <= 0.0 {
             return;
@@ -97,8 +97,8 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
         self.moved += departed;
         let mass = departed / self.moved;
         if mass > NEGLIGIBLE {
-            let mass = if mass < 0.999 { mass } else { 0.999 };
-            let count = if mass > NEWEST { mass } else { NEWEST } * COMPONENTS as f32;
+            let mass = smaller(mass, 0.999);
+            let count = larger(mass, NEWEST) * COMPONENTS as f32;
             if self.phase == Phase::Stationary {
                 let ([_, _, mean], [_, _, [_, _, variance]]) = *place;
                 self.cloud.bias = KnownBias { mean, variance };
@@ -180,7 +180,7 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
         let (position, covariance) = self.cloud.position();
         let sigma = sqrt(covariance.largest_eigenvalue());
         let range_m = 3.0 * sigma + 10.0 * config.speed_m_s;
-        let range_m = if range_m < 1e6 { range_m } else { 1e6 };
+        let range_m = smaller(range_m, 1e6);
         let stopped = self.cloud.stopped();
         // Not those from before it stopped, as far as can be told; the latest in any case.
         let since = if stopped.probability < PROBABLY_STOPPED {

@@ -6,7 +6,7 @@ use super::drive::Drive;
 use crate::aoa::robust::Errors;
 use crate::aoa::{Alternative, Bias, Mixture, Observation};
 use crate::estimate::Symmetric2;
-use crate::math::{exp, ln, sqrt};
+use crate::math::{exp, larger, ln, sqrt};
 use crate::persist;
 use crate::random::{Rng, uniform};
 use crate::resample::Scheme;
@@ -288,7 +288,7 @@ impl<const K: usize> Moved<K> {
         let variance = square - mean * mean;
         Some(Bias {
             mean_rad: mean,
-            sigma_rad: sqrt(if variance > 0.0 { variance } else { 0.0 }),
+            sigma_rad: sqrt(larger(variance, 0.0)),
         })
     }
 
@@ -299,17 +299,13 @@ impl<const K: usize> Moved<K> {
             sum += weight * component.stationary_s;
             squares += weight * component.stationary_s * component.stationary_s;
         }
-        let mass = if probability > 1e-9 {
-            probability
-        } else {
-            1e-9
-        };
+        let mass = larger(probability, 1e-9);
         let seconds = sum / mass;
         let variance = squares / mass - seconds * seconds;
         Stopped {
             probability,
             seconds,
-            variance: if variance > 0.0 { variance } else { 0.0 },
+            variance: larger(variance, 0.0),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::{Config, MultiTarget};
 use crate::aoa::robust;
 use crate::aoa::track::Track;
 use crate::aoa::{Alternative, Observation};
-use crate::math::ln;
+use crate::math::{larger, ln, smaller};
 
 impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
     /// The track that explains a reading best, if any does; and the probability that the reading is of no other source.
@@ -53,7 +53,7 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
             others -= slot.rate();
             total += *fit;
         }
-        total += if others > LEAST { others } else { LEAST };
+        total += larger(others, LEAST);
         for (slot, fit) in self.slots.iter_mut().zip(fits) {
             slot.weigh(ln(total / (total - fit + slot.rate())));
         }
@@ -70,11 +70,7 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
             return;
         };
         let moved = entry.readings;
-        self.outliers -= if moved < self.outliers {
-            moved
-        } else {
-            self.outliers
-        };
+        self.outliers -= smaller(moved, self.outliers);
         if let Some((slot, track)) = self.at(Some(place)) {
             slot.heard += moved;
             track.reclaim(&entry, &config.track);

@@ -24,7 +24,7 @@ use super::{
     Advice, Alternative, Answer, Bias, Cloud, Fix, Hypothesis, Locate, Mixture, NotObservable,
     Observation, PushError, Retract, Retracted, SigmaScale, Source,
 };
-use crate::math::ln;
+use crate::math::{ln, smaller};
 use crate::random::Rng;
 use crate::snapshot::Persist;
 use crate::{ConfigError, persist};
@@ -120,11 +120,7 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
             match track.initiate(&candidate, &config.track, rng) {
                 Answer::Fix(_) => {
                     self.candidates.release(rank, beliefs);
-                    let heard = if own < self.outliers {
-                        own
-                    } else {
-                        self.outliers
-                    };
+                    let heard = smaller(own, self.outliers);
                     let of = self.outliers / (1.0 - explained);
                     self.outliers -= heard;
                     *slot = Slot {

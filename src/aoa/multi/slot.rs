@@ -1,6 +1,7 @@
 //! What is known of the source of a track, beside where it is.
 
 use crate::aoa::robust::{of_log_odds, probability};
+use crate::math::{larger, smaller};
 use crate::snapshot::value;
 
 /// What is kept of a track.
@@ -90,11 +91,7 @@ impl Slot {
         self.of += 1.0;
         if is_own {
             self.heard += 1.0;
-            let silence = if self.silence < limit {
-                self.silence
-            } else {
-                limit
-            };
+            let silence = smaller(self.silence, limit);
             self.silence = larger(0.0, silence - HEARD);
             self.is_silent &= self.silence > 0.5 * limit;
             if self.silence == 0.0 {
@@ -107,8 +104,4 @@ impl Slot {
             self.is_silent |= self.identity.is_some() && self.silence > limit;
         }
     }
-}
-
-fn larger(a: f32, b: f32) -> f32 {
-    if b > a { b } else { a }
 }

@@ -4,7 +4,7 @@ use super::term::{BIASES, State};
 use crate::aoa::{Bias, Observation};
 use crate::kalman::Covariance;
 use crate::math::vector::dot;
-use crate::math::{atan2, sin_cos, sqrt, wrap};
+use crate::math::{atan2, larger, sin_cos, sqrt, wrap};
 use crate::snapshot::value;
 
 /// Which bearings have a bias in common. A locator of dimension `D` knows `D - 3` numbers of biases.
@@ -172,7 +172,7 @@ impl<const D: usize> Known<D> {
         let variance = dot(covariance.map(|row| dot(row, features)), features);
         Bias {
             mean_rad: offset + dot(features, *mean),
-            sigma_rad: sqrt(if variance > 0.0 { variance } else { 0.0 }),
+            sigma_rad: sqrt(larger(variance, 0.0)),
         }
     }
 }

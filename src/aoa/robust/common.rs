@@ -7,7 +7,7 @@ use super::evidence::{Evidence, Lines, Terms};
 use super::term::Term;
 use crate::aoa::Observation;
 use crate::aoa::core::{Entry, square_of_distance};
-use crate::math::sqrt;
+use crate::math::{larger, smaller, sqrt};
 
 /// What an entry has in common with all that are in the buffer.
 #[derive(Clone, Copy)]
@@ -59,7 +59,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
             let weights = of_place().map(|(entry, _)| entry.weight());
             let readings = if several { 0.0 } else { weights.sum() };
             let counts = of_place().map(|(entry, _)| entry.readings);
-            let most = counts.fold(0.0, |a: f32, b| if b > a { b } else { a });
+            let most = counts.fold(0.0, |a: f32, b| larger(b, a));
             for (entry, other) in of_place() {
                 let term = self.term(entry, errors, other.covariance, readings);
                 let _ = terms.push(term.with_fraction(entry.readings / most));
@@ -126,11 +126,7 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
     #[inline(never)]
     fn term(&self, entry: &Entry, errors: &Errors, covariance: f32, readings: f32) -> Term<D> {
         // Of alternatives some may have been forgotten.
-        let readings = if readings > entry.readings {
-            readings
-        } else {
-            entry.readings
-        };
+        let readings = larger(readings, entry.readings);
         let own = errors.own_variance(entry);
         // As it is at the scale that is thought to be.
         let place = errors.variance_of_place(&entry.observation, self.source) / entry.worth;
@@ -179,8 +175,8 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         let mut high = [f32::NEG_INFINITY; 2];
         for entry in self.entries() {
             for ((low, high), x) in low.iter_mut().zip(&mut high).zip(entry.position()) {
-                *low = if x < *low { x } else { *low };
-                *high = if x > *high { x } else { *high };
+                *low = smaller(x, *low);
+                *high = larger(x, *high);
             }
         }
         if low[0] > high[0] {

@@ -6,7 +6,7 @@ use super::shared::Shared;
 use super::term::{BIASES, Lanes, Line, SCALE, State, Term, Width};
 use crate::aoa::Mixture;
 use crate::aoa::core::{BLOCK, Block, Target, square_of_distance};
-use crate::math::{exp, ln, sqrt};
+use crate::math::{exp, larger, ln, sqrt};
 
 /// Where a source may be before any bearing: a density of 1 / ((1 + r^2 / a^2) (1 + r^2 / b^2)) about the middle of
 /// the receivers, for a nearest range a and a farthest one b.
@@ -34,7 +34,7 @@ impl Region {
         const LEAST: f32 = 1e-3;
         let [near, far] = self.inverse_squares;
         let span = ln(near / far);
-        if span > LEAST { span } else { LEAST }
+        larger(span, LEAST)
     }
 
     /// Of a place, up to a constant.

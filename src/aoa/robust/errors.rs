@@ -5,7 +5,7 @@ use crate::ConfigError;
 use crate::aoa::core::{Entry, square_of_distance};
 use crate::aoa::{Mixture, Observation, SigmaScale};
 use crate::config::{require, require_all, require_within};
-use crate::math::{exp, sqrt};
+use crate::math::{exp, larger, sqrt};
 use crate::snapshot::value;
 
 /// What weighs more bearings than this is not learned.
@@ -132,12 +132,8 @@ impl Correlation {
         /// Of places that are one.
         const LEAST_M: f32 = 1e-3;
         let length = self.distance * range_m;
-        let least = if self.distance_m > LEAST_M {
-            self.distance_m
-        } else {
-            LEAST_M
-        };
-        if length > least { length } else { least }
+        let least = larger(self.distance_m, LEAST_M);
+        larger(length, least)
     }
 
     /// Of readings that are evenly spread over a time, in the mean over all pairs: one if there is no time between them.
@@ -219,7 +215,7 @@ impl Errors {
         };
         let range = square_of_distance(source, observation.position());
         // No more than a radian, about the source itself.
-        square / if range > square { range } else { square }
+        square / larger(range, square)
     }
 
     /// Which bearings have a bias in common, and its standard deviation in radians.

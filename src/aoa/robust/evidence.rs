@@ -11,7 +11,7 @@ use super::shared::Shared;
 use super::term::{PLAIN, State, Term, Width, fold_angle};
 use crate::aoa::core::{Buffer, Comparison, Crossing, Entry, square_of_distance};
 use crate::aoa::{Mixture, NotObservable, Observation};
-use crate::math::sqrt;
+use crate::math::{larger, smaller, sqrt};
 use crate::persist;
 
 /// Gain of the best mode over infinity from which on particles are started, whose cloud then says how far away the source may
@@ -109,11 +109,8 @@ impl<const B: usize, const D: usize> Evidence<B, D> {
         let Config {
             nearest_m, range_m, ..
         } = *config;
-        let near = if half > nearest_m { half } else { nearest_m };
-        Region::new(
-            centre,
-            [if near < range_m { near } else { range_m }, range_m],
-        )
+        let near = larger(half, nearest_m);
+        Region::new(centre, [smaller(near, range_m), range_m])
     }
 
     pub(super) fn density<'a>(&self, terms: &'a [Term<D>], config: &Config) -> Density<'a, D> {

@@ -8,7 +8,7 @@ use super::density::Density;
 use super::mode::{MODES, Mode};
 use super::term::{PLAIN, Term, Width};
 use crate::aoa::Mixture;
-use crate::math::ln;
+use crate::math::{ln, smaller};
 
 /// Which of the modes are taken for sources.
 pub(super) type Taken = [bool; MODES];
@@ -136,8 +136,8 @@ impl<const B: usize> Joint<B> {
         let costs = self.masses.iter().zip(&self.errors).zip(sums.information);
         for (((mass, own), information), _) in costs.zip(taken).filter(|(_, taken)| **taken) {
             let rate = 0.5 * ln(TAU / (1.0 + information));
-            sums.log_likelihood += mass + if rate < 0.0 { rate } else { 0.0 };
-            errors = if *own < errors { *own } else { errors };
+            sums.log_likelihood += mass + smaller(rate, 0.0);
+            errors = smaller(*own, errors);
         }
         sums.log_likelihood + errors
     }

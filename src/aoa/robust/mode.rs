@@ -7,8 +7,8 @@ use super::term::{Reading, SCALE, State, Width};
 use crate::aoa::Hypothesis;
 use crate::estimate::Symmetric2;
 use crate::kalman::Covariance;
-use crate::math::exp;
 use crate::math::vector::{difference, dot, plus_scaled};
+use crate::math::{exp, larger};
 use crate::snapshot::value;
 
 /// The most hypotheses that are kept: more keep more sources apart, for time and 90 bytes each.
@@ -121,7 +121,7 @@ pub(super) fn best<const D: usize>(modes: &[Mode<D>]) -> Option<&Mode<D>> {
 /// The largest logarithm of a mass.
 pub(super) fn largest<const D: usize>(modes: &[Mode<D>]) -> f32 {
     let masses = modes.iter().map(|mode| mode.log_mass);
-    masses.fold(f32::NEG_INFINITY, |a, b| if b > a { b } else { a })
+    masses.fold(f32::NEG_INFINITY, |a, b| larger(b, a))
 }
 
 /// Sums over all bearings at one state.

@@ -7,7 +7,7 @@ use super::evidence::Lines;
 use super::term::{PLAIN, Term};
 use crate::aoa::core::{Comparison, Entry, square_of_distance};
 use crate::aoa::{Mixture, Observation};
-use crate::math::{exp, sqrt};
+use crate::math::{exp, smaller, sqrt};
 
 /// A bearing that counts for no more than it tells beside earlier ones, which come with their ages in seconds, on a source at
 /// a range.
@@ -103,5 +103,5 @@ fn tempered(observation: Observation, worth: f32) -> Observation {
 /// A bearing of that sigma, if that is none too large.
 fn within(observation: Observation, sigma: f32) -> Observation {
     let most = Observation::MAX_SIGMA_RAD;
-    observation.with_sigma(if sigma < most { sigma } else { most })
+    observation.with_sigma(smaller(sigma, most))
 }

@@ -1,6 +1,7 @@
 //! What is known of a source.
 
 use crate::estimate::{Ellipse, Symmetric2};
+use crate::math::larger;
 use crate::snapshot::{Error, Reader, Value, Writer, by_value, value};
 
 /// What a locator knows of the source.
@@ -40,7 +41,7 @@ impl Answer {
                 needed_rad,
             }) => {
                 let (missing, least) = (needed_rad - have_rad, LEAST * needed_rad);
-                if missing > least { missing } else { least }
+                larger(missing, least)
             }
             Self::NotObservable(_) => UNKNOWN,
         }

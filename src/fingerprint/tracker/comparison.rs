@@ -5,7 +5,7 @@ use super::memory::{Memory, Prior};
 use super::offset::OffsetBelief;
 use super::pending::Level;
 use crate::fingerprint::{RadioMap, map::LOWEST_MEAN_DBM};
-use crate::math::ln;
+use crate::math::{larger, ln};
 
 /// A beacon of a scan, ready to be compared. Levels are in halves of a dB above the lowest, as the means of the map.
 #[derive(Debug, Clone, Copy)]
@@ -336,11 +336,7 @@ impl Sums {
         // The sum of both is at most ln 2 above the larger.
         let (without_prior, with_prior) = (without + terms.log_none, with + terms.log_some);
         Found {
-            log_likelihood: if with_prior > without_prior {
-                with_prior
-            } else {
-                without_prior
-            },
+            log_likelihood: larger(with_prior, without_prior),
             precision: 4.0 * precision,
             shift: 0.5 * gain * weighted,
             probability: terms.belief.probability_given(with - without),

@@ -1,7 +1,7 @@
 //! The offset of a tag's levels from those of the survey's tag.
 
 use super::Config;
-use crate::math::{exp, ln};
+use crate::math::{exp, larger, ln, smaller};
 use crate::snapshot::value;
 
 /// Belief about a tag's offset: none, or normally distributed (spike and slab).
@@ -66,7 +66,7 @@ impl OffsetBelief {
         if self.is_estimated() {
             let most = config.offset_sigma_db * config.offset_sigma_db;
             let variance = self.variance + config.offset_noise_db2_s * dt;
-            self.variance = if variance < most { variance } else { most };
+            self.variance = smaller(variance, most);
         }
     }
 
@@ -101,10 +101,9 @@ impl OffsetBelief {
         let mean = first / some;
         let spread = second / some - mean * mean;
         self.mean_db += mean;
-        self.variance = self.variance / (1.0 + self.variance * precision)
-            + if spread > 0.0 { spread } else { 0.0 };
+        self.variance = self.variance / (1.0 + self.variance * precision) + larger(spread, 0.0);
         // Rounding may leave less than none.
-        let none = if none > 0.0 { none } else { 0.0 };
+        let none = larger(none, 0.0);
         self.set_odds(ln(some / (none + 1e-12 * total)));
     }
 

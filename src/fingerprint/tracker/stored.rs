@@ -90,7 +90,7 @@ impl<const D: usize> Packed<D> {
         // The conversion rounds towards zero and saturates.
         let above = (units + (Self::LARGEST as f32 + 1.5)) as u32;
         let most = 2 * Self::LARGEST as u32 + 1;
-        let above = if above < most { above } else { most };
+        let above = above.min(most);
         above.wrapping_sub(Self::LARGEST as u32 + 1) as u16
     }
 }

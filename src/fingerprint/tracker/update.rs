@@ -12,7 +12,7 @@ use super::stored::{Grain, Stored};
 use super::{Fix, Floor, Ground, State, Tracker, Walls, Workspace};
 use crate::estimate::Symmetric2;
 use crate::fingerprint::map::LOWEST_MEAN_DBM;
-use crate::math::{exp, ln, sqrt};
+use crate::math::{exp, larger, ln, smaller, sqrt};
 use crate::random::{Rng, normal, uniform};
 
 /// Seconds over which the evidence is smoothed: fewer take a few bad scans for a lost tag, more leave a lost tag lost for
@@ -41,7 +41,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         let sums = if let Some(last) = self.fix() {
             let dt = seconds(time_ms.wrapping_sub(last.time_ms) as i32);
             // Two updates at one time are two looks at one place.
-            let dt = if dt > 1e-3 { dt } else { 1e-3 };
+            let dt = larger(dt, 1e-3);
             self.offset.drift(config, dt);
             let moved_m = self.predict(dt, site, &grain, workspace, rng);
             let length_m = site.map(self.floor.number()).error_length_m();
@@ -234,7 +234,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         field: &Field<P>,
     ) -> bool {
         let smoothing = dt * (1.0 / EVIDENCE_S);
-        let smoothing = if smoothing < 1.0 { smoothing } else { 1.0 };
+        let smoothing = smaller(smoothing, 1.0);
         let evidence = ln(evidence / field.mean());
         // Of nothing, the logarithm is none.
         let evidence = if evidence.is_finite() {

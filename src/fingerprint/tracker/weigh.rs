@@ -4,6 +4,7 @@ use super::fix::seconds;
 use super::stored::Grain;
 use super::{Fix, Floor, Ground, Stored, Tracker, Workspace};
 use crate::error::messages;
+use crate::math::larger;
 use crate::random::Rng;
 
 /// Why evidence was not used. The tracker is as before.
@@ -82,7 +83,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         if lattice.axes() > S::AXES {
             return Err(WeighError::Axes);
         }
-        let dt = if dt > 1e-3 { dt } else { 1e-3 };
+        let dt = larger(dt, 1e-3);
         let grain = Grain::of(lattice, config);
         let variance = self.velocity_variance;
         let moved_m = self.predict(dt, site, &grain, workspace, rng);

@@ -24,6 +24,7 @@ use crate::config::{require, require_all};
 use crate::gateway::outcome::Rejected;
 use crate::gateway::sentence::{columns, fixed, turned};
 use crate::gateway::sigma::{SigmaTable, preset};
+use crate::math::larger;
 
 pub(super) const EXAMPLE: &str = "+UUDF:6C1DEBA4241B,-65,26,-65,6,37,\"CCF9579B21AE\",\"\",1129320";
 
@@ -141,7 +142,7 @@ impl Format for Ublox {
         } else {
             100.0
         };
-        let quality = if quality > 0.0 { quality } else { 0.0 };
+        let quality = larger(quality, 0.0);
         let mut reading = Reading::new(turned(degrees), quality, config.sigmas)?;
         reading.channel = channel;
         if !config.anchors.is_empty() {

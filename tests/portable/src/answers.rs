@@ -1,10 +1,7 @@
 //! All that a locator says.
 
 use foxhunt::{
-    aoa::{
-        Answer, Bias, Fix, Hypothesis, Locate, Locator, Mixture, NotObservable, Observation,
-        SigmaScale,
-    },
+    aoa::{Answer, Bias, Fix, Hypothesis, Locate, Locator, NotObservable, Observation, SigmaScale},
     estimate::Symmetric2,
 };
 
@@ -48,15 +45,9 @@ pub fn add_answers<L: Locate>(
     if let Some(SigmaScale { mean, sigma }) = locator.sigma_scale() {
         digest.add(&[mean, sigma]);
     }
-    for mixture in [locator.rates(), locator.classify(observation)] {
-        if let Some(Mixture {
-            direct,
-            mirrored,
-            outlier,
-        }) = mixture
-        {
-            digest.add(&[direct, mirrored, outlier]);
-        }
+    let mixtures = [locator.rates(), locator.classify(observation)];
+    for mixture in mixtures.iter().flatten() {
+        digest.add(&[mixture.direct, mixture.mirrored, mixture.outlier]);
     }
     if let Some(advice) = locator.advice() {
         let direction = advice.direction.radians();
