@@ -12,9 +12,6 @@ use crate::random::{Rng, uniform};
 use crate::resample::Scheme;
 use crate::weights::Weights;
 
-/// Components of the mixture: more follow sharper turns and cost time and 72 bytes each.
-pub(super) const COMPONENTS: usize = 128;
-
 /// Effective sample size, as a fraction of the components, below which they are resampled: the usual one half.
 const RESAMPLE_BELOW: f32 = 0.5;
 
@@ -24,17 +21,17 @@ const GOLDEN: f32 = 0.618_034;
 /// What is left of the weights when nearly everything was removed counts as nothing.
 const ALL: f32 = 0.999;
 
-/// Normal distributions with weights: a mixture Kalman filter (Chen and Liu 2000), whose samples are the times at which
+/// `N` normal distributions with weights: a mixture Kalman filter (Chen and Liu 2000), whose samples are the times at which
 /// the source departed, turned and stopped.
 #[derive(Debug, Clone)]
-pub(super) struct Moved<const K: usize> {
-    components: [Component<K>; COMPONENTS],
-    weights: Weights<COMPONENTS>,
+pub(super) struct Moved<const K: usize, const N: usize> {
+    components: [Component<K>; N],
+    weights: Weights<N>,
     pub(super) bias: KnownBias,
     alive: bool,
 }
 
-persist!(impl[const K: usize] Moved<K> as "Moved"() { components, weights, bias, alive });
+persist!(impl[const K: usize, const N: usize] Moved<K, N> as "Moved"() { components, weights, bias, alive });
 
 /// The stationary components.
 #[derive(Clone, Copy)]
@@ -47,9 +44,9 @@ pub(super) struct Stopped {
     pub(super) variance: f32,
 }
 
-impl<const K: usize> Moved<K> {
+impl<const K: usize, const N: usize> Moved<K, N> {
     pub(super) const EMPTY: Self = Self {
-        components: [Component::stationary([0.0; 2], Symmetric2::ZERO); COMPONENTS],
+        components: [Component::stationary([0.0; 2], Symmetric2::ZERO); N],
         weights: Weights::EMPTY,
         bias: KnownBias {
             mean: 0.0,
@@ -79,7 +76,7 @@ impl<const K: usize> Moved<K> {
         rng: &mut R,
         mut draw: impl FnMut(&mut R) -> Component<K>,
     ) {
-        let all = COMPONENTS as f32;
+        let all = N as f32;
         let (mass, count) = if self.alive {
             self.resample(rng);
             (mass, count)
@@ -109,7 +106,7 @@ impl<const K: usize> Moved<K> {
 
     /// Lets time pass, until a bearing is taken somewhere.
     pub(super) fn predict<R: Rng + ?Sized>(&mut self, drive: &Drive, from: [f32; 2], rng: &mut R) {
-        if self.effective_sample_size() < RESAMPLE_BELOW * COMPONENTS as f32 {
+        if self.effective_sample_size() < RESAMPLE_BELOW * N as f32 {
             self.resample(rng);
         }
         // Evenly over neighbours, too, which are copies after a resampling: of these as many turn and stop as should.

@@ -5,7 +5,6 @@ use super::biases::StationBiases;
 use super::component::{Component, Heard, KnownBias};
 use super::drive::Drive;
 use super::explanations::BEARINGS_TO_START_OVER;
-use super::moved::COMPONENTS;
 use super::{Config, MEMORY, Manoeuvring, Phase, seconds};
 use crate::aoa::core::{check_narrow, square_of_distance};
 use crate::aoa::robust::Errors;
@@ -23,7 +22,7 @@ const ROUNDS: u32 = 4;
 /// it is, more leaves more components when most have turned out to be elsewhere.
 const LEFT: f32 = 0.5;
 
-impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
+impl<L: Stationary, const K: usize, const N: usize> Manoeuvring<L, K, N> {
     /// The errors of a bearing beside the bias of its station.
     pub(super) fn errors_beside_biases(&self, config: &Config<L::Config>) -> Errors {
         let mut errors = self.errors(config);
@@ -138,7 +137,7 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
         };
         let drive = Drive::new(config, 0.0);
         let moving = config.moving_s / (config.moving_s + config.stationary_s);
-        (self.cloud).insert(1.0, COMPONENTS as f32, rng, |rng| {
+        (self.cloud).insert(1.0, N as f32, rng, |rng| {
             let place = anywhere(rng).unwrap_or(fix.position);
             let mut component = Component::among_stations(place, left, sigma, heard.clone());
             if uniform(rng) < moving {
