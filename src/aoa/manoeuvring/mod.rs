@@ -27,6 +27,7 @@
 //! bearing that is older than the latest goes to the stationary explanation only, for as long as that takes it.
 
 mod biases;
+mod branches;
 mod component;
 mod conclusions;
 mod config;
@@ -112,8 +113,7 @@ fn seconds(milliseconds: i32) -> f32 {
 /// `N` is the number of normal distributions that follow the source once it has moved. Each takes 68 bytes, with four stations
 /// 212, and every bearing then takes time in proportion to `N`. The 128 of the default are enough for a vehicle. Among stations,
 /// a computer may take 1,024, as in `Manoeuvring<Robust<256>, 4, 1024>`: places are a few per cent better, for eight times the
-/// memory and the time. A chip that is short of either may take 64: places are a few per cent worse. Fewer lose the source
-/// now and then.
+/// memory and the time. A chip that is short of either may take 64: places are a few per cent worse.
 ///
 /// With 128 and no station, it takes 9.6 kB more than that: 19.1 kB around a [`Robust<256, 64>`](crate::aoa::Robust).
 ///

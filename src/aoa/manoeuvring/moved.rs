@@ -25,8 +25,8 @@ const ALL: f32 = 0.999;
 /// the source departed, turned and stopped.
 #[derive(Debug, Clone)]
 pub(super) struct Moved<const K: usize, const N: usize> {
-    components: [Component<K>; N],
-    weights: Weights<N>,
+    pub(super) components: [Component<K>; N],
+    pub(super) weights: Weights<N>,
     pub(super) bias: KnownBias,
     alive: bool,
 }
@@ -106,20 +106,19 @@ impl<const K: usize, const N: usize> Moved<K, N> {
 
     /// Lets time pass, until a bearing is taken somewhere.
     pub(super) fn predict<R: Rng + ?Sized>(&mut self, drive: &Drive, from: [f32; 2], rng: &mut R) {
+        if K > 0 {
+            return self.branch(drive, rng);
+        }
         if self.effective_sample_size() < RESAMPLE_BELOW * N as f32 {
             self.resample(rng);
         }
         // Evenly over neighbours, too, which are copies after a resampling: of these as many turn and stop as should.
         let mut chance = uniform(rng);
-        let log_weights = self.weights.log_weights_mut();
-        for (component, log_weight) in self.components.iter_mut().zip(log_weights) {
+        for component in &mut self.components {
             chance += GOLDEN;
             chance -= if chance < 1.0 { 0.0 } else { 1.0 };
-            *log_weight += drive.step(component, chance, rng);
+            drive.step(component, chance, rng);
             component.divide(from, rng);
-        }
-        if K > 0 {
-            let _ = self.weights.normalise();
         }
     }
 
@@ -190,27 +189,10 @@ impl<const K: usize, const N: usize> Moved<K, N> {
         }
     }
 
-    /// Resamples in place: the ancestors are in order, so that no copy from below overwrites what one from above needs.
     fn resample<R: Rng + ?Sized>(&mut self, rng: &mut R) {
         let components = &mut self.components;
-        let mut copy = |to: usize, from: usize| {
-            if let Some(component) = components.get(from).copied()
-                && let Some(place) = components.get_mut(to)
-            {
-                *place = component;
-            }
-        };
         (self.weights).resample(Scheme::Systematic, rng, |ancestors, _| {
-            for (to, from) in ancestors.iter().enumerate() {
-                if from > to {
-                    copy(to, from);
-                }
-            }
-            for (to, from) in ancestors.iter().enumerate().rev() {
-                if from < to {
-                    copy(to, from);
-                }
-            }
+            rearrange(components, ancestors.iter());
         });
     }
 
@@ -234,7 +216,7 @@ impl<const K: usize, const N: usize> Moved<K, N> {
         mass
     }
 
-    fn iter(&self) -> impl Iterator<Item = (&Component<K>, f32)> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&Component<K>, f32)> {
         (self.components.iter()).zip(self.weights.weights().iter().copied())
     }
 
@@ -307,6 +289,31 @@ impl<const K: usize, const N: usize> Moved<K, N> {
             probability,
             seconds,
             variance: if variance > 0.0 { variance } else { 0.0 },
+        }
+    }
+}
+
+/// Puts in every place what stands in that of its ancestor: these are in order, so that no copy from below overwrites what one
+/// from above needs.
+pub(super) fn rearrange<T: Copy>(
+    items: &mut [T],
+    ancestors: impl DoubleEndedIterator<Item = usize> + ExactSizeIterator + Clone,
+) {
+    let mut copy = |to: usize, from: usize| {
+        if let Some(item) = items.get(from).copied()
+            && let Some(place) = items.get_mut(to)
+        {
+            *place = item;
+        }
+    };
+    for (to, from) in ancestors.clone().enumerate() {
+        if from > to {
+            copy(to, from);
+        }
+    }
+    for (to, from) in ancestors.enumerate().rev() {
+        if from < to {
+            copy(to, from);
         }
     }
 }

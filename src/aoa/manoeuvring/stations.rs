@@ -11,6 +11,7 @@ use crate::aoa::robust::Errors;
 use crate::aoa::robust::outside::successive;
 use crate::aoa::track::{Stationary, Track, reading_of};
 use crate::aoa::{Alternative, Observation, PushError};
+use crate::math::sqrt;
 use crate::random::{Rng, uniform};
 
 /// Largest standard deviation of the first position, as a fraction of the range, and rounds of bearings after which a larger one
@@ -20,7 +21,7 @@ const ROUNDS: u32 = 4;
 
 /// Fraction of the variance of the first position that is left to each component: less linearises bearings better about where
 /// it is, more leaves more components when most have turned out to be elsewhere.
-const LEFT: f32 = 0.5;
+const LEFT: f32 = 0.25;
 
 impl<L: Stationary, const K: usize, const N: usize> Manoeuvring<L, K, N> {
     /// The errors of a bearing beside the bias of its station.
@@ -125,6 +126,8 @@ impl<L: Stationary, const K: usize, const N: usize> Manoeuvring<L, K, N> {
             })
         });
         let left = fix.covariance.scaled(LEFT);
+        // Of the spread of places, so that with what is left to each it is that of the fix.
+        let drawn = sqrt(1.0 - LEFT);
         let cloud = self.stationary.cloud(0);
         let anywhere = |rng: &mut R| {
             let cloud = cloud?;
@@ -138,7 +141,8 @@ impl<L: Stationary, const K: usize, const N: usize> Manoeuvring<L, K, N> {
         let drive = Drive::new(config, 0.0);
         let moving = config.moving_s / (config.moving_s + config.stationary_s);
         (self.cloud).insert(1.0, N as f32, rng, |rng| {
-            let place = anywhere(rng).unwrap_or(fix.position);
+            let [[x, y], [mx, my]] = [anywhere(rng).unwrap_or(fix.position), fix.position];
+            let place = [mx + drawn * (x - mx), my + drawn * (y - my)];
             let mut component = Component::among_stations(place, left, sigma, heard.clone());
             if uniform(rng) < moving {
                 drive.accelerate(&mut component, rng);
