@@ -89,7 +89,7 @@ pub struct Ancestors<'a> {
 
 impl Ancestors<'_> {
     /// The ancestor of each particle.
-    pub fn iter(&self) -> impl DoubleEndedIterator<Item = usize> + ExactSizeIterator {
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = usize> + ExactSizeIterator + Clone {
         self.indices.iter().map(|index| index.to_bits() as usize)
     }
 

@@ -10,7 +10,7 @@ use crate::math::{larger, sqrt};
 /// fixes, less reports none while the range grows uncertain.
 const SLACK: f32 = 2.0;
 
-impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
+impl<L: Stationary, const K: usize, const N: usize> Manoeuvring<L, K, N> {
     /// How the source moves; `None` before the first fix, until time has passed since, and again after the source was lost for
     /// good.
     pub fn motion(&self) -> Option<Motion> {

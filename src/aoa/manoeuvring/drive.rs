@@ -91,21 +91,31 @@ impl Event {
         }
     }
 
-    /// Logarithm of what a draw counts for, because others are drawn more or less often than they happen.
-    fn log_weight(&self, happens: bool) -> f32 {
-        if self.drawn == self.probability {
-            0.0
-        } else if happens {
-            ln(self.probability / self.drawn)
-        } else {
-            ln((1.0 - self.probability) / (1.0 - self.drawn))
-        }
-    }
-
     /// When it happened, given that it did.
     fn after<R: Rng + ?Sized>(&self, rng: &mut R) -> f32 {
         -self.mean_s * ln(1.0 - self.probability * uniform(rng))
     }
+}
+
+/// What a source does.
+#[derive(Clone, Copy)]
+pub(super) enum What {
+    Rest,
+    Departure,
+    Straight,
+    Turn,
+    Stop,
+}
+
+/// How many things a source may do.
+pub(super) const COURSES: usize = 3;
+
+/// What a source may do.
+pub(super) struct Course {
+    pub(super) what: What,
+    pub(super) probability: f32,
+    /// The probability by which it is drawn.
+    pub(super) drawn: f32,
 }
 
 /// What may happen to a source in a certain time.
@@ -204,41 +214,76 @@ impl Drive {
         }
     }
 
-    /// Lets the time pass, and returns the logarithm of what the component counts for then, if it counted for one before. What
-    /// happens meanwhile is decided by a number that is evenly distributed from 0 to 1.
+    /// All that a component may do while the time passes.
+    pub(super) fn courses<const K: usize>(&self, component: &Component<K>) -> [Course; COURSES] {
+        let course = |what, probability, drawn| Course {
+            what,
+            probability,
+            drawn,
+        };
+        if component.is_stationary() {
+            let Event {
+                probability, drawn, ..
+            } = self.departure_of(component);
+            [
+                course(What::Departure, probability, drawn),
+                course(What::Turn, 0.0, 0.0),
+                course(What::Rest, 1.0 - probability, 1.0 - drawn),
+            ]
+        } else {
+            let stop = self.stop.probability;
+            let turn = (1.0 - stop) * self.turn.probability;
+            let straight = 1.0 - stop - turn;
+            [
+                course(What::Stop, stop, stop),
+                course(What::Turn, turn, turn),
+                course(What::Straight, straight, straight),
+            ]
+        }
+    }
+
+    /// Lets the time pass. What happens meanwhile is decided by a number that is evenly distributed from 0 to 1.
     pub(super) fn step<const K: usize, R: Rng + ?Sized>(
         &self,
         component: &mut Component<K>,
         chance: f32,
         rng: &mut R,
-    ) -> f32 {
-        let stationary = component.is_stationary();
-        let event = if stationary {
-            self.departure_of(component)
+    ) {
+        let [first, second, third] = self.courses(component);
+        let course = if chance < first.drawn {
+            first
+        } else if chance < first.drawn + second.drawn {
+            second
         } else {
-            self.stop
+            third
         };
-        let happens = chance < event.drawn;
-        if stationary {
-            if happens {
-                self.depart(component, rng);
-            } else {
-                component.stationary_s += self.seconds;
+        self.follow(component, course.what, rng);
+    }
+
+    /// Lets the time pass while that happens.
+    pub(super) fn follow<const K: usize, R: Rng + ?Sized>(
+        &self,
+        component: &mut Component<K>,
+        what: What,
+        rng: &mut R,
+    ) {
+        match what {
+            What::Rest => component.stationary_s += self.seconds,
+            What::Departure => self.depart(component, rng),
+            What::Straight => self.straight.apply(component),
+            What::Turn => {
+                // Half of the time with the former velocity, half of it with the new one.
+                component.travel(0.5 * self.seconds, 1.0);
+                self.accelerate(component, rng);
+                component.travel(0.5 * self.seconds, 1.0);
             }
-        } else if happens {
-            let way = event.after(rng);
-            component.travel(way, 1.0);
-            let left = self.seconds - way;
-            component.stop(larger(left, 0.0));
-        } else if chance < event.drawn + (1.0 - event.drawn) * self.turn.probability {
-            // Half of the time with the former velocity, half of it with the new one.
-            component.travel(0.5 * self.seconds, 1.0);
-            self.accelerate(component, rng);
-            component.travel(0.5 * self.seconds, 1.0);
-        } else {
-            self.straight.apply(component);
+            What::Stop => {
+                let way = self.stop.after(rng);
+                component.travel(way, 1.0);
+                let left = self.seconds - way;
+                component.stop(larger(left, 0.0));
+            }
         }
-        event.log_weight(happens)
     }
 }
 

@@ -2,7 +2,6 @@
 
 use super::component::{Component, KnownBias};
 use super::drive::Drive;
-use super::moved::COMPONENTS;
 use super::{Config, Lost, MEMORY, Manoeuvring, Phase, seconds};
 use crate::aoa::robust::Errors;
 use crate::aoa::track::{Stationary, odds_by_moments};
@@ -74,7 +73,7 @@ pub(super) fn stationary_there<const K: usize>(([x, y, _], covariance): &Moments
     Component::stationary([*x, *y], Symmetric2 { xx, xy, yy })
 }
 
-impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
+impl<L: Stationary, const K: usize, const N: usize> Manoeuvring<L, K, N> {
     /// Lets time pass: the cloud moves on, and some components depart from the stationary source at `place`.
     pub(super) fn let_time_pass<R: Rng + ?Sized>(
         &mut self,
@@ -98,7 +97,7 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
         let mass = departed / self.moved;
         if mass > NEGLIGIBLE {
             let mass = smaller(mass, 0.999);
-            let count = larger(mass, NEWEST) * COMPONENTS as f32;
+            let count = larger(mass, NEWEST) * N as f32;
             if self.phase == Phase::Stationary {
                 let ([_, _, mean], [_, _, [_, _, variance]]) = *place;
                 self.cloud.bias = KnownBias { mean, variance };
@@ -244,7 +243,7 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
             sigma_m: sqrt(seen.covariance.largest_eigenvalue())
                 + config.speed_m_s * (self.lost.seconds + MEMORY * drive.seconds),
         };
-        let count = SEARCHING * COMPONENTS as f32;
+        let count = SEARCHING * N as f32;
         self.cloud.insert(SEARCHING, count, rng, |rng| {
             let mut component = ray.draw(rng);
             drive.accelerate(&mut component, rng);

@@ -12,9 +12,6 @@ use crate::random::{Rng, uniform};
 use crate::resample::Scheme;
 use crate::weights::Weights;
 
-/// Components of the mixture: more follow sharper turns and cost time and 72 bytes each.
-pub(super) const COMPONENTS: usize = 128;
-
 /// Effective sample size, as a fraction of the components, below which they are resampled: the usual one half.
 const RESAMPLE_BELOW: f32 = 0.5;
 
@@ -24,17 +21,17 @@ const GOLDEN: f32 = 0.618_034;
 /// What is left of the weights when nearly everything was removed counts as nothing.
 const ALL: f32 = 0.999;
 
-/// Normal distributions with weights: a mixture Kalman filter (Chen and Liu 2000), whose samples are the times at which
+/// `N` normal distributions with weights: a mixture Kalman filter (Chen and Liu 2000), whose samples are the times at which
 /// the source departed, turned and stopped.
 #[derive(Debug, Clone)]
-pub(super) struct Moved<const K: usize> {
-    components: [Component<K>; COMPONENTS],
-    weights: Weights<COMPONENTS>,
+pub(super) struct Moved<const K: usize, const N: usize> {
+    pub(super) components: [Component<K>; N],
+    pub(super) weights: Weights<N>,
     pub(super) bias: KnownBias,
     alive: bool,
 }
 
-persist!(impl[const K: usize] Moved<K> as "Moved"() { components, weights, bias, alive });
+persist!(impl[const K: usize, const N: usize] Moved<K, N> as "Moved"() { components, weights, bias, alive });
 
 /// The stationary components.
 #[derive(Clone, Copy)]
@@ -47,9 +44,9 @@ pub(super) struct Stopped {
     pub(super) variance: f32,
 }
 
-impl<const K: usize> Moved<K> {
+impl<const K: usize, const N: usize> Moved<K, N> {
     pub(super) const EMPTY: Self = Self {
-        components: [Component::stationary([0.0; 2], Symmetric2::ZERO); COMPONENTS],
+        components: [Component::stationary([0.0; 2], Symmetric2::ZERO); N],
         weights: Weights::EMPTY,
         bias: KnownBias {
             mean: 0.0,
@@ -79,7 +76,7 @@ impl<const K: usize> Moved<K> {
         rng: &mut R,
         mut draw: impl FnMut(&mut R) -> Component<K>,
     ) {
-        let all = COMPONENTS as f32;
+        let all = N as f32;
         let (mass, count) = if self.alive {
             self.resample(rng);
             (mass, count)
@@ -109,20 +106,19 @@ impl<const K: usize> Moved<K> {
 
     /// Lets time pass, until a bearing is taken somewhere.
     pub(super) fn predict<R: Rng + ?Sized>(&mut self, drive: &Drive, from: [f32; 2], rng: &mut R) {
-        if self.effective_sample_size() < RESAMPLE_BELOW * COMPONENTS as f32 {
+        if K > 0 {
+            return self.branch(drive, rng);
+        }
+        if self.effective_sample_size() < RESAMPLE_BELOW * N as f32 {
             self.resample(rng);
         }
         // Evenly over neighbours, too, which are copies after a resampling: of these as many turn and stop as should.
         let mut chance = uniform(rng);
-        let log_weights = self.weights.log_weights_mut();
-        for (component, log_weight) in self.components.iter_mut().zip(log_weights) {
+        for component in &mut self.components {
             chance += GOLDEN;
             chance -= if chance < 1.0 { 0.0 } else { 1.0 };
-            *log_weight += drive.step(component, chance, rng);
+            drive.step(component, chance, rng);
             component.divide(from, rng);
-        }
-        if K > 0 {
-            let _ = self.weights.normalise();
         }
     }
 
@@ -193,27 +189,10 @@ impl<const K: usize> Moved<K> {
         }
     }
 
-    /// Resamples in place: the ancestors are in order, so that no copy from below overwrites what one from above needs.
     fn resample<R: Rng + ?Sized>(&mut self, rng: &mut R) {
         let components = &mut self.components;
-        let mut copy = |to: usize, from: usize| {
-            if let Some(component) = components.get(from).copied()
-                && let Some(place) = components.get_mut(to)
-            {
-                *place = component;
-            }
-        };
         (self.weights).resample(Scheme::Systematic, rng, |ancestors, _| {
-            for (to, from) in ancestors.iter().enumerate() {
-                if from > to {
-                    copy(to, from);
-                }
-            }
-            for (to, from) in ancestors.iter().enumerate().rev() {
-                if from < to {
-                    copy(to, from);
-                }
-            }
+            rearrange(components, ancestors.iter());
         });
     }
 
@@ -237,7 +216,7 @@ impl<const K: usize> Moved<K> {
         mass
     }
 
-    fn iter(&self) -> impl Iterator<Item = (&Component<K>, f32)> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&Component<K>, f32)> {
         (self.components.iter()).zip(self.weights.weights().iter().copied())
     }
 
@@ -306,6 +285,31 @@ impl<const K: usize> Moved<K> {
             probability,
             seconds,
             variance: larger(variance, 0.0),
+        }
+    }
+}
+
+/// Puts in every place what stands in that of its ancestor: these are in order, so that no copy from below overwrites what one
+/// from above needs.
+pub(super) fn rearrange<T: Copy>(
+    items: &mut [T],
+    ancestors: impl DoubleEndedIterator<Item = usize> + ExactSizeIterator + Clone,
+) {
+    let mut copy = |to: usize, from: usize| {
+        if let Some(item) = items.get(from).copied()
+            && let Some(place) = items.get_mut(to)
+        {
+            *place = item;
+        }
+    };
+    for (to, from) in ancestors.clone().enumerate() {
+        if from > to {
+            copy(to, from);
+        }
+    }
+    for (to, from) in ancestors.enumerate().rev() {
+        if from < to {
+            copy(to, from);
         }
     }
 }

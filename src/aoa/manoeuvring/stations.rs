@@ -5,13 +5,13 @@ use super::biases::StationBiases;
 use super::component::{Component, Heard, KnownBias};
 use super::drive::Drive;
 use super::explanations::BEARINGS_TO_START_OVER;
-use super::moved::COMPONENTS;
 use super::{Config, MEMORY, Manoeuvring, Phase, seconds};
 use crate::aoa::core::{check_narrow, square_of_distance};
 use crate::aoa::robust::Errors;
 use crate::aoa::robust::outside::successive;
 use crate::aoa::track::{Stationary, Track, reading_of};
 use crate::aoa::{Alternative, Observation, PushError};
+use crate::math::sqrt;
 use crate::random::{Rng, uniform};
 
 /// Largest standard deviation of the first position, as a fraction of the range, and rounds of bearings after which a larger one
@@ -21,9 +21,9 @@ const ROUNDS: u32 = 4;
 
 /// Fraction of the variance of the first position that is left to each component: less linearises bearings better about where
 /// it is, more leaves more components when most have turned out to be elsewhere.
-const LEFT: f32 = 0.5;
+const LEFT: f32 = 0.25;
 
-impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
+impl<L: Stationary, const K: usize, const N: usize> Manoeuvring<L, K, N> {
     /// The errors of a bearing beside the bias of its station.
     pub(super) fn errors_beside_biases(&self, config: &Config<L::Config>) -> Errors {
         let mut errors = self.errors(config);
@@ -126,6 +126,8 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
             })
         });
         let left = fix.covariance.scaled(LEFT);
+        // Of the spread of places, so that with what is left to each it is that of the fix.
+        let drawn = sqrt(1.0 - LEFT);
         let cloud = self.stationary.cloud(0);
         let anywhere = |rng: &mut R| {
             let cloud = cloud?;
@@ -138,8 +140,9 @@ impl<L: Stationary, const K: usize> Manoeuvring<L, K> {
         };
         let drive = Drive::new(config, 0.0);
         let moving = config.moving_s / (config.moving_s + config.stationary_s);
-        (self.cloud).insert(1.0, COMPONENTS as f32, rng, |rng| {
-            let place = anywhere(rng).unwrap_or(fix.position);
+        (self.cloud).insert(1.0, N as f32, rng, |rng| {
+            let [[x, y], [mx, my]] = [anywhere(rng).unwrap_or(fix.position), fix.position];
+            let place = [mx + drawn * (x - mx), my + drawn * (y - my)];
             let mut component = Component::among_stations(place, left, sigma, heard.clone());
             if uniform(rng) < moving {
                 drive.accelerate(&mut component, rng);

@@ -6,7 +6,7 @@ use crate::aoa::track::{Stationary, Track};
 use crate::aoa::{Answer, Locate, Observation};
 use crate::random::Rng;
 
-impl<L: Stationary, const K: usize> Track for Manoeuvring<L, K> {
+impl<L: Stationary, const K: usize, const N: usize> Track for Manoeuvring<L, K, N> {
     fn beliefs(config: &Self::Config) -> robust::Config {
         L::beliefs(&config.stationary)
     }

@@ -11,7 +11,7 @@ use foxhunt_host::{
 use foxhunt_simulation::{Sight, random::generator};
 use nalgebra::Vector2;
 
-use super::{EVERY_S, FIRST_S, Follower, baseline::Smoothed};
+use super::{COMPONENTS, EVERY_S, FIRST_S, Follower, baseline::Smoothed};
 use crate::papers::{outcome::Outcome, statistics::median, table::table};
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
@@ -106,7 +106,7 @@ fn scored(walk: &Walk) -> impl Iterator<Item = (usize, [f64; 2])> {
 fn ours(walk: &Walk, seed: u64) -> Result<Vec<Second>> {
     let mut all = vec![Second::default(); scored(walk).count()];
     for run in 0..SEEDS {
-        let mut follower = Follower::new(told(), seed ^ run)?;
+        let mut follower = Follower::<COMPONENTS>::new(told(), seed ^ run)?;
         let mut sights = walk.sights.iter().peekable();
         for (sum, (second, tag)) in all.iter_mut().zip(scored(walk)) {
             while let Some(reading) = sights.next_if(|(_, s)| s.time_ms <= 1000 * second as u32) {

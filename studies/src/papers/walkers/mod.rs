@@ -31,13 +31,17 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
+/// Components of the locator unless it has others, and as many as a computer has room and time for.
+const COMPONENTS: usize = 128;
+const MANY: usize = 1024;
+
 /// The locator of walkers among four stations.
-struct Follower {
-    locator: Box<Locator<Manoeuvring<Robust<256>, 4>>>,
+struct Follower<const N: usize> {
+    locator: Box<Locator<Manoeuvring<Robust<256>, 4, N>>>,
     rng: Xoshiro128PlusPlus,
 }
 
-impl Follower {
+impl<const N: usize> Follower<N> {
     fn new(config: Config, seed: u64) -> Result<Self> {
         Ok(Self {
             locator: Box::new(Locator::new(config)?),
