@@ -6,6 +6,7 @@
 #![no_std]
 
 mod aoa;
+mod building;
 mod digest;
 mod filter;
 mod fingerprint;
@@ -31,6 +32,7 @@ const GROUPS: &[&[Case]] = &[
     refine::CASES,
     proposal::CASES,
     fingerprint::CASES,
+    building::CASES,
     gateway::CASES,
     snapshot::CASES,
     whole::CASES,
