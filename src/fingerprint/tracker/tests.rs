@@ -224,6 +224,7 @@ fn a_refused_packet_changes_nothing() {
     };
     let refused = tracker.push(*time_ms, packet, &site, &mut small, rng);
     assert_eq!(refused, Err(ReadingError::Points));
+    assert_eq!(tracker.flush(&site, &mut small, rng), None);
     assert_eq!(walk.tracker.fix(), fix);
 }
 

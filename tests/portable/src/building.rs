@@ -35,7 +35,7 @@ static HALL: &[u8; 1836] = include_bytes!("../data/hall.moments");
 static TUNNEL: &[u8] = include_bytes!("../data/tunnel.moments");
 static MIDDLE: [u8; 1836] = storey([30, 30, 0, 0], None);
 /// Nobody was ever in its pillar.
-static TOP: [u8; 1836] = storey([30, 0, 0, 30], Some(3 * 31 + 12));
+static TOP: [u8; 1836] = storey([30, 0, 0, 30], Some(4 * 31 + 26));
 
 /// The hall behind ceilings that take so many halves of a dB off each beacon, without one point.
 const fn storey(losses: [u8; 4], pillar: Option<usize>) -> [u8; 1836] {
