@@ -209,8 +209,13 @@ fn assert_summarised<const P: usize>(map: &RadioMap<'_>, found: &Match, posterio
     }
 }
 
-/// The scan is as likely at the point as the densities of the map say, and nowhere likelier.
-fn assert_likeliest(map: &RadioMap<'_>, found: &Match, scan: &[Reading], config: &Config) {
+/// The scan is as likely at the points as the densities of the map say.
+fn assert_likely(
+    map: &RadioMap<'_>,
+    found: &Match,
+    scan: &[Reading],
+    (config, weights): (&Config, &[f32]),
+) {
     let accepted = scan
         .iter()
         .filter(|reading| config.accepts(reading.rssi_dbm));
@@ -223,7 +228,10 @@ fn assert_likeliest(map: &RadioMap<'_>, found: &Match, scan: &[Reading], config:
     assert_close(found.log_likelihood, at(found.point), 1e-3);
     let points = (0..map.lattice().points()).filter(|point| map.is_possible(*point));
     for point in points {
-        assert!(at(point) < at(found.point) + 1e-3, "{point} {found:?}");
+        let expected = f64::from(config.tempering) * (at(point) - at(found.point));
+        assert!(expected < 1e-3, "{point} {found:?}");
+        let ratio = weights[point] / weights[found.point];
+        assert_close(ratio, expected.exp(), 1e-3);
     }
 }
 
@@ -255,7 +263,7 @@ fn exercise(bytes: &[u8], scan: &[Reading], x: f32, y: f32) {
             assert_eq!(found.position, map.lattice().position(found.point));
             assert_summarised(&map, &found, &posterior);
             if map.encoding() == Encoding::Levels && !missing_beacons_count {
-                assert_likeliest(&map, &found, scan, &config);
+                assert_likely(&map, &found, scan, (&config, posterior.weights()));
             }
         }
     }

@@ -376,6 +376,39 @@ mod tests {
         let found: Vec<_> = found.collect();
         assert!(found[..511].iter().all(Option::is_none));
         assert_eq!(found[511], Some(Finding::Rare));
+        // Half of what was counted still counts: with as many of its own it is no longer so.
+        let found: Vec<_> = (0..256).map(|_| radio.count(true, 4)).collect();
+        assert!(found[..255].iter().all(Option::is_none));
+        assert_eq!(found[255], Some(Finding::Usual));
+        let mut radio = Radio::EMPTY;
+        let heard = (0..512 + 256).filter_map(|packet| radio.count(packet < 512, 4));
+        assert_eq!(heard.count(), 0);
+    }
+
+    #[test]
+    fn only_a_sure_fix_of_two_seconds_or_less_tells_of_a_radio() {
+        let bytes = map(1);
+        let site = site(&bytes);
+        for (state, late_ms, is_told) in [
+            (State::Tracking, 2_000, true),
+            (State::Tracking, 2_001, false),
+            (State::Tracking, 60_000, false),
+            (State::Uncertain, 0, false),
+        ] {
+            let mut health = Health::<4>::EMPTY;
+            let mut told = 0;
+            for packet in 0..2_000u32 {
+                let point = (packet as usize / 4) % 41;
+                let rssi = site.map.moments(1, point).unwrap().mean_dbm + 40.0;
+                let mut fix = fix(packet, point as f32);
+                fix.state = state;
+                let time_ms = packet + late_ms;
+                health.hear((1, rssi), time_ms, (&fix, 0), &site, |radio, finding| {
+                    told += u32::from((radio, finding) == (1, Finding::Moved));
+                });
+            }
+            assert_eq!(told, u32::from(is_told), "{state:?} {late_ms}");
+        }
     }
 
     #[test]
