@@ -60,9 +60,9 @@ impl<'a> Matcher<'a> {
             config,
             gaussian,
         } = self;
-        let used = check::<P>(map, scan, config)?;
         let costs = posterior.costs_mut(map.lattice().points());
         let costs = costs.ok_or(ReadingError::Points)?;
+        let used = check(map, scan, config)?;
         let readings = accepted(scan, config);
         match map.encoding() {
             Encoding::Moments => gaussian.set(map, readings, costs),
@@ -85,21 +85,8 @@ impl<'a> Matcher<'a> {
     }
 }
 
-/// Counts the readings that can be used. Refuses a scan that has none, or of unknown beacons, and a map for which the
-/// posterior has no room, or of which nothing was surveyed.
-fn check<const P: usize>(
-    map: &RadioMap<'_>,
-    scan: &[Reading],
-    config: &Config,
-) -> Result<usize, ReadingError> {
-    if map.lattice().points() > P {
-        return Err(ReadingError::Points);
-    }
-    // At least one point must have been surveyed. Bits beyond the last point mean nothing.
-    let mut points = 0..map.lattice().points();
-    if !map.is_complete() && !points.any(|point| map.is_possible(point)) {
-        return Err(ReadingError::Survey);
-    }
+/// Counts the readings that can be used. Refuses a scan that has none, or of unknown beacons.
+fn check(map: &RadioMap<'_>, scan: &[Reading], config: &Config) -> Result<usize, ReadingError> {
     let mut used = 0;
     for reading in scan {
         if usize::from(reading.beacon) >= map.beacons() {

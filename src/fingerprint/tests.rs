@@ -89,6 +89,7 @@ fn a_map_reads_as_it_was_written() {
     assert_eq!(map.moments(0, 1), None);
     assert_eq!(map.moments(1, 1), moments(-87.5, 15.75));
     assert_eq!(map.moments(1, 2), moments(-128.0, 0.25));
+    assert_eq!(map.log_density(0, -50.0, 0), None);
 }
 
 #[test]
@@ -187,6 +188,53 @@ fn what_is_wrong_is_named() {
     );
 }
 
+/// The mean and the covariance are those of the weights, computed from places in metres.
+fn assert_summarised<const P: usize>(map: &RadioMap<'_>, found: &Match, posterior: &Posterior<P>) {
+    let weights = posterior.weights().iter().copied().map(f64::from);
+    let places = (0..).map(|point| map.lattice().position(point).map(f64::from));
+    let places: Vec<_> = weights.zip(places).collect();
+    let over = |of: &dyn Fn([f64; 2]) -> f64| {
+        let products = places.iter().map(|(weight, place)| weight * of(*place));
+        products.sum::<f64>()
+    };
+    assert_close(over(&|_| 1.0) as f32, 1.0, 1e-4);
+    let mean = [over(&|[x, _]| x), over(&|[_, y]| y)];
+    let covariance = posterior.covariance(map.lattice()).rows();
+    for a in 0..2 {
+        assert_close(found.mean[a], mean[a], 1e-3);
+        for b in 0..2 {
+            let moment = over(&|place| (place[a] - mean[a]) * (place[b] - mean[b]));
+            assert_close(covariance[a][b], moment, 1e-3);
+        }
+    }
+}
+
+/// The scan is as likely at the points as the densities of the map say.
+fn assert_likely(
+    map: &RadioMap<'_>,
+    found: &Match,
+    scan: &[Reading],
+    (config, weights): (&Config, &[f32]),
+) {
+    let accepted = scan
+        .iter()
+        .filter(|reading| config.accepts(reading.rssi_dbm));
+    let accepted: Vec<_> = accepted.take(MAX_READINGS).collect();
+    let at = |point: usize| {
+        let density =
+            |reading: &&Reading| map.log_density(reading.beacon.into(), reading.rssi_dbm, point);
+        f64::from(accepted.iter().filter_map(density).sum::<f32>())
+    };
+    assert_close(found.log_likelihood, at(found.point), 1e-3);
+    let points = (0..map.lattice().points()).filter(|point| map.is_possible(*point));
+    for point in points {
+        let expected = f64::from(config.tempering) * (at(point) - at(found.point));
+        assert!(expected < 1e-3, "{point} {found:?}");
+        let ratio = weights[point] / weights[found.point];
+        assert_close(ratio, expected.exp(), 1e-3);
+    }
+}
+
 /// Asks a map everything.
 fn exercise(bytes: &[u8], scan: &[Reading], x: f32, y: f32) {
     let Ok(map) = RadioMap::new(bytes) else {
@@ -213,15 +261,10 @@ fn exercise(bytes: &[u8], scan: &[Reading], x: f32, y: f32) {
         if let Ok(found) = matcher.locate(scan, &mut posterior) {
             assert!(found.point < points && map.is_possible(found.point));
             assert_eq!(found.position, map.lattice().position(found.point));
-            let [a, b] = posterior.covariance(map.lattice()).rows();
-            let numbers = [found.mean, a, b];
-            assert!(
-                numbers
-                    .as_flattened()
-                    .iter()
-                    .all(|number| number.is_finite())
-            );
-            assert!((posterior.weights().iter().sum::<f32>() - 1.0).abs() < 1e-4);
+            assert_summarised(&map, &found, &posterior);
+            if map.encoding() == Encoding::Levels && !missing_beacons_count {
+                assert_likely(&map, &found, scan, (&config, posterior.weights()));
+            }
         }
     }
     assert!(map.lattice().nearest([x, y]) < points);

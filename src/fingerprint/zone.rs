@@ -137,6 +137,20 @@ mod tests {
         }
     }
 
+    /// At the height of a corner, and beside the edge from one corner to the next, which is at x = 4 + (y - 1) / 3.
+    #[test]
+    fn places_beside_corners_and_edges() {
+        for (place, inside) in [
+            ([3.0, 4.0], true),
+            ([3.0, 1.0], true),
+            ([4.2, 2.0], true),
+            ([4.6, 2.0], false),
+            ([5.5, 4.0], false),
+        ] {
+            assert_eq!(HALL.contains(place), inside, "{place:?}");
+        }
+    }
+
     proptest! {
         /// The plane about the hall, in three pieces that meet: every place is in exactly one.
         #[test]

@@ -384,3 +384,61 @@ impl<const N: usize, F: Floor> Cloud<N, F> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_points_belong_to_the_cells_before_them() {
+        let plane = Lattice::new([0.0; 2], 1.0, 5, 3).unwrap();
+        let places = [
+            ([0.0, 0.0], Some(0)),
+            ([4.0, 2.0], Some(8)),
+            ([4.0, 0.5], Some(3)),
+            ([1.5, 2.0], Some(6)),
+            ([1.5, 2.1], None),
+            ([4.1, 1.0], None),
+            ([-0.1, 1.0], None),
+            ([1.0, -0.1], None),
+        ];
+        let mut cloud = Cloud::<8, u8>::EMPTY;
+        cloud.floors = [2; 8];
+        for (number, ([x, y], _)) in places.into_iter().enumerate() {
+            (cloud.places[0][number], cloud.places[1][number]) = (x, y);
+        }
+        cloud.find_cells(&plane);
+        cloud.exclude_beyond(&plane);
+        for (number, (place, cell)) in places.into_iter().enumerate() {
+            assert_eq!(is_on(place, &plane), cell.is_some(), "{place:?}");
+            let cell = cell.map_or(BEYOND, |cell| 2 * 15 + cell);
+            assert_eq!(cloud.cells[number], cell, "{place:?}");
+            assert_eq!(cloud.weights[number].is_finite(), is_on(place, &plane));
+        }
+        let line = Lattice::new([0.0; 2], 1.0, 1, 5).unwrap();
+        for (steps, is_within) in [(4.0, true), (4.1, false), (-0.1, false)] {
+            assert_eq!(is_on([steps, 9.0], &line), is_within, "{steps}");
+        }
+    }
+
+    /// An odd number of them: half, a quarter, and as likely as the best one.
+    #[test]
+    fn weights_are_relative_to_the_largest() {
+        let mut cloud = Cloud::<3, u8>::EMPTY;
+        cloud.floors = [0, 0, 1];
+        let ln_2 = core::f32::consts::LN_2;
+        cloud.weights = [40.0, 40.0 - 2.0 * ln_2, 40.0 - ln_2];
+        let sums = cloud.weigh().unwrap();
+        for (weight, expected) in cloud.weights.into_iter().zip([1.0, 0.25, 0.5]) {
+            assert!((weight - expected).abs() < 1e-5, "{weight}");
+        }
+        assert!((sums.weights - 1.75).abs() < 1e-5, "{sums:?}");
+        assert!((sums.squares - 1.3125).abs() < 1e-5, "{sums:?}");
+        let (floor, on_floor) = cloud.likeliest(2, sums.weights);
+        assert!(floor == 0 && (on_floor - 1.25).abs() < 1e-5);
+        // Of floors that are as likely as each other, the lowest.
+        cloud.weights = [0.25, 0.25, 0.5];
+        assert_eq!(cloud.likeliest(2, 1.0), (0, 0.5));
+        assert_eq!(cloud.likeliest(1, 1.0), (0, 1.0));
+    }
+}

@@ -161,4 +161,20 @@ mod tests {
         assert_eq!(memory.prior(0).weight, 0.0);
         assert_eq!(memory.prior(0).unknown, 1.0);
     }
+
+    /// Half was known, of which exp(-0.4) is left after 2 s: 0.335. Of the 0.6 that a scan leaves known, it is 0.201.
+    #[test]
+    fn what_is_remembered_ages_until_something_is_learned() {
+        let mut memory = Memory::<1>::EMPTY;
+        memory.learn(&heard(-60.0), |_, _| Some(1.0));
+        memory.fade(2.0, 0.0, 2.0, &Config::DEFAULT);
+        assert_eq!(memory.age_s, 2.0);
+        memory.learn(&heard(-60.0), |_, _| None);
+        assert_eq!(memory.age_s, 2.0);
+        memory.learn(&heard(-60.0), |_, _| Some(1.0));
+        assert!((memory.age_s - 2.0 * 0.335).abs() < 0.01, "{memory:?}");
+        let mut nothing = Memory::<1>::EMPTY;
+        nothing.learn(&heard(-60.0), |_, _| None);
+        assert_eq!(nothing.age_s, 0.0);
+    }
 }

@@ -125,3 +125,56 @@ impl OffsetBelief {
 fn sigmoid(x: f32) -> f32 {
     1.0 / (1.0 + exp(-x))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn prior() -> OffsetBelief {
+        OffsetBelief::prior(&Config::DEFAULT)
+    }
+
+    /// Two points of weights 2 and 1, of which one in two and all of the weight has an offset, by 3 and by -1 dB: a mean of 1 dB,
+    /// a spread of 4 dB^2, and odds of 2 to 1. A scan of precision 1/64 halves a variance of 64 dB^2.
+    #[test]
+    fn learns_the_mean_the_spread_and_the_odds_of_what_points_think() {
+        let mut belief = prior();
+        belief.learn(
+            1.0 / 64.0,
+            3.0,
+            [(2.0, [0.5, 3.0]), (1.0, [1.0, -1.0])].into_iter(),
+        );
+        assert!((belief.mean_db - 1.0).abs() < 1e-5, "{belief:?}");
+        assert!((belief.variance - 36.0).abs() < 1e-4, "{belief:?}");
+        assert!(
+            (belief.probability() - 2.0 / 3.0).abs() < 1e-5,
+            "{belief:?}"
+        );
+    }
+
+    /// Whatever the weights are relative to.
+    #[test]
+    fn learns_from_all_sums_but_those_that_have_underflowed_or_add_up_to_too_much() {
+        for (total, some, is_learned) in [
+            (1e-3, 1e-14, true),
+            (1e3, 1e-8, true),
+            (1e3, 1e-10, false),
+            (1e3, 1000.5, true),
+            (1e3, 1001.0, false),
+        ] {
+            let mut belief = prior();
+            belief.learn(0.0, total, [(some, [1.0, 5.0])].into_iter());
+            let mean_db = if is_learned { 5.0 } else { 0.0 };
+            assert_eq!(belief.mean_db, mean_db, "{total} {some}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_estimated_is_not_learned() {
+        let mut belief = OffsetBelief::EMPTY;
+        belief.drift(&Config::DEFAULT, 10.0);
+        belief.learn(0.0, 1.0, [(1.0, [0.5, 5.0])].into_iter());
+        assert_eq!(belief, OffsetBelief::EMPTY);
+        assert_eq!(belief.log_probabilities(), [0.0; 2]);
+    }
+}

@@ -101,6 +101,18 @@ mod tests {
     }
 
     #[test]
+    fn packets_that_are_late_or_contradict_each_other_turn_nothing_back() {
+        let mut present = Present::EMPTY;
+        assert_eq!(present.hear(10_000_000), 10_000_000);
+        for _ in 0..10 {
+            assert_eq!(present.hear(10_000_000 - 900), 10_000_000);
+        }
+        for apart in 1..10 {
+            assert_eq!(present.hear(10_000_000 + 100_000 * apart), 10_000_000);
+        }
+    }
+
+    #[test]
     fn packets_far_apart_are_followed_later() {
         let mut present = Present::EMPTY;
         let last = (0..11).map(|i| present.hear(10_000 * i)).last();

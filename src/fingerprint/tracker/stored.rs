@@ -233,6 +233,23 @@ mod tests {
     use super::*;
 
     #[test]
+    fn whoever_is_too_fast_is_as_fast_as_can_be_packed() {
+        let grain = Grain {
+            units: [256.0, 1.0 / 256.0],
+            velocity: [8.0, 0.125],
+        };
+        let line = Packed::<1>::pack([0.0; 2], [100.0, 0.0], OneFloor, &grain);
+        let plane = Packed::<2>::pack([0.0; 2], [100.0, 9.0], OneFloor, &grain);
+        for velocity in [
+            line.velocity::<0>(&grain),
+            plane.velocity::<0>(&grain),
+            plane.velocity::<1>(&grain),
+        ] {
+            assert!((velocity - 8.0).abs() < 1e-5, "{velocity}");
+        }
+    }
+
+    #[test]
     fn particles_are_unpacked_as_they_were_packed() {
         let grain = Grain {
             units: [256.0, 1.0 / 256.0],

@@ -21,7 +21,7 @@ pub(crate) fn level(beacon: u8, x: f32) -> f32 {
 }
 
 /// Points along y instead of x, with levels by their number.
-fn turned(columns: u16) -> Vec<u8> {
+pub(crate) fn turned(columns: u16) -> Vec<u8> {
     let mut bytes = map(columns);
     let (columns, rows): ([u8; 2], [u8; 2]) = ([bytes[10], bytes[11]], [bytes[8], bytes[9]]);
     bytes[8..10].copy_from_slice(&columns);
@@ -31,7 +31,7 @@ fn turned(columns: u16) -> Vec<u8> {
 }
 
 /// Writes the checksum anew.
-fn seal(bytes: &mut [u8]) {
+pub(crate) fn seal(bytes: &mut [u8]) {
     let end = bytes.len() - 4;
     let sum = crc32(&bytes[..end]);
     bytes[end..].copy_from_slice(&sum.to_le_bytes());
@@ -224,6 +224,7 @@ fn a_refused_packet_changes_nothing() {
     };
     let refused = tracker.push(*time_ms, packet, &site, &mut small, rng);
     assert_eq!(refused, Err(ReadingError::Points));
+    assert_eq!(tracker.flush(&site, &mut small, rng), None);
     assert_eq!(walk.tracker.fix(), fix);
 }
 
@@ -377,4 +378,19 @@ fn a_tag_at_rest_is_known_no_better_than_the_map_says() {
     assert!(rests[1] < 2.0 && (rests[0] - 4.0).abs() < 0.3, "{rests:?}");
     let walks = [&told, &not_told].map(|map| sigma_m(map, 20, |time| 5.0 + 1.5 * time));
     assert!((walks[0] - walks[1]).abs() < 1e-3, "{walks:?}");
+}
+
+#[test]
+fn on_a_line_a_region_is_as_long_as_its_sigmas_say() {
+    let along = |covariance: [[f32; 2]; 2]| Fix {
+        position: [12.0, 30.0],
+        covariance: covariance.into(),
+        ..Fix::EMPTY
+    };
+    let [x, y] = [[[4.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 4.0]]].map(along);
+    // 1.96 sigmas of 2 m.
+    for (metres, inside) in [(3.9, true), (-3.9, true), (3.94, false), (-3.94, false)] {
+        assert_eq!(x.contains([12.0 + metres, 35.0], 0.95), inside, "{metres}");
+        assert_eq!(y.contains([17.0, 30.0 + metres], 0.95), inside, "{metres}");
+    }
 }

@@ -127,5 +127,52 @@ mod tests {
             width: 2.0,
         };
         assert!(Walls::Corridor(&[piece]).allow([3.0, 0.0], [3.9, 0.0]));
+        assert!(CORNER.allow([20.0, 12.0], [20.0, 18.0]));
+    }
+
+    /// Along a piece that rises 4 m in 3, and 0.1 m to either side of its walls.
+    #[test]
+    fn a_slanting_piece_is_as_wide_and_as_long_as_it_says() {
+        let piece = Piece {
+            from: [2.0, 3.0],
+            to: [8.0, 11.0],
+            width: 4.0,
+        };
+        for (along, across, inside) in [
+            (5.0, 1.9, true),
+            (5.0, -1.9, true),
+            (5.0, 2.1, false),
+            (5.0, -2.1, false),
+            (-1.9, 0.0, true),
+            (-2.1, 0.0, false),
+            (11.9, 0.0, true),
+            (12.1, 0.0, false),
+        ] {
+            let place = [
+                2.0 + 0.6 * along - 0.8 * across,
+                3.0 + 0.8 * along + 0.6 * across,
+            ];
+            assert_eq!(piece.contains(place), inside, "{along} {across}");
+        }
+    }
+
+    #[test]
+    fn half_a_metre_of_wall_is_not_passed_in_a_step_of_less_than_four() {
+        let halves = Walls::Corridor(&[
+            Piece {
+                from: [0.0, 5.0],
+                to: [9.0, 5.0],
+                width: 2.0,
+            },
+            Piece {
+                from: [11.5, 5.0],
+                to: [20.0, 5.0],
+                width: 2.0,
+            },
+        ]);
+        for centimetre in 0..330 {
+            let from = 6.65 + 0.01 * centimetre as f32;
+            assert!(!halves.allow([from, 5.0], [from + 3.9, 5.0]), "{from}");
+        }
     }
 }

@@ -177,4 +177,25 @@ mod tests {
         assert!((fix.position[0] - place).abs() < 0.5, "{fix:?}");
         assert_eq!((fix.time_ms, Some(fix)), (700, tag.fix()));
     }
+
+    #[test]
+    fn evidence_of_a_plane_is_refused_on_a_line() {
+        let (line, plane) = (map(1), map(2));
+        let [line, plane] = [&line, &plane]
+            .map(|bytes| Site::new(RadioMap::new(bytes).unwrap(), Config::DEFAULT).unwrap());
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(5);
+        let mut room = Workspace::<200, 82>::EMPTY;
+        let mut tag = Tracker::<200, 4, 1>::EMPTY;
+        let anywhere = |_: [f32; 2], _| 0.0;
+        let packet = Reading {
+            beacon: 0,
+            rssi_dbm: -65.0,
+        };
+        tag.push(0, packet, &line, &mut room, &mut rng).unwrap();
+        tag.flush(&line, &mut room, &mut rng).unwrap();
+        let refused = tag.weigh(100, anywhere, &plane, &mut room, &mut rng);
+        assert_eq!(refused, Err(WeighError::Axes));
+        let used = tag.weigh(100, anywhere, &line, &mut room, &mut rng);
+        assert_eq!(used.unwrap().time_ms, 100);
+    }
 }

@@ -249,7 +249,8 @@ fn difference(
 mod tests {
     extern crate std;
     use super::*;
-    use crate::fingerprint::tracker::{self, Site, tests::map};
+    use crate::fingerprint::tracker::tests::{map, seal, turned};
+    use crate::fingerprint::tracker::{self, Site};
     use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal};
     use std::vec::Vec;
 
@@ -314,6 +315,100 @@ mod tests {
         let mut health = Health::<4>::EMPTY;
         assert_eq!(findings(&mut health, 0.0, 3), [(2, Finding::Rare)]);
         assert_eq!(findings(&mut health, 0.0, 100), [(2, Finding::Usual)]);
+    }
+
+    /// A sigma of 3 dB, a mismatch of 5, noise of 4 of which a 32nd counts, and half of what the level changes in 4 m.
+    #[test]
+    fn a_difference_is_as_wide_as_the_errors_of_the_map_the_place_and_the_packet() {
+        let [along_x, along_y] = [map(1), turned(1)].map(|mut bytes| {
+            let first = bytes.len() - 4 - 4 * 41 * 2;
+            for pair in bytes[first..first + 41 * 2].as_chunks_mut::<2>().0 {
+                pair[0] = 12;
+            }
+            bytes[42] = 16;
+            seal(&mut bytes);
+            bytes
+        });
+        for (bytes, axis) in [(&along_x, 0), (&along_y, 1)] {
+            let map = RadioMap::new(bytes).unwrap();
+            let mean = |point| map.moments(0, point).unwrap().mean_dbm;
+            assert_eq!([mean(18), mean(20), mean(22)], [-66.0, -66.5, -67.5]);
+            let mut fix = fix(0, 0.0);
+            fix.offset_db = 1.5;
+            fix.covariance = [[0.0; 2]; 2].into();
+            let variance = [&mut fix.covariance.xx, &mut fix.covariance.yy];
+            for (number, variance) in variance.into_iter().enumerate() {
+                *variance = if number == axis { 4.0 } else { 0.0 };
+            }
+            let mut place = [0.0; 2];
+            place[axis] = 20.0;
+            let found = difference(0, -60.0, place, &fix, &map, 5.0);
+            let (difference, variance) = found.unwrap();
+            assert_eq!(difference, -60.0 - 1.5 + 66.5);
+            let change = 0.5 * (67.5 - 66.0);
+            let expected = 9.0 + 25.0 + change * change + 16.0 / 32.0;
+            assert!((variance - expected).abs() < 1e-5, "{variance}");
+        }
+    }
+
+    /// Four times eight regions and 16 more are 48: the squares of eight means of 2.45 sigmas.
+    #[test]
+    fn a_radio_is_moved_when_the_squares_of_its_means_are_too_many() {
+        for (sigmas, is_moved) in [(2.3, false), (2.6, true)] {
+            let mut radio = Radio::EMPTY;
+            let mut doubt_db2 = 0.0;
+            let found = (0..8 * 100)
+                .filter_map(|packet| radio.differ(packet % 8, (2.0 * sigmas, 4.0), &mut doubt_db2));
+            let expected = is_moved.then_some(Finding::Moved);
+            assert!(found.eq(expected), "{sigmas}");
+            assert!((doubt_db2 - 4.0 * sigmas * sigmas).abs() < 0.07 * doubt_db2);
+        }
+        // In three regions it may be the tags.
+        let mut radio = Radio::EMPTY;
+        let found = (0..300).filter_map(|packet| radio.differ(packet % 3, (80.0, 4.0), &mut 0.0));
+        assert_eq!(found.count(), 0);
+    }
+
+    #[test]
+    fn a_radio_is_rare_by_512_packets() {
+        let mut radio = Radio::EMPTY;
+        let found = (1..=512).map(|_| radio.count(false, 4));
+        let found: Vec<_> = found.collect();
+        assert!(found[..511].iter().all(Option::is_none));
+        assert_eq!(found[511], Some(Finding::Rare));
+        // Half of what was counted still counts: with as many of its own it is no longer so.
+        let found: Vec<_> = (0..256).map(|_| radio.count(true, 4)).collect();
+        assert!(found[..255].iter().all(Option::is_none));
+        assert_eq!(found[255], Some(Finding::Usual));
+        let mut radio = Radio::EMPTY;
+        let heard = (0..512 + 256).filter_map(|packet| radio.count(packet < 512, 4));
+        assert_eq!(heard.count(), 0);
+    }
+
+    #[test]
+    fn only_a_sure_fix_of_two_seconds_or_less_tells_of_a_radio() {
+        let bytes = map(1);
+        let site = site(&bytes);
+        for (state, late_ms, is_told) in [
+            (State::Tracking, 2_000, true),
+            (State::Tracking, 2_001, false),
+            (State::Tracking, 60_000, false),
+            (State::Uncertain, 0, false),
+        ] {
+            let mut health = Health::<4>::EMPTY;
+            let mut told = 0;
+            for packet in 0..2_000u32 {
+                let point = (packet as usize / 4) % 41;
+                let rssi = site.map.moments(1, point).unwrap().mean_dbm + 40.0;
+                let mut fix = fix(packet, point as f32);
+                fix.state = state;
+                let time_ms = packet + late_ms;
+                health.hear((1, rssi), time_ms, (&fix, 0), &site, |radio, finding| {
+                    told += u32::from((radio, finding) == (1, Finding::Moved));
+                });
+            }
+            assert_eq!(told, u32::from(is_told), "{state:?} {late_ms}");
+        }
     }
 
     #[test]

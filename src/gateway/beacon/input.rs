@@ -299,11 +299,25 @@ mod tests {
             assert_eq!(got.last(), Some(&Ok(Message::Packet(PACKET))), "{before:?}");
             if before.first() == Some(&255) {
                 assert_eq!(got[0], Err(Rejected::Overlong));
+                assert_eq!(got.len(), 2);
             } else {
                 assert_eq!(got.len(), reasons.len() + 1);
             }
         }
         assert_eq!(read(Framing::Frames, &stuffed(b"Q")), [Ok(Message::Query)]);
+    }
+
+    #[test]
+    fn a_survey_reaches_as_far_as_a_map_may() {
+        let spot = Spot {
+            tag: 7,
+            place: [1e6, -1e6],
+            floor: 255,
+        };
+        let farthest = b"7,1000000,-1000000,255";
+        assert_eq!(Spot::from_fields(farthest), Ok(spot));
+        let further = b"7,0,-1000000.001,0";
+        assert_eq!(Spot::from_fields(further), Err(Rejected::OutOfRange));
     }
 
     #[test]

@@ -285,7 +285,6 @@ impl<const T: usize, const N: usize, const P: usize, const B: usize, const D: us
             .push_doubting(time_ms, reading, doubts_db2, site, &mut self.workspace, rng)
             .map_err(|error| match error {
                 ReadingError::TooOld => Rejected::TooOld,
-                ReadingError::Strength => Rejected::OutOfRange,
                 _ => Rejected::UnknownRadio,
             })?;
         let known = tracker.fix().zip(tracker.floor());

@@ -101,6 +101,7 @@ impl Report {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
 
     fn fix() -> Fix {
@@ -126,6 +127,36 @@ mod tests {
         report.clear();
         report.radio(12_500, 3, "SILENT");
         assert!(report.as_str().starts_with("$PFOXL,12500,3,SILENT*"));
+        // Variances of 4 and 1 m^2 to the north-east and to the north-west.
+        report.clear();
+        let tilted = Fix {
+            covariance: [[2.5, 1.5], [1.5, 2.5]].into(),
+            ..fix()
+        };
+        report.tag(7, &tilted, Some((2, 0.75)));
+        let ends = ",2.000,1.000,45.0,-3.3,211.0,2,0.750*";
+        assert!(report.as_str().contains(ends), "{}", report.as_str());
+        for rssi_dbm in [-60, 0, 4] {
+            report.clear();
+            let spot = Spot {
+                tag: 7,
+                place: [1.5, -2.0],
+                floor: 1,
+            };
+            let packet = Packet {
+                time_ms: 12_500,
+                radio: 3,
+                tag: 7,
+                rssi_dbm,
+            };
+            report.survey(&spot, &packet);
+            let expected = std::format!("$PFOXV,1.500,-2.000,1,3,{rssi_dbm}*");
+            assert!(
+                report.as_str().starts_with(&expected),
+                "{}",
+                report.as_str()
+            );
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@
 
 mod answers;
 mod aoa;
+mod building;
 mod digest;
 mod filter;
 mod fingerprint;
@@ -34,6 +35,7 @@ const GROUPS: &[&[Case]] = &[
     refine::CASES,
     proposal::CASES,
     fingerprint::CASES,
+    building::CASES,
     gateway::CASES,
     snapshot::CASES,
     whole::CASES,
