@@ -267,6 +267,24 @@ fn what_was_not_measured_is_used_if_configured() {
 }
 
 #[test]
+fn what_makers_call_like_others_is_for_others() {
+    for payload in ["PGRMC,A,237.1,100,6378137.000", "PAGGA,1", "PXHDT,12.0,T"] {
+        assert_eq!(read(payload), Ok(Sentence::Other), "{payload}");
+    }
+}
+
+#[test]
+fn a_course_without_a_speed_or_without_a_fix_is_none() {
+    for payload in [
+        "GPVTG,84.4,T,,M,,N,,K,A",
+        "GPVTG,84.4,T,,M,22.4,N,41.5,K,N",
+        "GPVTG,,T,,M,,N,,K,N",
+    ] {
+        assert_eq!(read(payload), Ok(Sentence::NoFix(None)), "{payload}");
+    }
+}
+
+#[test]
 fn ais_is_for_others() {
     assert_eq!(
         parse(b"!AIVDM,1,1,,A,15RTgt0PAso;90TKcjM8h6g208CQ,0*4A"),

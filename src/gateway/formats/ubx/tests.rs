@@ -157,6 +157,18 @@ fn other_frames_are_for_others() {
 }
 
 #[test]
+fn frames_are_followed_up_to_4096_bytes() {
+    let longest = framed(2, 0x15, &[7; 4_088]);
+    assert_eq!(longest.len(), 4_096);
+    let said = read(&[&longest, SENTENCE].concat());
+    assert_eq!(said[0], Ok(Sentence::Other));
+    let longer = framed(2, 0x15, &[7; 4_089]);
+    let said = read(&[&longer, SENTENCE].concat());
+    assert_eq!(said[0], Err(Rejected::Unparsable));
+    assert_eq!(used(&[&longer, SENTENCE].concat()), 1);
+}
+
+#[test]
 fn sentences_and_frames_take_turns_on_one_port() {
     let bytes = [
         SENTENCE,
