@@ -75,3 +75,45 @@ pub(in crate::aoa) fn check_narrow(
 pub(in crate::aoa) fn is_narrow(variance: f32, range: f32, limit: f32) -> bool {
     variance <= limit * limit * range
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn particles_are_too_few_below_their_fraction_or_two() {
+        for (size, count, fraction, expected) in [
+            (49.9, 100, 0.5, true),
+            (50.0, 100, 0.5, false),
+            (1.9, 100, 0.0, true),
+            (2.0, 100, 0.0, false),
+            (2.0, 4, 0.5, false),
+        ] {
+            assert_eq!(is_depleted(size, count, fraction), expected, "{size}");
+        }
+    }
+
+    #[test]
+    fn a_crossing_says_what_it_lacks() {
+        let crossing = |gain| Crossing {
+            gain,
+            information: 400.0,
+            limit: 0.25,
+            enough: 1.0,
+        };
+        // Needed is a gain of 16: halves of 0.1 rad each that differ by four times as much.
+        let lacking = |have_rad: f32| NotObservable::CrossingAngle {
+            have_rad,
+            needed_rad: 0.4,
+        };
+        assert_eq!(crossing(-1.0).check(1.0, 100.0), Err(lacking(0.0)));
+        assert_eq!(crossing(4.0).check(1.0, 100.0), Err(lacking(0.2)));
+        assert_eq!(crossing(16.0).check(1.0, 100.0), Ok(()));
+        assert_eq!(crossing(16.0).check(6.25, 100.0), Ok(()));
+        let wide = NotObservable::WideRange {
+            have: 0.5,
+            needed: 0.25,
+        };
+        assert_eq!(crossing(16.0).check(25.0, 100.0), Err(wide));
+    }
+}

@@ -339,3 +339,32 @@ impl Value for Answer {
 }
 
 by_value!(Answer, NotObservable);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing_of_the_angle_is_at_least_a_quarter() {
+        let crossing = |have_rad, needed_rad| NotObservable::CrossingAngle {
+            have_rad,
+            needed_rad,
+        };
+        for (reason, missing) in [
+            (crossing(0.0, 0.4), 0.4),
+            (crossing(0.1, 0.4), 0.3),
+            (crossing(0.35, 0.4), 0.1),
+            (crossing(0.5, 0.4), 0.1),
+            (NotObservable::NoIntersection, 0.1),
+        ] {
+            let angle = Answer::NotObservable(reason).missing_angle();
+            assert!((angle - missing).abs() < 1e-6, "{reason:?}: {angle}");
+        }
+        let fix = Fix::of_cloud([0.0; 2], Symmetric2::isotropic(1.0), 4.0, 9);
+        assert_eq!(Answer::Fix(fix).missing_angle(), 0.0);
+        // (1 + 1/4) / (1 - 1/4)
+        assert!((fix.covariance.xx - 5.0 / 3.0).abs() < 1e-6);
+        let few = Fix::of_cloud([0.0; 2], Symmetric2::isotropic(1.0), 2.0, 9);
+        assert_eq!(few.covariance.yy, 3.0);
+    }
+}
