@@ -5,6 +5,7 @@
 
 #![no_std]
 
+mod answers;
 mod aoa;
 mod digest;
 mod filter;
@@ -15,6 +16,7 @@ mod proposal;
 mod random;
 mod refine;
 mod snapshot;
+mod spectrum;
 mod whole;
 
 pub use digest::Digest;
@@ -28,6 +30,8 @@ const GROUPS: &[&[Case]] = &[
     random::CASES,
     filter::CASES,
     aoa::CASES,
+    answers::CASES,
+    spectrum::CASES,
     refine::CASES,
     proposal::CASES,
     fingerprint::CASES,
