@@ -79,6 +79,64 @@ pub(in crate::aoa) fn is_narrow(variance: f32, range: f32, limit: f32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::aoa::{Bearing, Observation, Retract};
+
+    /// Bearings a second and ten metres apart, from the first second and the origin on.
+    fn buffer<const B: usize>(count: u16) -> Buffer<B> {
+        let mut buffer = Buffer::EMPTY;
+        for i in 0..count {
+            let bearing = Bearing::from_radians(0.1);
+            let east = 10.0 * f32::from(i);
+            let taken = Observation::new(1_000 * (1 + u32::from(i)), [east, 0.0], bearing, 0.1);
+            let taken = taken.unwrap();
+            buffer.note(&taken, 1.0);
+            buffer.add(Entry::new(taken, 1.0), &None);
+        }
+        buffer
+    }
+
+    /// How many bearings of three, apart, or two of them averaged, are taken back, how many stay for being merged, and how
+    /// many are left.
+    fn retracted<const B: usize>(what: Retract) -> [u32; 3] {
+        let mut buffer = buffer::<B>(3);
+        let retracted = buffer.retract(&what);
+        [retracted.bearings, retracted.merged, buffer.count()]
+    }
+
+    #[test]
+    fn what_is_taken_back_is_what_was_meant() {
+        let one = |time_ms, station| Retract::Bearing { time_ms, station };
+        let span = |from_ms, until_ms| Retract::Span { from_ms, until_ms };
+        let near = |radius_m| Retract::Place {
+            position: [0.0; 2],
+            radius_m,
+        };
+        for (what, apart) in [
+            (one(2_000, 0), [1, 0, 2]),
+            (one(2_000, 1), [0, 0, 3]),
+            (one(2_500, 0), [0, 0, 3]),
+            (span(2_000, 2_000), [1, 0, 2]),
+            (span(1_001, 1_999), [0, 0, 3]),
+            (span(1_001, 3_000), [2, 0, 1]),
+            (span(0, 9_000), [3, 0, 0]),
+            (near(10.0), [2, 0, 1]),
+            (near(9.9), [1, 0, 2]),
+        ] {
+            assert_eq!(retracted::<4>(what), apart, "{what:?}");
+        }
+        // The first two are one.
+        for (what, averaged) in [
+            (one(1_000, 0), [0, 2, 3]),
+            (one(2_000, 0), [0, 2, 3]),
+            (one(3_000, 0), [1, 0, 2]),
+            (span(1_000, 2_000), [2, 0, 1]),
+            (span(1_500, 9_000), [1, 2, 2]),
+            (span(0, 1_999), [0, 2, 3]),
+            (near(5.0), [0, 2, 3]),
+        ] {
+            assert_eq!(retracted::<2>(what), averaged, "{what:?}");
+        }
+    }
 
     #[test]
     fn particles_are_too_few_below_their_fraction_or_two() {

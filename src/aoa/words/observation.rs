@@ -396,6 +396,13 @@ mod tests {
             assert_eq!(new(0.0, 0.0, sigma_rad), Err(ObservationError::Sigma));
         }
         let sure = new(0.0, 0.0, 0.1).unwrap();
+        let all = [(0.2, 0.0), (0.5, 1.0), (0.1, 2.0), (0.5, 3.0)].map(|(probability, x)| {
+            Alternative::new(new(x, 0.0, 0.1).unwrap(), probability).unwrap()
+        });
+        let place = |all: &[Alternative]| Alternative::most_probable(all).map(|one| one.position());
+        assert_eq!(place(&all), Some([3.0, 0.0]));
+        assert_eq!(place(&all[..3]), Some([1.0, 0.0]));
+        assert_eq!(place(&[]), None);
         for probability in [0.0, 1.0] {
             assert!(Alternative::new(sure, probability).is_ok());
         }
