@@ -79,7 +79,7 @@ pub(in crate::aoa) fn is_narrow(variance: f32, range: f32, limit: f32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aoa::{Bearing, Observation, Retract};
+    use crate::aoa::{Bearing, Observation, PushError, Retract};
 
     /// Bearings a second and ten metres apart, from the first second and the origin on.
     fn buffer<const B: usize>(count: u16) -> Buffer<B> {
@@ -101,6 +101,26 @@ mod tests {
         let mut buffer = buffer::<B>(3);
         let retracted = buffer.retract(&what);
         [retracted.bearings, retracted.merged, buffer.count()]
+    }
+
+    #[test]
+    fn a_bearing_is_admitted_once_and_not_before_all_others() {
+        let buffer = buffer::<2>(3);
+        let admit = |time_ms, station| {
+            let taken = Observation::new(time_ms, [0.0; 2], Bearing::from_radians(0.1), 0.1);
+            buffer.admit(&taken.unwrap().from_station(station))
+        };
+        // Of those that were averaged, the first and the last are known.
+        for time_ms in [1_000, 2_000, 3_000] {
+            assert_eq!(admit(time_ms, 0), Err(PushError::Duplicate), "{time_ms}");
+            assert_eq!(admit(time_ms, 1), Ok(()));
+        }
+        assert_eq!((admit(1_500, 0), admit(3_001, 0)), (Ok(()), Ok(())));
+        assert_eq!(admit(999, 0), Err(PushError::TooOld));
+        assert_eq!(
+            Buffer::<2>::EMPTY.admit(&buffer.entries()[0].observation),
+            Ok(())
+        );
     }
 
     #[test]

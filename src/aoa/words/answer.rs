@@ -345,6 +345,34 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_answer_is_restored_as_it_was() {
+        let crossing = NotObservable::CrossingAngle {
+            have_rad: 0.1,
+            needed_rad: 0.4,
+        };
+        let wide = NotObservable::WideRange {
+            have: 0.5,
+            needed: 0.25,
+        };
+        let reasons = [
+            NotObservable::TooFewBearings { have: 1 },
+            crossing,
+            NotObservable::NoIntersection,
+            NotObservable::SeveralPlaces { have: 3 },
+            wide,
+            NotObservable::Contradiction { outliers: 0.9 },
+        ];
+        let fix = Fix::of_cloud([7.0, -8.0], [[2.0, 0.5], [0.5, 1.0]], 40.0, 9);
+        let answers = reasons.map(Answer::NotObservable).into_iter();
+        for answer in answers.chain([Answer::Fix(fix)]) {
+            let mut bytes = [0; Answer::SIZE];
+            answer.write(&mut Writer::new(&mut bytes));
+            assert_eq!(Answer::read(&mut Reader::new(&bytes)), Ok(answer));
+        }
+        assert!(NotObservable::read(&mut Reader::new(&[6; 9])).is_err());
+    }
+
+    #[test]
     fn what_is_missing_of_the_angle_is_at_least_a_quarter() {
         let crossing = |have_rad, needed_rad| NotObservable::CrossingAngle {
             have_rad,

@@ -183,6 +183,12 @@ fn sentences_and_frames_take_turns_on_one_port() {
     // A sentence that lost its end.
     let cut = [&SENTENCE[..12], &PUBLISHED, SENTENCE].concat();
     assert_eq!(used(&cut), 2);
+    // What begins as a frame goes on is none by itself.
+    let said = read(&[&PUBLISHED, &b"b\r\n"[..], SENTENCE].concat());
+    assert!(matches!(
+        said[..],
+        [Ok(_), Err(Rejected::Unparsable), Ok(Sentence::Statement(_))]
+    ));
     // A line of a direction finder after a frame.
     let bearing = [&PUBLISHED[..], b"%045/7\r"].concat();
     assert!(matches!(read(&bearing)[1], Ok(Sentence::Reading(_))));
