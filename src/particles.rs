@@ -79,3 +79,20 @@ pub fn write<const D: usize>(columns: &mut [&mut [f32]; D], i: usize, state: [f3
 }
 
 persist!(impl[const D: usize, const N: usize] Particles<D, N> as "Particles"(D, N) { columns });
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_particle_has_its_place_and_none_is_beyond() {
+        let mut particles = Particles::<2, 3>::EMPTY;
+        for i in 0..4 {
+            particles.set(i, [1.0 + i as f32, -2.0]);
+        }
+        assert_eq!(particles.columns(), [&[1.0, 2.0, 3.0], &[-2.0; 3]]);
+        assert_eq!(particles.get(0), Some([1.0, -2.0]));
+        assert_eq!(particles.get(2), Some([3.0, -2.0]));
+        assert_eq!(particles.get(3), None);
+    }
+}

@@ -384,6 +384,12 @@ mod tests {
             let place = Geodetic::new(latitude, longitude).unwrap();
             assert_eq!(plane.to_local(place), Err(ObservationError::Position));
         }
+        // Where the series in latitude is nearly zero again, far beyond its range.
+        let south = LocalPlane::new(Geodetic::new(-700_000_000, 0).unwrap()).unwrap();
+        for latitude in 600..=850 {
+            let place = Geodetic::new(latitude * 1_000_000, 0).unwrap();
+            assert_eq!(south.to_local(place), Err(ObservationError::Position));
+        }
         for local in [
             [1e5, 1e5],
             [f32::NAN, 0.0],

@@ -139,6 +139,15 @@ mod tests {
         -0.5 * z * z - (f64::from(sigma) * tau.sqrt()).ln()
     }
 
+    #[test]
+    fn at_the_receiver_every_direction_is_right() {
+        let here = likelihood([0.0; 2], 0.0, 0.1);
+        for x in [0.0, 5e-8, 1e-7, 2e-7] {
+            let found = Likelihood::<2>::log_likelihood(&here, &[x, 0.0]);
+            assert!((found - here.peak).abs() < 1e-3, "{x}: {found}");
+        }
+    }
+
     /// Offsets all round the receiver, from a decimetre to a hundred kilometres.
     fn places() -> Vec<[f32; 2]> {
         let mut places = vec![];

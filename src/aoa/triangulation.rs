@@ -206,6 +206,36 @@ mod tests {
     }
 
     #[test]
+    fn both_receivers_must_face_the_place_where_rays_meet() {
+        let taken = |position, degrees: f32| {
+            let bearing = Bearing::from_radians(degrees.to_radians());
+            Observation::new(0, position, bearing, 0.02).unwrap()
+        };
+        let (east, north) = (taken([0.0; 2], 0.0), taken([0.0; 2], 90.0));
+        // To the north-west of (10, 100) is (0, 110).
+        let towards = taken([10.0, 100.0], 135.0);
+        let found = intersection(&north, &towards, 0.02).unwrap();
+        assert!(is_at(found, [0.0, 110.0]), "{found:?}");
+        assert!(is_at(
+            intersection(&towards, &north, 0.02).unwrap(),
+            [0.0, 110.0]
+        ));
+        // The lines meet ahead of the one and behind the other.
+        let away = taken([100.0, 50.0], 60.0);
+        assert_eq!(intersection(&east, &away, 0.02), None);
+        assert_eq!(intersection(&away, &east, 0.02), None);
+    }
+
+    #[test]
+    fn a_direction_turns_by_no_more_than_500_radians_a_metre() {
+        let at_origin = towards([0.0; 2], [1.0, 0.0]);
+        let gradient = |x| linearise(&at_origin, [x, 0.0]).gradient;
+        assert_eq!(gradient(0.0)[1], 0.0);
+        assert!((gradient(1e-3)[1] - 500.0).abs() < 0.1);
+        assert!((gradient(10.0)[1] - 0.1).abs() < 1e-6);
+    }
+
+    #[test]
     fn random_crossings_are_at_the_source() {
         let all: [Observation; 5] =
             core::array::from_fn(|i| towards([100.0 * i as f32, 0.0], [250.0, 200.0]));

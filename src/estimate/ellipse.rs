@@ -182,5 +182,8 @@ mod tests {
                 Ellipse::of_normal([0.0, 0.0], [[1.0, 0.0], [0.0, 0.0]].into(), probability);
             assert!(ellipse.semi_major.is_finite() && ellipse.contains([0.0, 0.0]));
         }
+        // All but 2^-23, the least that f32 leaves of one: the root of 46 ln 2.
+        let most = Ellipse::of_normal([0.0, 0.0], Symmetric2::isotropic(1.0), 1.0);
+        assert!((most.semi_major - 5.646_7).abs() < 1e-3, "{most:?}");
     }
 }

@@ -209,8 +209,25 @@ mod tests {
             TimeOfDay::from_parts([0, 0, 0], -1_000_000),
             Some(TimeOfDay(DAY - 1))
         );
+        // The leap second is the first of the next minute.
+        assert_eq!(TimeOfDay::from_parts([12, 59, 60], 0), Some(at("130000")));
+        assert_eq!(TimeOfDay::from_parts([12, 59, 61], 0), None);
         assert_eq!(TimeOfDay::from_parts([24, 0, 0], 0), None);
         assert_eq!(TimeOfDay::from_parts([0, 60, 0], 0), None);
+    }
+
+    #[test]
+    fn before_midnight_is_the_day_before() {
+        for (time, milliseconds, earlier) in [
+            ("000001", 1_000, "000000"),
+            ("000001", 1_001, "235959.999"),
+            ("000000", 0, "000000"),
+            ("120000", 43_200_000, "000000"),
+            ("120000", 86_400_000, "120000"),
+            ("120000", u32::MAX, "120000"),
+        ] {
+            assert_eq!(at(time).before(milliseconds), at(earlier), "{time}");
+        }
     }
 
     #[test]
@@ -218,6 +235,7 @@ mod tests {
         assert_eq!(at("000001").since(at("235959")), 2_000);
         assert_eq!(at("235959").since(at("000001")), -2_000);
         assert_eq!(at("120000").since(at("000000")), DAY / 2);
+        assert_eq!(at("000000").since(at("120000")), DAY / 2);
         let mut clock = Clock::EMPTY;
         assert_eq!(clock.advance(at("235959")), Ok(()));
         assert_eq!(clock.advance(at("000000")), Ok(()));

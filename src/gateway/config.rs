@@ -192,6 +192,49 @@ mod tests {
     }
 
     #[test]
+    fn takes_fields_at_the_ends_of_their_ranges() {
+        let least = Config {
+            min_quality: 0.0,
+            best_sigma_rad: 0.001,
+            worst_sigma_rad: 0.001,
+            max_age_ms: 0,
+            min_speed_m_s: 0.0,
+            max_turn_rate_deg_s: f32::MIN_POSITIVE,
+            max_speed_m_s: f32::MIN_POSITIVE,
+            variation_deg: Some(-180.0),
+            report_interval_ms: 0,
+            ..DEFAULT
+        };
+        let most = Config {
+            min_quality: 100.0,
+            best_sigma_rad: 3.2,
+            worst_sigma_rad: 3.2,
+            max_age_ms: 3_600_000,
+            min_speed_m_s: f32::MAX,
+            max_turn_rate_deg_s: 360.0,
+            max_speed_m_s: f32::INFINITY,
+            variation_deg: Some(180.0),
+            report_interval_ms: 3_600_000,
+            ..DEFAULT
+        };
+        assert_eq!((least.check(), most.check()), (Ok(()), Ok(())));
+        type Change = fn(&mut Config<()>);
+        let changes: [(&str, Change); 6] = [
+            ("max_age_ms", |c| c.max_age_ms = 3_600_001),
+            ("min_speed_m_s", |c| c.min_speed_m_s = f32::INFINITY),
+            ("max_turn_rate_deg_s", |c| c.max_turn_rate_deg_s = 360.1),
+            ("max_speed_m_s", |c| c.max_speed_m_s = 0.0),
+            ("variation_deg", |c| c.variation_deg = Some(-180.1)),
+            ("min_quality", |c| c.min_quality = -0.1),
+        ];
+        for (field, change) in changes {
+            let mut config = DEFAULT;
+            change(&mut config);
+            assert_eq!(config.check().unwrap_err().field(), field);
+        }
+    }
+
+    #[test]
     fn sigma_is_linear_in_quality() {
         let config = Config {
             best_sigma_rad: 0.1,

@@ -239,9 +239,21 @@ mod tests {
         let history = headings(&[("100000", 10.0), ("090000", 20.0)]);
         assert_eq!(history.at(at("100000"), 2_000), None);
         assert_eq!(history.at(at("090000"), 2_000), Some(Compass(20.0)));
+        assert_eq!(history.turn_rate(), 0.0);
         let again = headings(&[("100000", 10.0), ("100000", 30.0)]);
         assert_eq!(again.at(at("100001"), 2_000), Some(Compass(30.0)));
         assert!(History::<Compass>::EMPTY.is_empty());
+    }
+
+    #[test]
+    fn the_second_sample_of_a_time_replaces_the_first() {
+        let history = headings(&[("100000", 0.0), ("100001", 10.0), ("100001", 20.0)]);
+        assert_eq!(history.at(at("100000.500"), 2_000), Some(Compass(10.0)));
+        assert_eq!(history.at(at("100002"), 2_000), Some(Compass(40.0)));
+        assert_eq!(history.turn_rate(), 20.0);
+        let newest = history.newest(at("100001.250")).unwrap();
+        assert_eq!((newest.value, newest.age_ms), (Compass(20.0), 250));
+        assert_eq!(history.newest(at("100000")).unwrap().age_ms, 0);
     }
 
     #[test]
@@ -271,5 +283,6 @@ mod tests {
         // Half a turn, the longest way there is, is one way or the other.
         let (zero, opposite) = (place(0), place(1_800_000_000));
         assert_eq!(zero.towards(opposite, 0.5).longitude_e7(), 900_000_000);
+        assert_eq!(opposite.towards(zero, 0.5).longitude_e7(), 900_000_000);
     }
 }

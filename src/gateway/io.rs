@@ -256,6 +256,42 @@ mod tests {
         assert_eq!(writer.bytes, [report, report].concat().as_bytes());
     }
 
+    /// Takes two bytes at a time, and has to be flushed.
+    #[derive(Default)]
+    struct Pairs {
+        bytes: Vec<u8>,
+        flushed: usize,
+    }
+
+    impl embedded_io::ErrorType for Pairs {
+        type Error = core::convert::Infallible;
+    }
+
+    impl embedded_io::Write for Pairs {
+        fn write(&mut self, bytes: &[u8]) -> Result<usize, Self::Error> {
+            let count = bytes.len().min(2);
+            self.bytes.extend_from_slice(&bytes[..count]);
+            Ok(count)
+        }
+
+        fn flush(&mut self) -> Result<(), Self::Error> {
+            self.flushed = self.bytes.len();
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_report_is_written_whole_and_once() {
+        let (mut writer, mut output) = (Pairs::default(), Output::EMPTY);
+        assert_eq!(output.write("$PFOXN\r\n1", &mut writer), Ok(()));
+        assert_eq!(writer.bytes, b"$PFOXN\r\n1");
+        assert_eq!(writer.flushed, 9);
+        assert_eq!(output.write("$PFOXN\r\n1", &mut writer), Ok(()));
+        output.begin();
+        assert_eq!(output.write("2", &mut writer), Ok(()));
+        assert_eq!(writer.bytes, b"$PFOXN\r\n12");
+    }
+
     #[test]
     fn a_reader_that_ends_is_noticed_after_its_last_byte() {
         let (mut reader, mut input): (&[u8], _) = (b"ab", Input::<8>::EMPTY);

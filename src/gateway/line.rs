@@ -220,6 +220,17 @@ mod tests {
     }
 
     #[test]
+    fn zeros_are_silence_between_lines_and_damage_within() {
+        let lines = read("\0\0%045/7\r\0\0%270/9\r%0\x0045/7\r");
+        let line = |text| Ok(String::from(text));
+        assert_eq!(
+            lines,
+            [line("%045/7"), line("%270/9"), Err(Rejected::Overlong)]
+        );
+        assert_eq!(read("%0\x005/7\r"), [line("%0\x005/7")]);
+    }
+
+    #[test]
     fn lost_bytes_cost_one_line() {
         let lines = read("$GPRMC,1235$GPHDT,1*00\r\nxx$GPHDT,2*00\r\n");
         let line = |text| Ok(String::from(text));

@@ -300,6 +300,38 @@ impl Navigation {
 mod tests {
     use super::*;
 
+    fn at(text: &str) -> TimeOfDay {
+        TimeOfDay::from_nmea(text.as_bytes()).unwrap()
+    }
+
+    /// What the course says at the last time, after two of a second apart at a speed.
+    fn heading(courses: [f32; 2], speed: f32) -> Result<f32, Rejected> {
+        let mut navigation = Navigation::EMPTY;
+        for (time, degrees) in ["120000", "120001"].into_iter().zip(courses) {
+            let course = Some(degrees);
+            navigation.motion(at(time), Motion { course, speed }, 1.5);
+        }
+        navigation.heading_at(at("120001"), &Config::new(()))
+    }
+
+    #[test]
+    fn a_course_is_the_heading_of_who_drives_and_does_not_turn() {
+        assert_eq!(heading([350.0, 0.0], 5.0), Ok(0.0));
+        assert_eq!(heading([350.0, 0.5], 5.0), Err(Rejected::Turning));
+        assert_eq!(heading([5.0, 355.0], 1.5), Ok(355.0));
+        assert_eq!(heading([5.0, 5.0], 1.4), Err(Rejected::NoHeading));
+    }
+
+    #[test]
+    fn a_vehicle_reaches_what_its_speed_allows_and_some_noise() {
+        assert_eq!(reach_m(1_000, 100.0), 150.0);
+        assert_eq!(reach_m(-2_000, 10.0), 70.0);
+        assert_eq!(reach_m(0, 10.0), 50.0);
+        for (elapsed_ms, speed) in [(3_600_000, 100.0), (1, f32::INFINITY), (0, f32::INFINITY)] {
+            assert_eq!(reach_m(elapsed_ms, speed), LocalPlane::MAX_RANGE_M);
+        }
+    }
+
     #[test]
     fn only_a_way_back_beyond_twice_the_age_is_a_clock_that_was_set() {
         for (elapsed_ms, expected) in [(-2_001, true), (-2_000, false), (-1_100, false)] {

@@ -307,6 +307,49 @@ mod tests {
     }
 
     #[test]
+    fn directions_are_the_same_within_a_turn() {
+        for (degrees, whole, half) in [
+            (0.0, 0.0, 0.0),
+            (-10.0, 350.0, -10.0),
+            (180.0, 180.0, 180.0),
+            (-180.0, 180.0, -180.0),
+            (190.0, 190.0, -170.0),
+            (-190.0, 170.0, 170.0),
+            (270.0, 270.0, -90.0),
+            (360.0, 0.0, 0.0),
+            (725.0, 5.0, 5.0),
+            (-725.0, 355.0, -5.0),
+        ] {
+            assert_eq!((turned(degrees), half_turned(degrees)), (whole, half));
+        }
+    }
+
+    #[test]
+    fn places_are_up_to_the_poles_and_the_date_line() {
+        let read = |latitude: &str, longitude: &str| {
+            place([latitude.as_bytes(), b"S", longitude.as_bytes(), b"E"])
+        };
+        let place = |latitude, longitude| Ok(Geodetic::new(latitude, longitude).unwrap());
+        assert_eq!(
+            read("9000.0", "18000.0"),
+            place(-900_000_000, 1_800_000_000)
+        );
+        assert_eq!(read("0000.0", "18000.0"), place(0, 1_800_000_000));
+        assert_eq!(read("4859.9999995", "00000.0"), place(-490_000_000, 0));
+        // Of 1e-7 degree a minute has 166,666 and two thirds.
+        assert_eq!(read("0000.0", "00000.000003"), place(0, 1));
+        assert_eq!(read("0000.0", "00000.0000029"), Err(Rejected::NullPosition));
+        for (latitude, longitude) in [
+            ("4860.0", "01100.0"),
+            ("9000.00001", "01100.0"),
+            ("4800.0", "18000.00001"),
+            ("4800.0", "18100.0"),
+        ] {
+            assert_eq!(read(latitude, longitude), Err(Rejected::OutOfRange));
+        }
+    }
+
+    #[test]
     fn digits() {
         for (value, width, text) in [
             (0, 1, "0"),

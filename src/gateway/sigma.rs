@@ -141,6 +141,7 @@ mod tests {
         }
         let one = SigmaTable::new(&[(50.0, 0.3)]).unwrap();
         assert_eq!([0.0, 50.0, 100.0].map(|q| one.sigma_rad(q)), [0.3; 3]);
+        assert!(SigmaTable::new(&[(0.0, 3.2), (100.0, 0.001)]).is_ok());
         let full: [(f32, f32); 8] = core::array::from_fn(|i| (i as f32, 0.8 - 0.1 * i as f32));
         let full = SigmaTable::new(&full).unwrap();
         assert!((full.sigma_rad(6.5) - 0.15).abs() < 1e-6);

@@ -105,6 +105,7 @@ mod tests {
         near(atan2(0.0, -1.0), PI);
         near(atan2(-1.0, 0.0), -FRAC_PI_2);
         near(atan2(0.0, 0.0), 0.0);
+        near(atan2(0.0, 1e-30), 0.0);
         near(atan2(3e-9, 3e-9), FRAC_PI_4);
         assert!(atan2(f32::NAN, 1.0).is_nan());
         assert!(atan2(f32::INFINITY, 1.0).is_nan());

@@ -288,6 +288,7 @@ fn cell_at<'a, const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 
     /// Where a quantile falls in three cells, of which the last has nothing.
     fn cell(quantile: f32) -> Option<([f32; 1], f32)> {
@@ -304,6 +305,26 @@ mod tests {
         let (centre, fraction) = cell(0.4375).unwrap();
         assert_eq!(centre, [2.0]);
         assert!((fraction - 0.25).abs() < 1e-6);
+    }
+
+    #[test]
+    fn there_are_as_many_successors_as_there_is_room_for() {
+        let mut filter = AuxiliaryFilter::<1, 4>::EMPTY;
+        let next = &mut filter.next;
+        next.place([7.0], -0.5);
+        // Nobody was drawn where two are missing.
+        next.place([8.0], -1.5);
+        next.fill_up();
+        assert_eq!(next.count, 4);
+        assert_eq!(next.particles.columns()[0], [7.0, 8.0, 8.0, 8.0]);
+        assert_eq!(next.log_weights, [-0.5, -1.5, -1.5, -1.5]);
+
+        let mut memory = [0.0; 16];
+        let grid = Grid::fit([0.0], [1.0], |_| 0.0, &mut memory);
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+        next.count = 2;
+        next.draw(5, &grid, |_| 0.0, &mut memory, &mut rng);
+        assert_eq!(next.count, 4);
     }
 
     #[test]

@@ -109,6 +109,7 @@ mod tests {
         parts.iter().for_each(|part| sum.add(part, 500.0));
         sum.add(&Moments::point([7.0, 7.0]), f32::NEG_INFINITY);
         sum.add(&Moments::point([7.0, 7.0]), f32::NAN);
+        sum.add(&Moments::point([7.0, 7.0]), f32::INFINITY);
         sum.add(&Moments::NONE, 0.0);
         // Masses 1/e, 1/e, 1/e and 1.
         let expected = [
@@ -124,5 +125,6 @@ mod tests {
             assert!((xx / exact - 1.0).abs() < 2e-3, "{xx} {exact}");
             assert_eq!(xy, yx);
         }
+        assert_eq!(Moments::<2>::NONE.covariance(), [[0.0; 2]; 2]);
     }
 }

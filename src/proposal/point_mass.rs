@@ -231,3 +231,16 @@ impl Cut {
         ((middle * self.per_unit) as usize).min(self.parts - 1)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cell_is_of_the_part_that_has_its_middle() {
+        let mut cut = Cut::new(8.0, 4);
+        let cells = [1.0, 1.0, 1.5, 2.0, 0.4, 2.1, 0.2];
+        // Their middles: 0.5, 1.5, 2.75, 4.5, 5.7, 6.95, and what rounding has left over.
+        assert_eq!(cells.map(|cell| cut.part(cell)), [0, 0, 1, 2, 2, 3, 3]);
+    }
+}

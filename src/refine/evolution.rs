@@ -244,7 +244,11 @@ mod tests {
             ..evolution
         };
         assert_eq!(field(none), "generations");
-        for preset in [evolution, Evolution::METROPOLIS] {
+        let [none, all] = [0.0, 1.0].map(|crossover| Evolution {
+            crossover,
+            ..evolution
+        });
+        for preset in [evolution, Evolution::METROPOLIS, none, all] {
             assert_eq!(preset.check(), Ok(()));
         }
         assert_eq!(Refinement::<1>::evaluations(&evolution, 10), 210);

@@ -261,6 +261,27 @@ mod tests {
     use crate::random::{SeedableRng, Xoshiro128PlusPlus};
 
     #[test]
+    fn a_place_beyond_all_numbers_is_impossible_and_not_looked_at() {
+        let mut columns: [&mut [f32]; 2] = [&mut [0.0; 3], &mut [1.0; 3]];
+        let (mut log_densities, target) = ([0.0; 3], |_: &[f32; 2]| 5.0);
+        let mut population = Population::new(&mut columns, &target, &mut log_densities);
+        assert_eq!(population.report.evaluations, 3);
+        for state in [
+            [f32::INFINITY, 1.0],
+            [0.0, f32::NAN],
+            [f32::MIN, f32::NEG_INFINITY],
+        ] {
+            assert_eq!(population.trial(state).log_density, f32::NEG_INFINITY);
+        }
+        assert_eq!(population.report.evaluations, 3);
+        for state in [[0.0, -0.0], [f32::MAX, f32::MIN]] {
+            assert_eq!(population.trial(state).log_density, 5.0);
+        }
+        assert_eq!(population.report.evaluations, 5);
+        assert_eq!(population.highest(), 5.0);
+    }
+
+    #[test]
     fn others_are_different_and_each_order_is_as_likely() {
         // 24 orders of three out of four others, 1000 each on average: six of their sigmas of 31.
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(85);

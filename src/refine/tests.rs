@@ -408,6 +408,29 @@ fn copies_part_and_a_frozen_dimension_stays() {
     });
 }
 
+/// The field that a refinement names as out of range.
+fn named(refinement: &impl Refinement<2>) -> &'static str {
+    refinement.check().unwrap_err().field()
+}
+
+#[test]
+fn whoever_is_given_a_refinement_can_check_it() {
+    let school = FishSchool {
+        tries: 0,
+        ..FishSchool::DEFAULT
+    };
+    let swarm = Firefly {
+        iterations: 0,
+        ..Firefly::DEFAULT
+    };
+    let evolution = DifferentialEvolution {
+        generations: 0,
+        ..DifferentialEvolution::DEFAULT
+    };
+    let fields = [named(&school), named(&swarm), named(&evolution)];
+    assert_eq!(fields, ["tries", "iterations", "generations"]);
+}
+
 #[test]
 fn few_particles_do_not_evolve() {
     let target = |[x]: &[f32; 1]| -x * x;

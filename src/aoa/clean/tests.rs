@@ -8,6 +8,7 @@ use crate::estimate::Symmetric2;
 use crate::random::{SeedableRng, Xoshiro128PlusPlus, normal, uniform};
 use crate::refine::{Acceptance, DifferentialEvolution, Firefly, FishSchool, Lengths};
 use std::vec::Vec;
+mod bounds;
 
 const SOURCE: [f32; 2] = [1200.0, 800.0];
 const SIGMA: f32 = 0.0195;

@@ -340,3 +340,60 @@ impl Value for Answer {
 }
 
 by_value!(Answer, NotObservable);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_answer_is_restored_as_it_was() {
+        let crossing = NotObservable::CrossingAngle {
+            have_rad: 0.1,
+            needed_rad: 0.4,
+        };
+        let wide = NotObservable::WideRange {
+            have: 0.5,
+            needed: 0.25,
+        };
+        let reasons = [
+            NotObservable::TooFewBearings { have: 1 },
+            crossing,
+            NotObservable::NoIntersection,
+            NotObservable::SeveralPlaces { have: 3 },
+            wide,
+            NotObservable::Contradiction { outliers: 0.9 },
+        ];
+        let fix = Fix::of_cloud([7.0, -8.0], [[2.0, 0.5], [0.5, 1.0]], 40.0, 9);
+        let answers = reasons.map(Answer::NotObservable).into_iter();
+        for answer in answers.chain([Answer::Fix(fix)]) {
+            let mut bytes = [0; Answer::SIZE];
+            answer.write(&mut Writer::new(&mut bytes));
+            assert_eq!(Answer::read(&mut Reader::new(&bytes)), Ok(answer));
+        }
+        assert!(NotObservable::read(&mut Reader::new(&[6; 9])).is_err());
+    }
+
+    #[test]
+    fn what_is_missing_of_the_angle_is_at_least_a_quarter() {
+        let crossing = |have_rad, needed_rad| NotObservable::CrossingAngle {
+            have_rad,
+            needed_rad,
+        };
+        for (reason, missing) in [
+            (crossing(0.0, 0.4), 0.4),
+            (crossing(0.1, 0.4), 0.3),
+            (crossing(0.35, 0.4), 0.1),
+            (crossing(0.5, 0.4), 0.1),
+            (NotObservable::NoIntersection, 0.1),
+        ] {
+            let angle = Answer::NotObservable(reason).missing_angle();
+            assert!((angle - missing).abs() < 1e-6, "{reason:?}: {angle}");
+        }
+        let fix = Fix::of_cloud([0.0; 2], Symmetric2::isotropic(1.0), 4.0, 9);
+        assert_eq!(Answer::Fix(fix).missing_angle(), 0.0);
+        // (1 + 1/4) / (1 - 1/4)
+        assert!((fix.covariance.xx - 5.0 / 3.0).abs() < 1e-6);
+        let few = Fix::of_cloud([0.0; 2], Symmetric2::isotropic(1.0), 2.0, 9);
+        assert_eq!(few.covariance.yy, 3.0);
+    }
+}

@@ -368,6 +368,51 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_heading_is_kept_to_half_a_step() {
+        let at_rest = Observation::new(0, [0.0; 2], Bearing(0.0), 0.1).unwrap();
+        assert_eq!(at_rest.heading(), Bearing(0.0));
+        for tenth in -1_800..=1_800 {
+            let radians = (tenth as f32 * 0.1).to_radians();
+            let heading = at_rest
+                .with_heading(Bearing::from_radians(radians))
+                .heading();
+            let off = wrap(heading.radians() - radians).abs();
+            assert!(off <= TAU / 65_536.0, "{tenth}: {off}");
+        }
+        let nowhere = at_rest.with_heading(Bearing::from_radians(f32::NAN));
+        assert_eq!(nowhere.heading(), Bearing(0.0));
+    }
+
+    #[test]
+    fn observations_reach_to_the_ends_of_their_ranges() {
+        let new = |x, y, sigma_rad| Observation::new(0, [x, y], Bearing(0.0), sigma_rad);
+        for (x, y, sigma_rad) in [(1e6, -1e6, 0.001), (-1e6, 1e6, 3.2)] {
+            assert!(new(x, y, sigma_rad).is_ok());
+        }
+        for (x, y) in [(1.1e6, 0.0), (0.0, -1.1e6), (f32::NAN, 0.0)] {
+            assert_eq!(new(x, y, 0.1), Err(ObservationError::Position));
+        }
+        for sigma_rad in [0.000_9, 3.21, f32::NAN] {
+            assert_eq!(new(0.0, 0.0, sigma_rad), Err(ObservationError::Sigma));
+        }
+        let sure = new(0.0, 0.0, 0.1).unwrap();
+        let all = [(0.2, 0.0), (0.5, 1.0), (0.1, 2.0), (0.5, 3.0)].map(|(probability, x)| {
+            Alternative::new(new(x, 0.0, 0.1).unwrap(), probability).unwrap()
+        });
+        let place = |all: &[Alternative]| Alternative::most_probable(all).map(|one| one.position());
+        assert_eq!(place(&all), Some([3.0, 0.0]));
+        assert_eq!(place(&all[..3]), Some([1.0, 0.0]));
+        assert_eq!(place(&[]), None);
+        for probability in [0.0, 1.0] {
+            assert!(Alternative::new(sure, probability).is_ok());
+        }
+        for probability in [-0.1, 1.1, f32::NAN] {
+            let refused = Alternative::new(sure, probability);
+            assert_eq!(refused, Err(ObservationError::Probability));
+        }
+    }
+
+    #[test]
     fn compass_degrees_are_restored() {
         for tenth in 0..3600 {
             let degrees = tenth as f32 * 0.1;

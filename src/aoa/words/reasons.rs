@@ -66,3 +66,36 @@ impl NotObservable {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::string::ToString;
+
+    #[test]
+    fn every_reason_is_told_in_its_own_words() {
+        let crossing = |have_rad, needed_rad| NotObservable::CrossingAngle {
+            have_rad,
+            needed_rad,
+        };
+        let wide = NotObservable::WideRange {
+            have: 0.5,
+            needed: 0.25,
+        };
+        for (reason, said) in [
+            (NotObservable::TooFewBearings { have: 1 }, "1 so far"),
+            (crossing(0.05, 0.1), "at 2.9 degrees, 5.7 are needed"),
+            (crossing(0.05, FRAC_PI_2), "90.0 are needed"),
+            (crossing(0.05, 1.6), "do not tell yet where they cross"),
+            (NotObservable::NoIntersection, "do not meet in front"),
+            (NotObservable::SeveralPlaces { have: 1 }, "one place fits"),
+            (NotObservable::SeveralPlaces { have: 2 }, "2 places fit"),
+            (wide, "known to 50.0 %, 25.0 % are needed"),
+            (NotObservable::Contradiction { outliers: 0.9 }, "90 % of"),
+        ] {
+            let text = reason.to_string();
+            assert!(text.contains(said), "{text}");
+        }
+    }
+}

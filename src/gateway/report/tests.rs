@@ -82,6 +82,23 @@ fn no_fix_is_written_with_its_reason() {
         written(reason, 12),
         "$PFOXN,235959.999,ANGLE,12,2.9,5.7*3E\r\n"
     );
+    let wide = NotObservable::WideRange {
+        have: 0.5,
+        needed: 0.25,
+    };
+    for (reason, said) in [
+        (wide, "WIDE,7,50.0,25.0"),
+        (NotObservable::NoIntersection, "APART,7,,"),
+        (NotObservable::SeveralPlaces { have: 3 }, "PLACES,7,,"),
+        (
+            NotObservable::Contradiction { outliers: 0.9 },
+            "CONTRARY,7,,",
+        ),
+    ] {
+        let text = written(reason, 7);
+        let (sentence, _) = text.split_once('*').unwrap();
+        assert_eq!(sentence, std::format!("$PFOXN,235959.999,{said}"));
+    }
 }
 
 /// Knows everything that there is to report.

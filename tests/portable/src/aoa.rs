@@ -350,17 +350,38 @@ fn gauss_newton_finds_the_source() -> Digest {
 
 fn geodesy() -> Digest {
     let place = |latitude, longitude| Geodetic::new(latitude, longitude).expect("on the globe");
-    let plane = LocalPlane::new(place(481_173_000, 115_166_667)).expect("far from the poles");
     let mut digest = Digest::new();
-    for i in -50..50 {
-        let there = place(481_173_000 + i * 31_415, 115_166_667 - i * 27_182);
-        let local = plane.to_local(there).expect("near");
-        digest.add(&local);
-        let back = plane.to_geodetic(local).expect("near");
-        assert!((back.latitude_e7() - there.latitude_e7()).abs() < 100);
-        assert!((back.longitude_e7() - there.longitude_e7()).abs() < 100);
-        digest.add_bytes(&back.latitude_e7().to_le_bytes());
-        digest.add_bytes(&back.longitude_e7().to_le_bytes());
+    for (latitude, longitude) in [
+        (481_173_000, 115_166_667),
+        (-335_000_000, 1_799_999_000),
+        (0, -1_799_999_000),
+        (840_000_000, 0),
+        (-849_000_000, -700_000_000),
+    ] {
+        let plane = LocalPlane::new(place(latitude, longitude)).expect("far from the poles");
+        for i in -50..50 {
+            let there = place(
+                latitude + i * 31_415,
+                (longitude - i * 27_182).clamp(-1_800_000_000, 1_800_000_000),
+            );
+            let local = plane.to_local(there).expect("near");
+            digest.add(&local);
+            let back = plane.to_geodetic(local).expect("near");
+            assert!((back.latitude_e7() - there.latitude_e7()).abs() < 100);
+            digest.add_bytes(&back.latitude_e7().to_le_bytes());
+            digest.add_bytes(&back.longitude_e7().to_le_bytes());
+        }
+        for i in 0..64_u8 {
+            let (sin, cos) = math::sin_cos(0.1 * f32::from(i));
+            let far = [1_500.0, 1_600.0].map(|reach| reach * f32::from(i));
+            let there = plane.to_geodetic([far[0] * sin, far[0] * cos]);
+            let there = there.expect("within range");
+            digest.add_bytes(&there.latitude_e7().to_le_bytes());
+            digest.add_bytes(&there.longitude_e7().to_le_bytes());
+            digest.add(&plane.to_local(there).expect("within range"));
+            // Some of these are too far away.
+            digest.add_shown(&plane.to_geodetic([far[1] * cos, far[1] * sin]));
+        }
     }
     digest
 }

@@ -1,5 +1,7 @@
 //! What cases compute, in one number.
 
+use core::fmt::{self, Write};
+
 /// One number for everything that a case computed: a 64-bit FNV-1a hash.
 pub struct Digest(pub u64);
 
@@ -25,11 +27,31 @@ impl Digest {
         }
     }
 
+    /// Adds numbers of things.
+    pub fn add_counts(&mut self, counts: &[usize]) {
+        for count in counts {
+            self.add_bytes(&(*count as u64).to_le_bytes());
+        }
+    }
+
+    /// Adds all that a value shows of itself.
+    pub fn add_shown(&mut self, value: &impl fmt::Debug) {
+        // Writing to a digest cannot fail.
+        let _ = write!(self, "{value:?};");
+    }
+
     /// Adds bytes.
     pub fn add_bytes(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
         }
+    }
+}
+
+impl Write for Digest {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.add_bytes(text.as_bytes());
+        Ok(())
     }
 }
 

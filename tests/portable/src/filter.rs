@@ -50,16 +50,17 @@ fn tracks_a_velocity() -> Digest {
         ]
     });
     let dynamics = ConstantVelocity {
-        sigma_m_s2: [0.05, 0.05],
+        sigma_m_s2: [0.05, 0.08],
     };
     let mut digest = Digest::new();
-    for second in 1..=20_u8 {
+    for half in 1..=40_u8 {
         filter.resample_below(0.5, &mut rng);
-        filter.predict(&dynamics, 1.0, &mut rng);
-        let east = f32::from(second);
+        filter.predict(&dynamics, 0.5, &mut rng);
+        let east = 0.5 * f32::from(half);
         let fit = |[x, y, ..]: &[f32; 4]| -0.5 * ((x - east) * (x - east) + y * y);
         filter.update(&fit).expect("some particle is near");
         digest.add(&filter.mean());
+        digest.add(filter.covariance().as_flattened());
         assert_normal(&filter.particles().columns());
         assert_normal(&[filter.weights()]);
     }

@@ -18,6 +18,7 @@ mod proposal;
 mod random;
 mod refine;
 mod snapshot;
+mod spectrum;
 mod whole;
 
 pub use digest::Digest;
@@ -32,6 +33,8 @@ const GROUPS: &[&[Case]] = &[
     filter::CASES,
     aoa::CASES,
     locators::CASES,
+    answers::CASES,
+    spectrum::CASES,
     refine::CASES,
     proposal::CASES,
     fingerprint::CASES,

@@ -10,7 +10,7 @@ use foxhunt::{
     random::{SeedableRng, Xoshiro128PlusPlus, normal},
 };
 
-use super::{Case, Digest, answers::add_answers};
+use super::{Case, Digest, answers::add_all};
 
 pub const CASES: &[Case] = &[
     ("locators::sources_that_pause", sources_that_pause),
@@ -63,7 +63,7 @@ impl<L: Locate> Run<L> {
         let answer = self.locator.push_alternatives(&alternatives, &mut self.rng);
         answer.expect("in order");
         for observation in reading {
-            add_answers(&mut self.digest, &self.locator, observation);
+            add_all(&mut self.digest, &self.locator, observation);
         }
     }
 
@@ -72,7 +72,7 @@ impl<L: Locate> Run<L> {
         let retracted = self.locator.retract(&what, &mut self.rng);
         self.digest.add_bytes(&retracted.bearings.to_le_bytes());
         self.digest.add_bytes(&retracted.merged.to_le_bytes());
-        add_answers(&mut self.digest, &self.locator, observation);
+        add_all(&mut self.digest, &self.locator, observation);
     }
 
     /// Whether the locator has a fix so near a place.

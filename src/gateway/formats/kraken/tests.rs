@@ -97,6 +97,7 @@ fn refuses_malformed_fields() {
         (1, "nan", Rejected::Unparsable),
         (1, "", Rejected::Unparsable),
         (2, "-1", Rejected::OutOfRange),
+        (2, "-0.1", Rejected::OutOfRange),
         (2, "", Rejected::Unparsable),
         (6, "x", Rejected::Unparsable),
         (6, "-1", Rejected::OutOfRange),
@@ -231,6 +232,8 @@ fn the_sense_is_told_by_the_spectrum() {
     };
     let mut lines = Lines::new(Config::DEFAULT);
     assert_eq!(unknown(&mut lines, 0, "60"), [60.0, 300.0]);
+    assert_eq!(unknown(&mut lines, 0, "10"), [10.0]);
+    assert_eq!(unknown(&mut lines, 0, "11"), [11.0, 349.0]);
     // Ahead and behind either will do.
     assert_eq!(both(&mut lines, 1, "2", 357.0), [2.0]);
     assert_eq!(unknown(&mut lines, 2, "60"), [60.0, 300.0]);
@@ -318,6 +321,10 @@ fn a_heading_holds_as_it_is_known() {
         assert_eq!(headings(of(heading), fixed, &stops), [here, here, None]);
     }
     assert_eq!(headings(of(Heading::Vehicle), fixed, &standing)[3], None);
+    // 11 m in ten seconds may be noise, 22 m are none.
+    let slow = [(0, 0), (10_000, 1), (20_000, 3)];
+    let told = headings(of(Heading::Vehicle), fixed, &slow);
+    assert_eq!(told, [here, None, here]);
     assert_eq!(
         headings(of(Heading::Station), zero, &standing),
         [Some(0.0); 4]
@@ -358,6 +365,12 @@ fn the_interval_may_be_told() {
         ..config
     };
     assert_eq!(long.check().unwrap_err().field(), "interval_ms");
+    let longest = Config {
+        interval_ms: Some(60_000),
+        frequencies_hz: &[1; 255],
+        ..config
+    };
+    assert_eq!(longest.check(), Ok(()));
 }
 
 #[test]

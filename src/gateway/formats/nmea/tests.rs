@@ -267,6 +267,36 @@ fn what_was_not_measured_is_used_if_configured() {
 }
 
 #[test]
+fn what_makers_call_like_others_is_for_others() {
+    for payload in ["PGRMC,A,237.1,100,6378137.000", "PAGGA,1", "PXHDT,12.0,T"] {
+        assert_eq!(read(payload), Ok(Sentence::Other), "{payload}");
+    }
+}
+
+#[test]
+fn a_position_without_a_time_is_none() {
+    for payload in [
+        "GPGGA,,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,",
+        "GPRMC,,A,4807.038,N,01131.000,E,022.4,084.4,230394,,,A",
+    ] {
+        let lost = Ok(Sentence::Lost(Rejected::NoFix));
+        assert_eq!(read(payload), lost, "{payload}");
+    }
+}
+
+#[test]
+fn a_variation_is_up_to_half_a_turn() {
+    let variation = |text: &str| match read(&format!("HCHDG,10.0,,,{text}")) {
+        Ok(Sentence::Statement(stated)) => Ok(stated.variation),
+        other => other.map(|_| None),
+    };
+    assert_eq!(variation("180.0,E"), Ok(Some(180.0)));
+    assert_eq!(variation("180.0,W"), Ok(Some(-180.0)));
+    assert_eq!(variation("180.1,E"), Err(Rejected::OutOfRange));
+    assert_eq!(variation(","), Ok(None));
+}
+
+#[test]
 fn ais_is_for_others() {
     assert_eq!(
         parse(b"!AIVDM,1,1,,A,15RTgt0PAso;90TKcjM8h6g208CQ,0*4A"),
@@ -287,6 +317,8 @@ fn no_fix() {
         ),
         ("GPGGA,123519.00,,,,,0,00,99.99,,,,,,", time),
         ("GPVTG,,,,,,,,,N", None),
+        ("GPVTG,84.4,T,,M,,N,,K,A", None),
+        ("GPVTG,84.4,T,,M,22.4,N,41.5,K,N", None),
         ("GPHDT,,T", None),
         ("GPTHS,,V", None),
         ("GPTHS,10.0,V", None),

@@ -157,6 +157,18 @@ fn other_frames_are_for_others() {
 }
 
 #[test]
+fn frames_are_followed_up_to_4096_bytes() {
+    let longest = framed(2, 0x15, &[7; 4_088]);
+    assert_eq!(longest.len(), 4_096);
+    let said = read(&[&longest, SENTENCE].concat());
+    assert_eq!(said[0], Ok(Sentence::Other));
+    let longer = framed(2, 0x15, &[7; 4_089]);
+    let said = read(&[&longer, SENTENCE].concat());
+    assert_eq!(said[0], Err(Rejected::Unparsable));
+    assert_eq!(used(&[&longer, SENTENCE].concat()), 1);
+}
+
+#[test]
 fn sentences_and_frames_take_turns_on_one_port() {
     let bytes = [
         SENTENCE,
@@ -171,6 +183,12 @@ fn sentences_and_frames_take_turns_on_one_port() {
     // A sentence that lost its end.
     let cut = [&SENTENCE[..12], &PUBLISHED, SENTENCE].concat();
     assert_eq!(used(&cut), 2);
+    // What begins as a frame goes on is none by itself.
+    let said = read(&[&PUBLISHED, &b"b\r\n"[..], SENTENCE].concat());
+    assert!(matches!(
+        said[..],
+        [Ok(_), Err(Rejected::Unparsable), Ok(Sentence::Statement(_))]
+    ));
     // A line of a direction finder after a frame.
     let bearing = [&PUBLISHED[..], b"%045/7\r"].concat();
     assert!(matches!(read(&bearing)[1], Ok(Sentence::Reading(_))));

@@ -119,17 +119,27 @@ fn bearings_by_a_heading_that_nobody_has_entered_are_retracted() {
         kraken(NOON + milliseconds, 20.0, &pose)
     };
     let text: String = (0..3).map(|i| line(400 * i, "48.1")).collect();
-    let mut gateway = gateway(CONFIG);
-    push(&mut gateway, &text);
-    assert_eq!(gateway.vehicle().locator().observations().len(), 3);
-    let standing = push(&mut gateway, &line(1_200, "48.1"));
-    assert_eq!(standing, [Event::Rejected(Rejected::NoHeading)]);
-    // One that moves has a course: its bearings take the place of those.
-    let moving: String = (0..3)
-        .map(|i| line(2_000 + 1_000 * i, &format!("48.100{i}")))
-        .collect();
-    push(&mut gateway, &moving);
-    assert_eq!(gateway.vehicle().locator().observations().len(), 2);
+    let from_north = BearingRecord {
+        time_ms: Some(43_201_000),
+        place: Geodetic::new(481_000_000, 115_000_000).ok(),
+        ..BearingRecord::new(10.0)
+    };
+    // One that moves has a course: its bearings take the place of those, unless others are among them.
+    for (others, kept) in [(0, 2), (1, 3 + 1 + 2)] {
+        let mut gateway = gateway(CONFIG);
+        push(&mut gateway, &text);
+        assert_eq!(gateway.vehicle().locator().observations().len(), 3);
+        for _ in 0..others {
+            gateway.vehicle.push_record(0, &from_north, &CONFIG);
+        }
+        let standing = push(&mut gateway, &line(1_200, "48.1"));
+        assert_eq!(standing, [Event::Rejected(Rejected::NoHeading)]);
+        let moving: String = (0..3)
+            .map(|i| line(2_000 + 1_000 * i, &format!("48.100{i}")))
+            .collect();
+        push(&mut gateway, &moving);
+        assert_eq!(gateway.vehicle().locator().observations().len(), kept);
+    }
 }
 
 /// A direction finder that faces east, and says of its bearings that they count from north.

@@ -293,3 +293,18 @@ fn a_record_is_as_good_as_a_line() {
         (6, 2)
     );
 }
+
+#[test]
+fn a_bearing_of_the_least_quality_is_used() {
+    let mut gateway = gateway(CONFIG);
+    push(&mut gateway, &rmc("120000"));
+    for (quality, is_used) in [(39.9, false), (40.0, true)] {
+        let record = BearingRecord {
+            quality,
+            ..BearingRecord::new(10.0)
+        };
+        let event = gateway.vehicle.push_record(0, &record, &CONFIG);
+        let refused = Event::Rejected(Rejected::LowQuality);
+        assert_eq!(event != refused, is_used, "{quality}: {event:?}");
+    }
+}
