@@ -153,31 +153,21 @@ fn so_does_a_robust_one() {
     assert!(snapshot.len() <= largest::<(State, Xoshiro128PlusPlus)>());
 }
 
-/// Of a source that is stationary and then drives off.
-#[test]
-fn so_does_one_of_a_manoeuvring_source() {
-    type State = (Manoeuvring<Robust<64, 12>>, Xoshiro128PlusPlus);
-    let mut config = manoeuvring::Config::DEFAULT;
-    config.stationary.errors.bias_sigma_rad = 0.05;
-    let mut rng = generator();
-    let round = |i: u32| {
-        let (sin, cos) = sin_cos(0.08 * i as f32);
-        let [x, y] = [300.0 * cos, 300.0 * sin];
-        let north = 10.0 * i.saturating_sub(40) as f32;
-        let radians = atan2(north - y, -x) + 0.02 * normal(&mut rng);
-        Observation::new(1000 * i, [x, y], Bearing::from_radians(radians), 0.02).unwrap()
+/// The drives of a source that is stationary at first: after every bearing a snapshot, which goes on as what was saved.
+fn goes_on_moving<const K: usize>(
+    config: &manoeuvring::Config,
+    drive: &[Observation],
+    mut see: impl FnMut(&Manoeuvring<Robust<64, 12>, K>),
+) {
+    type State<const K: usize> = (Manoeuvring<Robust<64, 12>, K>, Xoshiro128PlusPlus);
+    let push = |(locator, rng): &mut State<K>, observation: &Observation| {
+        locator.push(observation, config, rng).unwrap();
     };
-    let drive: Vec<Observation> = (0..80).map(round).collect();
-    let push = |(locator, rng): &mut State, observation: &Observation| {
-        locator.push(observation, &config, rng).unwrap();
-    };
-    let mut going: State = (Locate::EMPTY, generator());
-    let mut phases = std::collections::BTreeSet::new();
+    let mut going: State<K> = (Locate::EMPTY, generator());
     for (i, observation) in drive.iter().enumerate() {
         push(&mut going, observation);
-        let moving = going.0.motion().map_or(0.0, |motion| motion.moving);
-        phases.insert((10.0 * moving) as u32);
-        let mut restored: State = (Locate::EMPTY, Xoshiro128PlusPlus::seed_from_u64(99));
+        see(&going.0);
+        let mut restored: State<K> = (Locate::EMPTY, Xoshiro128PlusPlus::seed_from_u64(99));
         for (other, time_ms) in drive.iter().rev().step_by(7).zip(0..) {
             push(&mut restored, &at(1000 * time_ms, other));
         }
@@ -193,7 +183,49 @@ fn so_does_one_of_a_manoeuvring_source() {
         }
         assert_eq!(text(&restored), text(&on));
     }
+}
+
+/// Of a source that is stationary and then drives off.
+#[test]
+fn so_does_one_of_a_manoeuvring_source() {
+    let mut config = manoeuvring::Config::DEFAULT;
+    config.stationary.errors.bias_sigma_rad = 0.05;
+    let mut rng = generator();
+    let round = |i: u32| {
+        let (sin, cos) = sin_cos(0.08 * i as f32);
+        let [x, y] = [300.0 * cos, 300.0 * sin];
+        let north = 10.0 * i.saturating_sub(40) as f32;
+        let radians = atan2(north - y, -x) + 0.02 * normal(&mut rng);
+        Observation::new(1000 * i, [x, y], Bearing::from_radians(radians), 0.02).unwrap()
+    };
+    let drive: Vec<Observation> = (0..80).map(round).collect();
+    let mut phases = std::collections::BTreeSet::new();
+    goes_on_moving::<0>(&config, &drive, |locator| {
+        let moving = locator.motion().map_or(0.0, |motion| motion.moving);
+        phases.insert((10.0 * moving) as u32);
+    });
     assert!(phases.contains(&0) && phases.contains(&9), "{phases:?}");
+}
+
+/// Of somebody among four stations, each of which has a bias.
+#[test]
+fn so_does_one_among_stations() {
+    const STATIONS: [[f32; 2]; 4] = [[0.0, 0.0], [12.0, 0.0], [12.0, 9.0], [0.0, 9.0]];
+    let mut rng = generator();
+    let heard = |i: u32| {
+        let station = i as usize % 4;
+        let ([x, y], [east, north]) = (STATIONS[station], [4.0 + 0.05 * i as f32, 4.0]);
+        let off = 0.05 * station as f32 + 0.03 * normal(&mut rng);
+        let bearing = Bearing::from_radians(atan2(north - y, east - x) + off);
+        let seen = Observation::new(1000 + 250 * i, [x, y], bearing, 0.03).unwrap();
+        seen.from_station(station as u8)
+    };
+    let walk: Vec<Observation> = (0..60).map(heard).collect();
+    let mut biases = Vec::new();
+    goes_on_moving::<4>(&manoeuvring::Config::ROOM, &walk, |locator| {
+        biases.extend(locator.bias(&manoeuvring::Config::ROOM));
+    });
+    assert!(biases.len() > 40, "{biases:?}");
 }
 
 #[test]

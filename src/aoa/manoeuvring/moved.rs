@@ -313,3 +313,38 @@ pub(super) fn rearrange<T: Copy>(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+
+    /// Three have stopped, 2, 4 and 12 s ago, and one moves: a mean of 6 s, squares of 164 / 3 s^2.
+    #[test]
+    fn it_is_known_when_the_source_stopped() {
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+        let mut times = [2.0, -1.0, 4.0, 12.0].into_iter();
+        let mut cloud = Moved::<0, 4>::EMPTY;
+        cloud.insert(1.0, 4.0, &mut rng, |_| {
+            let mut component = Component::stationary([0.0; 2], Symmetric2::ZERO);
+            component.stationary_s = times.next().unwrap();
+            component
+        });
+        let stopped = cloud.stopped();
+        assert!((stopped.probability - 0.75).abs() < 1e-5);
+        assert!((stopped.seconds - 6.0).abs() < 1e-4);
+        assert!((stopped.variance - (164.0 / 3.0 - 36.0)).abs() < 1e-3);
+        cloud.clear();
+        assert!(!cloud.is_alive());
+    }
+
+    #[test]
+    fn what_is_rearranged_comes_from_its_ancestors() {
+        let mut items = [10, 11, 12, 13, 14];
+        rearrange(&mut items, [1, 1, 1, 2, 4].into_iter());
+        assert_eq!(items, [11, 11, 11, 12, 14]);
+        let mut items = [10, 11, 12, 13, 14];
+        rearrange(&mut items, [0, 0, 3, 4, 4].into_iter());
+        assert_eq!(items, [10, 10, 13, 14, 14]);
+    }
+}

@@ -279,9 +279,10 @@ mod tests {
         }
     }
 
+    const SOURCES: [[f32; 2]; 2] = [[400.0, 900.0], [1_500.0, 700.0]];
+
     /// The bearings, in turn, on two sources.
     fn two_sources() -> Candidates<64> {
-        const SOURCES: [[f32; 2]; 2] = [[400.0, 900.0], [1_500.0, 700.0]];
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(6);
         let mut candidates = Candidates::<64>::EMPTY;
         for step in 0..40_u16 {
@@ -295,6 +296,27 @@ mod tests {
             assert_eq!(taken, Ok(()));
         }
         candidates
+    }
+
+    #[test]
+    fn odds_are_those_of_the_likeliest_source() {
+        let candidates = two_sources();
+        let odds = |[x, y]: [f32; 2], sigma_scale: f32| {
+            let bearing = Bearing::from_radians(y.atan2(x - 900.0));
+            let seen = Observation::new(40_000, [900.0, 0.0], bearing, 0.03).unwrap();
+            let mut config = Config::DEFAULT;
+            config.errors.sigma_scale = sigma_scale;
+            candidates.odds(&seen, &config)
+        };
+        assert_eq!(candidates.found(), 1);
+        // The wider the errors, the lower the density at their middle.
+        let [sharp, blunt] = [1.0, 4.0].map(|scale| odds(SOURCES[0], scale));
+        assert!(
+            3.0 * blunt < sharp && sharp < 4.5 * blunt,
+            "{sharp} {blunt}"
+        );
+        assert!(odds(SOURCES[1], 1.0) < 0.1);
+        assert!(odds([900.0, -500.0], 1.0) < 0.1);
     }
 
     #[test]

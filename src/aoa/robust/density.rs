@@ -320,3 +320,39 @@ impl Lanes {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The gradient is that of the density, by differences; the information is that of a normal density at infinity.
+    #[test]
+    fn the_prior_is_drawn_to_its_middle() {
+        let region = Region::new([30.0, -20.0], [50.0, 900.0]);
+        for (space, step) in [(Space::Plane(region), 0.5), (Space::Infinity, 0.01)] {
+            for place in [[80.0, 40.0], [-60.0, 3.0], [2.0, -70.0]] {
+                let place = if step < 0.1 {
+                    place.map(|x| 0.02 * x)
+                } else {
+                    place
+                };
+                let (_, gradient, information) = space.prior(place);
+                for axis in 0..2 {
+                    let at = |off: f32| {
+                        let mut there = place;
+                        there[axis] += off;
+                        space.prior(there).0
+                    };
+                    let slope = (at(step) - at(-step)) / (2.0 * step);
+                    let off = (slope - gradient[axis]).abs();
+                    assert!(
+                        off < 0.01 * gradient[axis].abs() + 1e-4,
+                        "{slope} {gradient:?}"
+                    );
+                    assert!(information[axis] >= 0.0);
+                }
+            }
+        }
+        assert_eq!(Space::Infinity.prior([0.3, 0.7]).2, [0.0, 1.0]);
+    }
+}

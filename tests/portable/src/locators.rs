@@ -20,6 +20,10 @@ pub const CASES: &[Case] = &[
     ("locators::biases_by_direction", biases_by_direction),
     ("locators::biases_per_station", biases_per_station),
     ("locators::errors_in_common", errors_in_common),
+    (
+        "locators::the_next_drive_knows_the_array",
+        the_next_drive_knows_the_array,
+    ),
 ];
 
 /// Standard deviation of the bearings.
@@ -73,6 +77,17 @@ impl<L: Locate> Run<L> {
         self.digest.add_bytes(&retracted.bearings.to_le_bytes());
         self.digest.add_bytes(&retracted.merged.to_le_bytes());
         add_all(&mut self.digest, &self.locator, observation);
+    }
+
+    /// Forgets all, and adds what the locator says on a short drive past another source.
+    fn start_over(mut self) -> Digest {
+        self.locator.reset();
+        for i in 0..10u16 {
+            let place = [100.0 * f32::from(i), 0.0];
+            let turn = self.noise();
+            self.take(&[bearing(500 * u32::from(i), place, [500.0, 400.0], turn)]);
+        }
+        self.digest
     }
 
     /// Whether the locator has a fix so near a place.
@@ -141,7 +156,7 @@ fn sources_that_pause() -> Digest {
         until_ms: 140_000,
     };
     run.take_back(all, &last);
-    run.digest
+    run.start_over()
 }
 
 /// One drives away, the other stays.
@@ -171,11 +186,21 @@ fn sources_that_move() -> Digest {
         1
     );
     assert!(run.is_near(STAYS, 60.0));
-    run.digest
+    run.start_over()
+}
+
+/// Told how people walk in a room, and by the default for cars.
+fn a_walk_among_stations() -> Digest {
+    let mut digest = Digest::new();
+    for config in [manoeuvring::Config::ROOM, manoeuvring::Config::DEFAULT] {
+        let Digest(walk) = walk_among_stations(config);
+        digest.add_bytes(&walk.to_le_bytes());
+    }
+    digest
 }
 
 /// Somebody stands, walks and stands among four stations, each with a bias; a reading in five is of two bearings.
-fn a_walk_among_stations() -> Digest {
+fn walk_among_stations(config: manoeuvring::Config) -> Digest {
     const STATIONS: [[f32; 2]; 4] = [[0.0, 0.0], [12.0, 0.0], [12.0, 9.0], [0.0, 9.0]];
     const BIASES: [f32; 4] = [0.05, -0.08, 0.02, 0.06];
     let stationary = robust::Config {
@@ -187,7 +212,7 @@ fn a_walk_among_stations() -> Digest {
     };
     let config = manoeuvring::Config {
         stationary,
-        ..manoeuvring::Config::ROOM
+        ..config
     };
     let mut run = Run::<Manoeuvring<Robust<64, 16>, 4>>::new(config);
     let mut person = [3.0f32, 4.0];
@@ -208,7 +233,7 @@ fn a_walk_among_stations() -> Digest {
         }
     }
     assert!(run.is_near(person, 1.5));
-    run.digest
+    run.start_over()
 }
 
 /// It drives, is not heard for long, is heard elsewhere again, and is elsewhere for good at last.
@@ -246,7 +271,42 @@ fn a_source_that_is_lost() -> Digest {
         }
     }
     assert!(run.is_near(source, 80.0));
-    run.digest
+    run.start_over()
+}
+
+/// What the drive past one source has taught of an array helps with the next source.
+fn the_next_drive_knows_the_array() -> Digest {
+    const SOURCES: [[f32; 2]; 2] = [[700.0, 500.0], [300.0, -600.0]];
+    let config = robust::Config {
+        errors: Errors {
+            bias_sigma_rad: 0.09,
+            biases: Biases::ByDirection,
+            ..Errors::DEFAULT
+        },
+        ..robust::Config::DEFAULT
+    };
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(7);
+    let mut digest = Digest::new();
+    let mut locator = Robust::<64, 24, 8>::EMPTY;
+    for source in SOURCES {
+        for i in 0..40u16 {
+            let place = [
+                30.0 * f32::from(i),
+                50.0 * math::sin_cos(0.2 * f32::from(i)).0,
+            ];
+            let heading = Bearing::from_radians(0.15 * f32::from(i));
+            let turn = 0.1 + SIGMA * normal(&mut rng);
+            let seen = bearing(1000 * u32::from(i), place, source, turn).with_heading(heading);
+            let answer = locator.push(&seen, &config, &mut rng).expect("in order");
+            let (fix, bias) = (answer.fix(), locator.bias_of(&seen, &config));
+            digest.add(&fix.map_or([0.0; 2], |fix| fix.position));
+            digest.add(&bias.map_or([0.0; 2], |bias| [bias.mean_rad, bias.sigma_rad]));
+        }
+        assert!(locator.answer().fix().is_some());
+        locator.forget_source();
+        assert!(locator.answer().fix().is_none());
+    }
+    digest
 }
 
 /// The drive past a source, each bearing from a heading and a station, for a locator of these errors and so many numbers.
@@ -299,6 +359,7 @@ fn errors_in_common() -> Digest {
         },
         stop_sigma_rad: 0.03,
         position_sigma_m: 5.0,
+        sigma_scale: 1.5,
         scale_sigma: 0.5,
         ..Errors::DEFAULT
     };

@@ -26,6 +26,37 @@ fn four_sources_are_found_from_stops() {
     assert!(found >= 19, "{found}");
 }
 
+/// Of two tracks of one source and one of another.
+#[test]
+fn the_track_of_fewer_bearings_is_deleted() {
+    const PLACES: [[f32; 2]; 2] = [[900.0, 900.0], [2300.0, 500.0]];
+    for (counts, deleted) in [([80, 60], 1), ([60, 80], 0), ([60, 60], 1)] {
+        let mut sources = Three::EMPTY;
+        let mut rng = generator(3);
+        for (place, count) in [counts[0], counts[1], 80].into_iter().enumerate() {
+            let whose = usize::from(place == 2);
+            let sights = bearings((0..count).map(corner), &PLACES, |_, _| Some(whose), 3);
+            for sight in &sights {
+                sources.tracks[place]
+                    .push(sight, &STRAIGHT, &mut rng)
+                    .unwrap();
+            }
+            sources.slots[place].identity = Some(place as u16);
+        }
+        sources.delete_twin(2);
+        assert!(sources.slots.iter().all(|slot| slot.identity.is_some()));
+        sources.delete_twin(0);
+        let free = |slot: &Slot| slot.identity.is_none();
+        assert!(
+            sources
+                .slots
+                .iter()
+                .map(free)
+                .eq((0..3).map(|place| place == deleted))
+        );
+    }
+}
+
 /// A bearing of the source that was not known to be one when it came.
 #[test]
 fn a_track_takes_the_bearings_that_it_can_explain_now() {

@@ -1,7 +1,7 @@
 //! Merging of bearings in the buffer.
 
 use super::*;
-use crate::aoa::core::Buffer;
+use crate::aoa::core::{Buffer, Comparison};
 use crate::aoa::robust::evidence::Lines;
 use crate::math::wrap;
 
@@ -257,4 +257,25 @@ fn bearings_that_are_handed_on_become_one_from_the_first_on() {
         .collect();
     assert_eq!(readings, [2.0, 2.0, 1.0, 1.0]);
     assert_eq!(buffer.count(), 6);
+}
+
+/// Of several sources, readings beyond the first are at stake, and the more readings the better; of one, the sharper bearing.
+#[test]
+fn what_is_merged_depends_on_how_many_sources_there_may_be() {
+    let entry = |readings: f32, sigma: f32| {
+        let seen = towards([0.0, 0.0], SOURCE, 0.0, sigma);
+        Entry {
+            readings,
+            ..Entry::new(seen, 1.0)
+        }
+    };
+    let [many, few] = [entry(8.0, 2.0 * SIGMA), entry(3.0, SIGMA)];
+    let lines = |of_several| Evidence::<8, PLAIN>::EMPTY.lines(&Errors::DEFAULT, of_several);
+    let (several, one) = (lines(true), lines(false));
+    assert_eq!(several.stake(&many, &few), 2.0 / 8.0);
+    assert_eq!(several.stake(&few, &many), 2.0 / 8.0);
+    assert_eq!(one.stake(&many, &few), 0.0);
+    assert!(several.prefers(&many, &few) && !several.prefers(&few, &many));
+    assert!(one.prefers(&few, &many) && !one.prefers(&many, &few));
+    assert!(several.prefers(&many, &many) && one.prefers(&many, &many));
 }
