@@ -114,8 +114,13 @@ mod tests {
     #[test]
     fn wrapping_ends_within_half_a_turn() {
         for turns in -150_000..150_000 {
-            let angle = wrap(turns as f32 * PI);
+            let straight = turns as f32 * PI;
+            let angle = wrap(straight);
             assert!(angle.abs() <= PI, "{turns} half turns give {angle}");
+            // Whole turns less, as far as 2 pi is known.
+            let less = (f64::from(straight) - f64::from(angle)) / core::f64::consts::TAU;
+            let off = less - f64::from((less + 0.5 * less.signum()) as i32);
+            assert!(off.abs() < 5e-6, "{turns} half turns give {angle}");
         }
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e7, -1e30] {
             assert!(wrap(bad).is_nan());

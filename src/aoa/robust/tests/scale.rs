@@ -40,3 +40,26 @@ fn scale_before_a_fix_is_that_which_is_stated() {
     assert!((scale.mean - 1.0).abs() < 1e-6);
     assert!((scale.sigma / Errors::DEFAULT.scale_sigma - 1.0).abs() < 1e-6);
 }
+
+#[test]
+fn rates_that_weigh_as_much_as_a_million_bearings_are_not_learned() {
+    let counts = Mixture {
+        direct: 2.0,
+        mirrored: 3.0,
+        outlier: 5.0,
+    };
+    let learned = |prior_bearings| {
+        let errors = Errors {
+            prior_bearings,
+            ..Errors::DEFAULT
+        };
+        errors.learned_rates(&counts)
+    };
+    for weight in [2e6, f32::INFINITY] {
+        assert_eq!(learned(weight), Mixture::ZERO);
+    }
+    // Ten that were expected, and ten that came.
+    let half = learned(10.0);
+    assert!((half.direct - 0.5).abs() < 1e-6 && (half.outlier - 0.31).abs() < 1e-6);
+    assert!((half.mirrored - 0.19).abs() < 1e-6);
+}
