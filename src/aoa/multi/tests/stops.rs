@@ -72,17 +72,19 @@ fn a_track_takes_the_bearings_that_it_can_explain_now() {
     let heard =
         |sources: &MultiTarget<3, One>| sources.slots.iter().map(|slot| slot.heard).sum::<f32>();
     let [left, had] = [sources.candidates.entries().len() as u32, held(&sources)];
-    let heard_before = heard(&sources);
+    let (heard_before, outliers) = (heard(&sources), sources.outliers);
     let beliefs = One::beliefs(&Config::DEFAULT.track);
     let missed = [(*missed).into()];
     (sources.candidates)
         .push(&missed, &robust::Shared::NOTHING, 7.0, &beliefs, &mut rng)
         .unwrap();
     assert_eq!(sources.candidates.entries().len() as u32, left + 1);
+    sources.outliers += 1.0;
     sources.push(last, &Config::DEFAULT, &mut rng).unwrap();
     assert_eq!(sources.candidates.entries().len() as u32, left);
     assert_eq!(held(&sources), had + 2);
     assert_eq!(heard(&sources), heard_before + 2.0);
+    assert_eq!(sources.outliers, outliers);
 }
 
 #[test]
