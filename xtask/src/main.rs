@@ -16,6 +16,7 @@ mod damage;
 mod demo;
 mod drive;
 mod expected;
+mod features;
 mod ffi;
 mod figures;
 mod fuzz;

@@ -9,7 +9,7 @@ mod miri;
 mod semver;
 
 use crate::{
-    boards, load, machines,
+    boards, features, load, machines,
     project::{cargo, run},
     replay, restarts,
     setup::{self, Need},
@@ -45,6 +45,10 @@ const STEPS: &[Step] = &[
         run(deny().args(["check", "advisories"]))
     }),
     ("no undefined behaviour of the library for C", miri::check),
+    (
+        "every combination of features, on every target",
+        features::check_every_combination,
+    ),
     ("how much of the library its tests run", coverage::print),
     ("the same bits on every machine", machines::check_all),
     ("the load of many gateways on a broker", load::check),

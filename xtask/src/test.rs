@@ -7,8 +7,8 @@ use anyhow::{Context, Result, ensure};
 use crate::{
     book, chapter, constants, cost,
     expected::Expected,
-    ffi, figures, fuzz, house, machines, page,
-    project::{self, BARE_METAL, BOARD, cargo, run},
+    features, ffi, figures, fuzz, house, machines, page,
+    project::{self, BOARD, cargo, run},
     qemu::Machine,
     reset, setup,
     steps::{self, Step},
@@ -66,7 +66,7 @@ const STEPS: &[Step] = &[
             .map(drop)
             .context("a panic is possible: its handler was linked")
     }),
-    ("every combination of features, on every target", features),
+    ("every feature, on every target", features::check_each),
     ("the page's WebAssembly", page::check),
     ("the chapter about your board", chapter::check),
     ("chapters and links of the guide", book::check),
@@ -126,40 +126,4 @@ fn portable_on_board() -> Result<()> {
     Machine::boot(&elf, Duration::from_secs(120))?
         .finish()
         .map(drop)
-}
-
-/// Checks the types of the library alone for every target: with every subset of its features for the board, with none and
-/// all of them for the others. What is built from it is built by other checks.
-fn features() -> Result<()> {
-    let metadata = project::metadata()?;
-    let package = metadata
-        .root_package()
-        .context("the repository's root is a package")?;
-    let features: Vec<&str> = package
-        .features
-        .keys()
-        .map(String::as_str)
-        .filter(|name| *name != "default")
-        .collect();
-    for target in BARE_METAL.map(Some).into_iter().chain([None]) {
-        let all = (1_u32 << features.len()) - 1;
-        for subset in 0..=all {
-            if target != Some(BOARD) && subset != 0 && subset != all {
-                continue;
-            }
-            let chosen = features
-                .iter()
-                .enumerate()
-                .filter(|(bit, _)| subset >> bit & 1 == 1);
-            let chosen: Vec<&str> = chosen.map(|(_, name)| *name).collect();
-            let mut check = cargo();
-            check.args(["check", "--quiet", "--package", "foxhunt", "--lib"]);
-            check.args(["--no-default-features", "--features", &chosen.join(",")]);
-            if let Some(target) = target {
-                check.args(["--target", target]);
-            }
-            run(&mut check)?;
-        }
-    }
-    Ok(())
 }
