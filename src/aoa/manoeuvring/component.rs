@@ -217,13 +217,7 @@ impl<const K: usize> Component<K> {
 
     /// Draws the distance from a place, up to a standard deviation that is small beside it: a bearing from elsewhere is no
     /// linear measurement of a long distribution. All draws together have the distribution from before.
-    ///
-    /// Not where stations have biases: what they have in common with the place would be drawn with it, and a few components
-    /// would have to hold what all bearings have taught of them.
     pub(super) fn divide<R: Rng + ?Sized>(&mut self, from: [f32; 2], rng: &mut R) {
-        if K > 0 {
-            return;
-        }
         let (dx, dy) = (self.position[0] - from[0], self.position[1] - from[1]);
         // Everything times the distance.
         let square = dx * dx + dy * dy + 1.0;

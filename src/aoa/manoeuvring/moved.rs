@@ -106,6 +106,8 @@ impl<const K: usize, const N: usize> Moved<K, N> {
 
     /// Lets time pass, until a bearing is taken somewhere.
     pub(super) fn predict<R: Rng + ?Sized>(&mut self, drive: &Drive, from: [f32; 2], rng: &mut R) {
+        // Where stations have biases, no component is divided: what they have in common with the place would be drawn with it,
+        // and a few components would have to hold what all bearings have taught of them.
         if K > 0 {
             return self.branch(drive, rng);
         }
