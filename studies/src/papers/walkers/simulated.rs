@@ -113,15 +113,7 @@ pub fn run(runs: u32, seed: u64) -> Result<Vec<Figure>> {
         };
         figures.push(figure("rmse", rmse, "m"));
         figures.extend(
-            ratio
-                .map(|(ratio, _)| figure("rmse_over_reference", ratio.value, ""))
-                .map(|over| {
-                    if name == "many" {
-                        over.at_most(1.1)
-                    } else {
-                        over
-                    }
-                }),
+            ratio.map(|(ratio, _)| figure("rmse_over_reference", ratio.value, "").at_most(1.1)),
         );
         let (inside, outside, missed) = (
             figure("covered", covered, "of fixes"),
