@@ -198,8 +198,9 @@ impl<'a, 'c, const D: usize, T: Likelihood<D>> Population<'a, 'c, D, T> {
 /// A log-density; minus infinity for what is none.
 #[inline(always)]
 fn possible(log_density: f32) -> f32 {
-    // False for NaN.
-    if log_density < f32::INFINITY {
+    // Not `log_density < INFINITY`: compiled to the vectors of a Cortex-M55, a comparison with "less than" a number that is
+    // in no vector is true for NaN (LLVM 22).
+    if 0.0 * log_density == 0.0 {
         log_density
     } else {
         f32::NEG_INFINITY

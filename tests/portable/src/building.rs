@@ -272,13 +272,13 @@ fn through_the_building<S: Stored<Floor = u8>>(config: Config, louder_db: f32) -
     let mut walk = Walk::<201, 651, 2, S>::new(louder_db);
     walk.go((below, 12), [[27.0, 9.0], [8.0, 5.0]], &building, &ROOMS);
     walk.flush(&building, &ROOMS);
-    // Who is at the stairs has shown a badge below.
+    // Who is at the stairs has shown a badge below. NaN is no probability at all.
     let badge = |[x, y]: [f32; 2], floor| {
         let [dx, dy] = [x - 8.0, y - 5.0];
-        if floor == 0 {
-            -0.1 * (dx * dx + dy * dy)
-        } else {
-            -4.0
+        match floor {
+            0 => -0.1 * (dx * dx + dy * dy),
+            1 => -4.0,
+            _ => f32::NAN,
         }
     };
     let fix = walk

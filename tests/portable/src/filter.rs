@@ -86,6 +86,13 @@ fn impossible_measurements_change_nothing() -> Digest {
             (filter.mean(), filter.effective_sample_size()),
             (mean, size)
         );
+        let partly = |[x]: &[f32; 1]| if *x < 0.0 { impossible } else { -x };
+        let mut filter = filter.clone();
+        let likely = filter.update(&partly).expect("some have weight");
+        let living = filter.effective_sample_size();
+        assert!(filter.mean()[0] > 0.0 && living < 0.7 * size);
+        digest.add(&[likely, living]);
+        digest.add(filter.particles().columns()[0]);
     }
     digest
 }

@@ -114,12 +114,17 @@ fn evolution() -> Digest {
     }))
 }
 
-/// Particles of any dimension are drawn to a place beside what is impossible. That is not said by NaN, by which the bits of a
-/// Cortex-M55 with MVE are others.
+/// Particles of any dimension are drawn to a place beside what is impossible, which is said in three ways.
 fn moved<const D: usize>(digest: &mut Digest, refinement: &impl Refinement<D>) {
     let target = |state: &[f32; D]| {
-        if state[0] < -0.5 {
-            return f32::NEG_INFINITY;
+        for (edge, impossible) in [
+            (-1.5, f32::NAN),
+            (-1.0, f32::INFINITY),
+            (-0.5, f32::NEG_INFINITY),
+        ] {
+            if state[0] < edge {
+                return impossible;
+            }
         }
         -0.7 * state.iter().map(|x| (x - 1.0) * (x - 1.0)).sum::<f32>()
     };
