@@ -317,6 +317,55 @@ typedef uint32_t FoxhuntBeaconEventKind;
 #endif // __cplusplus
 
 /**
+ * Why the gateway of tags did not use a message.
+ */
+enum FoxhuntBeaconRejected
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /**
+   * Checksum is wrong or missing.
+   */
+  FOXHUNT_BEACON_REJECTED_CHECKSUM = 0,
+  /**
+   * Message is too long.
+   */
+  FOXHUNT_BEACON_REJECTED_OVERLONG = 1,
+  /**
+   * Message cannot be parsed.
+   */
+  FOXHUNT_BEACON_REJECTED_UNPARSABLE = 2,
+  /**
+   * Value is out of range.
+   */
+  FOXHUNT_BEACON_REJECTED_OUT_OF_RANGE = 3,
+  /**
+   * Radio is not in the map.
+   */
+  FOXHUNT_BEACON_REJECTED_UNKNOWN_RADIO = 4,
+  /**
+   * Packet is too old.
+   */
+  FOXHUNT_BEACON_REJECTED_TOO_OLD = 5,
+  /**
+   * No tracker is free.
+   */
+  FOXHUNT_BEACON_REJECTED_NO_ROOM = 6,
+  /**
+   * Another reason.
+   */
+  FOXHUNT_BEACON_REJECTED_OTHER = 1000,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum FoxhuntBeaconRejected FoxhuntBeaconRejected;
+#else
+typedef uint32_t FoxhuntBeaconRejected;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
  * How reliable the place of a tag is.
  */
 enum FoxhuntTagState
@@ -448,6 +497,115 @@ typedef uint32_t FoxhuntEventKind;
 #endif // __cplusplus
 
 /**
+ * Why the gateway of a vehicle did not use a line. The status sentence counts them in this order, from its seventh number on.
+ */
+enum FoxhuntRejected
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /**
+   * Checksum is wrong or missing.
+   */
+  FOXHUNT_REJECTED_CHECKSUM = 0,
+  /**
+   * Line is too long.
+   */
+  FOXHUNT_REJECTED_OVERLONG = 1,
+  /**
+   * Line cannot be parsed.
+   */
+  FOXHUNT_REJECTED_UNPARSABLE = 2,
+  /**
+   * Receiver has no fix.
+   */
+  FOXHUNT_REJECTED_NO_FIX = 3,
+  /**
+   * Position is 0 degrees north and east.
+   */
+  FOXHUNT_REJECTED_NULL_POSITION = 4,
+  /**
+   * Time runs backwards.
+   */
+  FOXHUNT_REJECTED_TIME_BACKWARDS = 5,
+  /**
+   * Value is out of range.
+   */
+  FOXHUNT_REJECTED_OUT_OF_RANGE = 6,
+  /**
+   * No position yet: the first waits for a later one that agrees.
+   */
+  FOXHUNT_REJECTED_NO_POSITION = 7,
+  /**
+   * Position is too old.
+   */
+  FOXHUNT_REJECTED_STALE_POSITION = 8,
+  /**
+   * No heading: none is stated, and no course as the vehicle stands.
+   */
+  FOXHUNT_REJECTED_NO_HEADING = 9,
+  /**
+   * Vehicle is turning and its heading is unknown.
+   */
+  FOXHUNT_REJECTED_TURNING = 10,
+  /**
+   * Quality is too low.
+   */
+  FOXHUNT_REJECTED_LOW_QUALITY = 11,
+  /**
+   * Unexpected frequency.
+   */
+  FOXHUNT_REJECTED_OTHER_FREQUENCY = 12,
+  /**
+   * Unexpected tag.
+   */
+  FOXHUNT_REJECTED_OTHER_TAG = 13,
+  /**
+   * Unexpected direction finder.
+   */
+  FOXHUNT_REJECTED_OTHER_FINDER = 14,
+  /**
+   * Bearing is older than all that are kept.
+   */
+  FOXHUNT_REJECTED_TOO_OLD = 15,
+  /**
+   * Bearing was used already.
+   */
+  FOXHUNT_REJECTED_DUPLICATE = 16,
+  /**
+   * Position is simulated or entered by hand.
+   */
+  FOXHUNT_REJECTED_SIMULATED = 17,
+  /**
+   * Position waits for a later one that agrees.
+   */
+  FOXHUNT_REJECTED_UNCONFIRMED = 18,
+  /**
+   * Magnetic variation is unknown.
+   */
+  FOXHUNT_REJECTED_NO_VARIATION = 19,
+  /**
+   * Direction finder repeats its last spectrum: nothing is heard.
+   */
+  FOXHUNT_REJECTED_FROZEN = 20,
+  /**
+   * Unexpected anchor.
+   */
+  FOXHUNT_REJECTED_OTHER_ANCHOR = 21,
+  /**
+   * Another reason.
+   */
+  FOXHUNT_REJECTED_OTHER = 1000,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum FoxhuntRejected FoxhuntRejected;
+#else
+typedef uint32_t FoxhuntRejected;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
  * How the gateway of a tunnel treats its messages.
  */
 typedef struct FoxhuntBeaconConfig {
@@ -488,9 +646,9 @@ typedef struct FoxhuntBeaconEvent {
    */
   FoxhuntBeaconEventKind kind;
   /**
-   * Number of the reason for a rejection: `foxhunt_beacon_rejected_text` says it.
+   * The reason, where `kind` says that it is a rejection: `foxhunt_beacon_rejected_text` says it. Elsewhere it says nothing.
    */
-  uint32_t rejected;
+  FoxhuntBeaconRejected rejected;
   /**
    * The number of the tag.
    */
@@ -1017,10 +1175,9 @@ typedef struct FoxhuntEvent {
    */
   FoxhuntEventKind kind;
   /**
-   * The reason, where it is a rejection: `foxhunt_rejected_text` says it. It counts from 0 what the status sentence counts
-   * from its seventh number on.
+   * The reason, where `kind` says that it is a rejection: `foxhunt_rejected_text` says it. Elsewhere it says nothing.
    */
-  uint32_t rejected;
+  FoxhuntRejected rejected;
   /**
    * What is known of the source, where a bearing was used; else it says nothing. In metres of a plane round where the
    * first bearing was taken: `foxhunt_vehicle_place` has latitude and longitude.

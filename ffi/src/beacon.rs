@@ -6,6 +6,7 @@ use foxhunt::gateway::beacon::{Config, Event, Framing, Rejected};
 
 use crate::door::{self, Out, opaque, plain};
 use crate::locator::{self, Fault};
+use crate::reasons::FoxhuntBeaconRejected;
 use crate::result::{FoxhuntResult, FoxhuntText, code};
 use crate::tracker::{FoxhuntSite, FoxhuntTagFix};
 use crate::types::Beacon;
@@ -58,8 +59,8 @@ pub enum FoxhuntBeaconEventKind {
 pub struct FoxhuntBeaconEvent {
     /// What it is.
     pub kind: FoxhuntBeaconEventKind,
-    /// Number of the reason for a rejection: `foxhunt_beacon_rejected_text` says it.
-    pub rejected: u32,
+    /// The reason, where `kind` says that it is a rejection: `foxhunt_beacon_rejected_text` says it. Elsewhere it says nothing.
+    pub rejected: FoxhuntBeaconRejected,
     /// The number of the tag.
     pub tag: u32,
 }
@@ -87,14 +88,15 @@ impl FoxhuntBeaconConfig {
 impl From<Option<Event>> for FoxhuntBeaconEvent {
     fn from(event: Option<Event>) -> Self {
         use FoxhuntBeaconEventKind as Kind;
+        const NONE: FoxhuntBeaconRejected = FoxhuntBeaconRejected::Other;
         let (kind, rejected, tag) = match event {
-            None => (Kind::None, 0, 0),
-            Some(Event::Taken { tag }) => (Kind::Taken, 0, tag),
-            Some(Event::Fix { tag, .. }) => (Kind::Fix, 0, tag),
-            Some(Event::Rejected(reason)) => (Kind::Rejected, reason as u32, 0),
-            Some(Event::Queried) => (Kind::Queried, 0, 0),
-            Some(Event::Restarted) => (Kind::Restarted, 0, 0),
-            Some(_) => (Kind::Other, 0, 0),
+            None => (Kind::None, NONE, 0),
+            Some(Event::Taken { tag }) => (Kind::Taken, NONE, tag),
+            Some(Event::Fix { tag, .. }) => (Kind::Fix, NONE, tag),
+            Some(Event::Rejected(reason)) => (Kind::Rejected, reason.into(), 0),
+            Some(Event::Queried) => (Kind::Queried, NONE, 0),
+            Some(Event::Restarted) => (Kind::Restarted, NONE, 0),
+            Some(_) => (Kind::Other, NONE, 0),
         };
         Self {
             kind,

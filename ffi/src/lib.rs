@@ -6,6 +6,7 @@
 //! | `types` | the library's types of these sizes |
 //! | `door` | where pointers of C become references of Rust: the only file with `unsafe` code |
 //! | `result` | what functions return, with texts |
+//! | `reasons` | why gateways reject lines and messages |
 //! | `words` | observations, answers, the generator |
 //! | `clean`, `robust`, `several` | locators |
 //! | `vehicle` | the gateway of a vehicle |
@@ -20,6 +21,7 @@ pub mod beacon;
 pub mod clean;
 mod door;
 mod locator;
+pub mod reasons;
 pub mod result;
 pub mod robust;
 pub mod several;

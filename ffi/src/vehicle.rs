@@ -9,6 +9,7 @@ use foxhunt::gateway::{self, BearingReference, Config, Event, Rejected, ReportFo
 use crate::clean::FoxhuntCleanConfig;
 use crate::door::{self, Opaque, Out, opaque, plain};
 use crate::locator::{self, Fault, Told};
+use crate::reasons::FoxhuntRejected;
 use crate::result::{FoxhuntResult, FoxhuntText, code};
 use crate::robust::FoxhuntRobustConfig;
 use crate::types::{RobustVehicle, Vehicle};
@@ -139,9 +140,8 @@ pub enum FoxhuntEventKind {
 pub struct FoxhuntEvent {
     /// What it is.
     pub kind: FoxhuntEventKind,
-    /// The reason, where it is a rejection: `foxhunt_rejected_text` says it. It counts from 0 what the status sentence counts
-    /// from its seventh number on.
-    pub rejected: u32,
+    /// The reason, where `kind` says that it is a rejection: `foxhunt_rejected_text` says it. Elsewhere it says nothing.
+    pub rejected: FoxhuntRejected,
     /// What is known of the source, where a bearing was used; else it says nothing. In metres of a plane round where the
     /// first bearing was taken: `foxhunt_vehicle_place` has latitude and longitude.
     pub answer: FoxhuntAnswer,
@@ -277,16 +277,17 @@ impl Told for FoxhuntRobustVehicleConfig {
 impl From<Option<Event>> for FoxhuntEvent {
     fn from(event: Option<Event>) -> Self {
         use FoxhuntEventKind as Kind;
+        const NONE: FoxhuntRejected = FoxhuntRejected::Other;
         let nothing = FoxhuntAnswer::without_fix(FoxhuntAnswerKind::TooFewBearings, 0.0, 2.0);
         let (kind, rejected, answer) = match event {
-            None => (Kind::None, 0, nothing),
-            Some(Event::Used) => (Kind::Used, 0, nothing),
-            Some(Event::Fix(fix)) => (Kind::Fix, 0, fix.into()),
-            Some(Event::NotObservable(reason)) => (Kind::NotObservable, 0, reason.into()),
-            Some(Event::Rejected(reason)) => (Kind::Rejected, reason as u32, nothing),
-            Some(Event::Queried) => (Kind::Queried, 0, nothing),
-            Some(Event::Restarted) => (Kind::Restarted, 0, nothing),
-            Some(_) => (Kind::Other, 0, nothing),
+            None => (Kind::None, NONE, nothing),
+            Some(Event::Used) => (Kind::Used, NONE, nothing),
+            Some(Event::Fix(fix)) => (Kind::Fix, NONE, fix.into()),
+            Some(Event::NotObservable(reason)) => (Kind::NotObservable, NONE, reason.into()),
+            Some(Event::Rejected(reason)) => (Kind::Rejected, reason.into(), nothing),
+            Some(Event::Queried) => (Kind::Queried, NONE, nothing),
+            Some(Event::Restarted) => (Kind::Restarted, NONE, nothing),
+            Some(_) => (Kind::Other, NONE, nothing),
         };
         Self {
             kind,

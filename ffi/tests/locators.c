@@ -191,6 +191,7 @@ static void gateways(void) {
       EXPECT(count < 2);
       kinds[count++] = event.kind;
       if (event.kind == FOXHUNT_EVENT_KIND_REJECTED) {
+        EXPECT(event.rejected == FOXHUNT_REJECTED_NO_POSITION);
         EXPECT(memcmp(foxhunt_rejected_text(event.rejected).bytes, "no position", 11) == 0);
       }
     }
