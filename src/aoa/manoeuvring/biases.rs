@@ -1,7 +1,6 @@
 //! What a component knows of the biases of fixed stations: jointly with where the source is, for a bearing tells of both.
 
 use crate::aoa::Observation;
-use crate::estimate::Symmetric2;
 use crate::snapshot::{Error, Reader, Value, Writer};
 
 /// Biases of `K` stations in radians, by the stations' numbers; those beyond the last have that one in common. Nothing where
@@ -65,27 +64,6 @@ impl<const K: usize> StationBiases<K> {
             }
         }
         biases
-    }
-
-    /// Of a place that has a covariance: another one has other biases, by these derivatives of the bearings and as far as a
-    /// bearing tells of them, if all had this standard deviation before.
-    pub(super) fn follow(
-        &mut self,
-        slopes: &[[f32; 2]; K],
-        covariance: &Symmetric2,
-        sigma_rad: f32,
-    ) {
-        let mut turns = *slopes;
-        for ((i, turn), row) in turns.iter_mut().enumerate().zip(&self.covariance) {
-            let told = 1.0 - at(row, i) / (sigma_rad * sigma_rad);
-            *turn = turn.map(|slope| if told > 0.0 { -told * slope } else { 0.0 });
-        }
-        self.position = turns.map(|turn| covariance.times(turn));
-        for ([x, y], row) in turns.iter().zip(&mut self.covariance) {
-            for (entry, [px, py]) in row.iter_mut().zip(&self.position) {
-                *entry += x * px + y * py;
-            }
-        }
     }
 
     /// The place of the station of a bearing; `None` where there are no biases.

@@ -129,6 +129,12 @@ impl<const K: usize> Component<K> {
             (self.velocity_covariance).plus(&Symmetric2::isotropic(velocity));
     }
 
+    /// Blurs the position by what it goes in a time that is not known, of this variance in square seconds.
+    pub(super) fn blur(&mut self, square: f32) {
+        let way = (self.velocity_covariance.scaled(square)).plus_outer(square, self.velocity);
+        self.position_covariance = self.position_covariance.plus(&way);
+    }
+
     pub(super) fn set_velocity(&mut self, mean: [f32; 2], variance: f32) {
         self.velocity = mean;
         self.cross_covariance = [[0.0; 2]; 2];
@@ -230,29 +236,16 @@ impl<const K: usize> Component<K> {
         }
     }
 
-    /// One that has just stopped at a place, which leaves each station that bias of which a bearing tells, if biases have a
-    /// standard deviation before any; with that covariance of the place.
-    pub(super) fn among_stations<'a>(
+    /// One at rest about a place, before any bearing of a station, whose biases have that standard deviation.
+    pub(super) fn among_stations(
         position: [f32; 2],
         covariance: Symmetric2,
         sigma_rad: f32,
-        bearings: impl Iterator<Item = Heard<'a>>,
     ) -> Self {
-        let mut component = Self::stationary(position, Symmetric2::ZERO);
-        component.biases = StationBiases::new(sigma_rad);
-        let mut slopes = [[0.0; 2]; K];
-        for heard in bearings {
-            component.update(core::iter::once(heard));
-            let bias = [position[0], position[1], 0.0];
-            let [gx, gy, _] = read(heard.observation, heard.errors, &bias).gradient;
-            let station = StationBiases::<K>::index(heard.observation);
-            if let Some(slope) = station.and_then(|station| slopes.get_mut(station)) {
-                *slope = [gx, gy];
-            }
+        Self {
+            biases: StationBiases::new(sigma_rad),
+            ..Self::stationary(position, covariance)
         }
-        component.position_covariance = covariance;
-        component.biases.follow(&slopes, &covariance, sigma_rad);
-        component
     }
 
     /// Odds that a bearing is no outlier, and whether it is mirrored then.

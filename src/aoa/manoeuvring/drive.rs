@@ -214,6 +214,15 @@ impl Drive {
         }
     }
 
+    /// Goes on for half of the time, the former or the latter of a turn. Stations see whether it was a little more or less: among
+    /// them, the turn is evenly distributed over the time.
+    fn travel_about_half<const K: usize>(&self, component: &mut Component<K>) {
+        component.travel(0.5 * self.seconds, 1.0);
+        if K > 0 {
+            component.blur(self.seconds * self.seconds * (1.0 / 12.0));
+        }
+    }
+
     /// All that a component may do while the time passes.
     pub(super) fn courses<const K: usize>(&self, component: &Component<K>) -> [Course; COURSES] {
         let course = |what, probability, drawn| Course {
@@ -272,10 +281,9 @@ impl Drive {
             What::Departure => self.depart(component, rng),
             What::Straight => self.straight.apply(component),
             What::Turn => {
-                // Half of the time with the former velocity, half of it with the new one.
-                component.travel(0.5 * self.seconds, 1.0);
+                self.travel_about_half(component);
                 self.accelerate(component, rng);
-                component.travel(0.5 * self.seconds, 1.0);
+                self.travel_about_half(component);
             }
             What::Stop => {
                 let way = self.stop.after(rng);
@@ -293,6 +301,29 @@ mod tests {
     use crate::aoa::clean;
     use crate::estimate::Symmetric2;
     use crate::random::{SeedableRng, Xoshiro128PlusPlus};
+
+    /// Who goes east and turns at any moment of the time, with another velocity for what is left of it: the mean square of either
+    /// part is a third of the square of the time, and its variance a twelfth.
+    #[test]
+    fn who_turns_is_where_a_turn_at_any_moment_leads() {
+        const SECONDS: f32 = 2.0;
+        const SPEED: f32 = 3.0;
+        let drive = Drive::new(&Config::new(clean::Config::DEFAULT), SECONDS);
+        let mut component = Component::<1>::stationary([1.0, 2.0], Symmetric2::isotropic(0.5));
+        component.stationary_s = -1.0;
+        component.velocity = [SPEED, 0.0];
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(1);
+        drive.follow(&mut component, What::Turn, &mut rng);
+        let close = |a: f32, b: f32| assert!((a / b - 1.0).abs() < 1e-5, "{a} {b}");
+        let square = drive.sigma_m_s * drive.sigma_m_s;
+        let north = 0.5 + square * SECONDS * SECONDS / 3.0;
+        assert_eq!(component.position, [1.0 + 0.5 * SECONDS * SPEED, 2.0]);
+        close(component.position_covariance.yy, north);
+        let east = north + SPEED * SPEED * SECONDS * SECONDS / 12.0;
+        close(component.position_covariance.xx, east);
+        close(component.cross_covariance[0][0], 0.5 * SECONDS * square);
+        close(component.velocity_covariance.xx, square);
+    }
 
     /// What is drawn of a velocity and what is left to the filter make the whole variance.
     #[test]

@@ -112,8 +112,8 @@ fn seconds(milliseconds: i32) -> f32 {
 ///
 /// `N` is the number of normal distributions that follow the source once it has moved. Each takes 68 bytes, with four stations
 /// 212, and every bearing then takes time in proportion to `N`. The 128 of the default are enough for a vehicle. Among stations,
-/// a computer may take 1,024, as in `Manoeuvring<Robust<256>, 4, 1024>`: errors are 3 % less, for eight times the memory and the
-/// time. A chip that is short of either may take 64: errors are 2 % more.
+/// a computer may take 1,024, as in `Manoeuvring<Robust<256>, 4, 1024>`: errors are 2 % less, for eight times the memory and the
+/// time. A chip that is short of either may take 64: errors are 1 % more.
 ///
 /// With 128 and no station, it takes 9.6 kB more than that: 19.1 kB around a [`Robust<256, 64>`](crate::aoa::Robust).
 ///
@@ -188,8 +188,9 @@ impl<L: Stationary, const K: usize, const N: usize> Locate for Manoeuvring<L, K,
         config.check_own()
     }
 
-    /// Costs a push of the stationary locator and a step of a Kalman filter of each of `N` normal distributions. The
-    /// stationary locator comes first: it may refuse the bearing.
+    /// Costs a push of the stationary locator and a step of a Kalman filter of each of `N` normal distributions; among stations,
+    /// once, 2 `K` steps of each when they start, and then one without the push. The stationary locator comes first: it may
+    /// refuse the bearing.
     fn push<R: Rng + ?Sized>(
         &mut self,
         observation: &Observation,

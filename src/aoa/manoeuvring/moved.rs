@@ -16,7 +16,7 @@ use crate::weights::Weights;
 const RESAMPLE_BELOW: f32 = 0.5;
 
 /// Steps of this part of a circle never leave a large gap.
-const GOLDEN: f32 = 0.618_034;
+pub(super) const GOLDEN: f32 = 0.618_034;
 
 /// What is left of the weights when nearly everything was removed counts as nothing.
 const ALL: f32 = 0.999;

@@ -1,27 +1,34 @@
 //! A source among fixed stations: what is learned of their biases is kept whether it moves or not, so the cloud is the only
 //! explanation from the first fix on.
 
+use core::f32::consts::TAU;
+
 use super::biases::StationBiases;
-use super::component::{Component, Heard, KnownBias};
+use super::component::Component;
 use super::drive::Drive;
 use super::explanations::BEARINGS_TO_START_OVER;
+use super::moved::GOLDEN;
 use super::{Config, MEMORY, Manoeuvring, Phase, seconds};
 use crate::aoa::core::{check_narrow, square_of_distance};
 use crate::aoa::robust::Errors;
 use crate::aoa::robust::outside::successive;
 use crate::aoa::track::{Stationary, Track, reading_of};
 use crate::aoa::{Alternative, Observation, PushError};
-use crate::math::sqrt;
+use crate::estimate::Symmetric2;
+use crate::math::{larger, sin_cos, sqrt};
 use crate::random::{Rng, uniform};
 
-/// Largest standard deviation of the first position, as a fraction of the range, and rounds of bearings after which a larger one
-/// will do: less is more linear, more follows a source sooner.
+/// Largest standard deviation of the first position, as a fraction of the range, for which the cloud starts before all stations
+/// have heard the source, and rounds of bearings after which it starts in any case: less is more linear, more follows a source
+/// sooner.
 const NARROW: f32 = 0.25;
 const ROUNDS: u32 = 4;
 
-/// Fraction of the variance of the first position that is left to each component: less linearises bearings better about where
-/// it is, more leaves more components when most have turned out to be elsewhere.
-const LEFT: f32 = 0.25;
+/// Sigmas of the first fix within which components start: more find who is elsewhere, fewer put them closer together.
+const REACH: f32 = 4.0;
+
+/// Times that components are spread, each about what the time before has told: the first fix is rough.
+const SPREADS: u32 = 2;
 
 impl<L: Stationary, const K: usize, const N: usize> Manoeuvring<L, K, N> {
     /// The errors of a bearing beside the bias of its station.
@@ -90,18 +97,27 @@ impl<L: Stationary, const K: usize, const N: usize> Manoeuvring<L, K, N> {
         latest.map_or(LONG_S, |old| seconds(observation.since_ms(old.time_ms())))
     }
 
-    /// Whether the source is known well enough for the cloud to start: its components are linear only so far. It starts anyway
-    /// when it has taken long, for the source may move.
+    /// The latest bearing of a station.
+    fn latest_of(&self, station: usize) -> Option<&Observation> {
+        let is_of = |old: &&Observation| StationBiases::<K>::index(old) == Some(station);
+        self.recent.iter().rev().find(is_of)
+    }
+
+    /// Whether the source is known well enough for the cloud to start: by all stations or, once as many bearings have come, by
+    /// those that hear it. It starts anyway when it has taken long, for the source may move.
     pub(super) fn may_follow(&self) -> bool {
         let Some(fix) = self.stationary.fix() else {
             return false;
         };
         let range = square_of_distance(fix.position, self.latest_position());
         let is_narrow = check_narrow(fix.covariance.largest_eigenvalue(), range, NARROW).is_ok();
-        is_narrow || self.bearings >= ROUNDS * K as u32
+        let by_all = (0..K).all(|station| self.latest_of(station).is_some());
+        let enough = self.bearings >= K as u32 && (is_narrow || by_all);
+        enough || self.bearings >= ROUNDS * K as u32
     }
 
-    /// Starts the cloud from the first fix: at rest or not, as it is at any time.
+    /// Starts the cloud about the first fix, at rest or not, as it is at any time. What is known of the place and the biases then
+    /// is what components learn from the latest bearing of each station that were evenly spread before.
     pub(super) fn start_to_follow<R: Rng + ?Sized>(
         &mut self,
         config: &Config<L::Config>,
@@ -111,44 +127,77 @@ impl<L: Stationary, const K: usize, const N: usize> Manoeuvring<L, K, N> {
             return;
         };
         let sigma = errors.sigma_scale * self.errors(config).stop_sigma_rad;
-        let bias = KnownBias {
-            mean: 0.0,
-            variance: 0.0,
-        };
-        let heard = (0..K).filter_map(|station| {
-            let is_of = |old: &&Observation| StationBiases::<K>::index(old) == Some(station);
-            let observation = self.recent.iter().rev().find(is_of)?;
-            Some(Heard {
-                observation,
-                errors: &errors,
-                bias,
-                probability: 1.0,
-            })
-        });
-        let left = fix.covariance.scaled(LEFT);
-        // Of the spread of places, so that with what is left to each it is that of the fix.
-        let drawn = sqrt(1.0 - LEFT);
-        let cloud = self.stationary.cloud(0);
-        let anywhere = |rng: &mut R| {
-            let cloud = cloud?;
-            let mut left = uniform(rng);
-            let i = cloud.weights.iter().position(|weight| {
-                left -= weight;
-                left < 0.0
-            })?;
-            Some([*cloud.east.get(i)?, *cloud.north.get(i)?])
-        };
         let drive = Drive::new(config, 0.0);
         let moving = config.moving_s / (config.moving_s + config.stationary_s);
-        (self.cloud).insert(1.0, N as f32, rng, |rng| {
-            let [[x, y], [mx, my]] = [anywhere(rng).unwrap_or(fix.position), fix.position];
-            let place = [mx + drawn * (x - mx), my + drawn * (y - my)];
-            let mut component = Component::among_stations(place, left, sigma, heard.clone());
-            if uniform(rng) < moving {
-                drive.accelerate(&mut component, rng);
+        let (mut middle, mut covariance) = (fix.position, fix.covariance);
+        for _ in 0..SPREADS {
+            let mut places = spread(middle, covariance, N);
+            // Neighbours overlap so far that all together are even.
+            let own = covariance.scaled(REACH * REACH / N as f32);
+            self.cloud.clear();
+            (self.cloud).insert(1.0, N as f32, rng, |rng| {
+                let place = places.next().unwrap_or(middle);
+                let mut component = Component::among_stations(place, own, sigma);
+                if uniform(rng) < moving {
+                    drive.accelerate(&mut component, rng);
+                }
+                component
+            });
+            for station in 0..K {
+                if let Some(observation) = self.latest_of(station).copied() {
+                    self.cloud.update(&[observation.into()], &errors);
+                }
             }
-            component
-        });
+            (middle, covariance) = self.cloud.position();
+        }
         (self.moved, self.phase) = (1.0, Phase::Moving);
+    }
+}
+
+/// So many places, evenly spread over the ellipse of `REACH` sigmas about a mean as seeds are over a sunflower.
+fn spread(mean: [f32; 2], covariance: Symmetric2, count: usize) -> impl Iterator<Item = [f32; 2]> {
+    // The square root of the matrix, by the theorem of Cayley and Hamilton.
+    let product = sqrt(larger(covariance.determinant(), 0.0));
+    let trace = covariance.xx + covariance.yy + 2.0 * product;
+    let root = covariance.plus(&Symmetric2::isotropic(product));
+    let root = root.scaled(1.0 / sqrt(larger(trace, f32::MIN_POSITIVE)));
+    (0..count).map(move |i| {
+        let radius = REACH * sqrt((i as f32 + 0.5) / count as f32);
+        let (sin, cos) = sin_cos(TAU * GOLDEN * i as f32);
+        let [x, y] = root.times([radius * cos, radius * sin]);
+        [mean[0] + x, mean[1] + y]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An even distribution over an ellipse has a quarter of the square of its axes for a covariance.
+    #[test]
+    fn places_are_evenly_spread() {
+        const COUNT: usize = 1024;
+        let covariance = Symmetric2 {
+            xx: 4.0,
+            xy: -1.2,
+            yy: 1.0,
+        };
+        let (mut sum, mut squares) = ([0.0; 2], Symmetric2::ZERO);
+        for [x, y] in spread([7.0, -3.0], covariance, COUNT) {
+            let offset = [x - 7.0, y + 3.0];
+            assert!(covariance.is_within(offset, REACH));
+            sum = [sum[0] + offset[0], sum[1] + offset[1]];
+            squares = squares.plus_outer(1.0 / COUNT as f32, offset);
+        }
+        let expected = covariance.scaled(0.25 * REACH * REACH);
+        let close = |a: f32, b: f32| (a - b).abs() < 0.01 * expected.xx;
+        assert!(close(squares.xx, expected.xx), "{squares:?}");
+        assert!(close(squares.xy, expected.xy), "{squares:?}");
+        assert!(close(squares.yy, expected.yy), "{squares:?}");
+        let mean = sum.map(|sum| sum / COUNT as f32);
+        assert!(mean.iter().all(|mean| mean.abs() < 0.02), "{mean:?}");
+
+        let nowhere = spread([1.0, 2.0], Symmetric2::ZERO, 3);
+        assert!(nowhere.into_iter().all(|place| place == [1.0, 2.0]));
     }
 }

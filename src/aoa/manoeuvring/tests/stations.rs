@@ -32,6 +32,61 @@ fn round_of(tag: [f32; 2], second: u32, rng: &mut Xoshiro128PlusPlus) -> Vec<Obs
     (0..).zip(PLACES.iter().zip(BIASES)).map(one).collect()
 }
 
+/// Mean and variance of where the tag is, by bearings of this standard deviation, from all places about the room.
+fn exact(bearings: &[Observation], sigma_rad: f32) -> ([f32; 2], f32) {
+    const STEP_M: f32 = 0.2;
+    let [mut mass, mut x, mut y, mut squares] = [0.0; 4];
+    for place in (0..120 * 90).map(|i| [(i % 120) as f32 - 30.0, (i / 120) as f32 - 30.0]) {
+        let place = place.map(|steps| STEP_M * steps);
+        let offs = bearings.iter().map(|one| {
+            let [x, y] = one.position();
+            let angle = crate::math::atan2(place[1] - y, place[0] - x);
+            crate::math::wrap(one.bearing().radians() - angle) / sigma_rad
+        });
+        let weight = crate::math::exp(-0.5 * offs.map(|off| off * off).sum::<f32>());
+        mass += weight;
+        x += weight * place[0];
+        y += weight * place[1];
+        squares += weight * (place[0] * place[0] + place[1] * place[1]);
+    }
+    let mean = [x / mass, y / mass];
+    (mean, squares / mass - mean[0] * mean[0] - mean[1] * mean[1])
+}
+
+/// The first fix of all stations, in standard deviations from the mean of all that is possible then.
+#[test]
+fn the_first_fix_is_what_all_stations_tell() {
+    const RUNS: u64 = 100;
+    let mut config = config();
+    config.stationary.errors.rates = Mixture::new(0.0, 0.001);
+    let sigma = config.stationary.errors.stop_sigma_rad;
+    let (mut off, mut ratio) = (0.0, 0.0);
+    for seed in 0..RUNS {
+        let mut rng = generator(seed);
+        let mut locator = Locator::<Among>::new(config).unwrap();
+        let tag = [
+            1.0 + 10.0 * uniform(&mut rng),
+            1.0 + 4.0 * uniform(&mut rng),
+        ];
+        let round: Vec<Observation> = (0..)
+            .zip(PLACES)
+            .map(|(k, place)| {
+                let bias = sigma * normal(&mut rng);
+                towards(k, place, tag, bias, 0.03).from_station(k as u8)
+            })
+            .collect();
+        for observation in &round {
+            locator.push(observation, &mut rng).unwrap();
+        }
+        let fix = locator.fix().unwrap();
+        let (mean, variance) = exact(&round, sigma.hypot(0.03));
+        off += distance(fix.position, mean).powi(2) / variance / RUNS as f32;
+        ratio += (fix.covariance.xx + fix.covariance.yy) / variance / RUNS as f32;
+    }
+    assert!(off < 0.02, "{off}");
+    assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+}
+
 #[test]
 fn biases_are_learned_on_the_way() {
     for seed in 0..10 {
