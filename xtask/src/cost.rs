@@ -1,9 +1,14 @@
 //! The task `cost`: what the library and its firmware take, beside what others take.
 
-use std::{path::PathBuf, process::Command, time::Duration};
+use std::{
+    path::{Path, PathBuf},
+    process::Command,
+    time::Duration,
+};
 
 use anyhow::{Context, Result, ensure};
 use foxhunt_host::figures::Figure;
+use rayon::prelude::*;
 
 use crate::{
     board::{BEACON, BEACONS, PLAIN, ROBUST, VEHICLES},
@@ -67,6 +72,10 @@ const LIMITS: [(&str, f64); 22] = [
 /// The firmwares that are also built for size.
 const SMALL: [&str; 3] = [PLAIN, ROBUST, BEACON];
 
+/// The firmwares of which the emulator logs every instruction, and those that count theirs themselves.
+const LOGGED: [&str; 3] = ["cost", "fingerprint_cost", "beacon_cost"];
+const COUNTED: [&str; 2] = ["updates", "choose_n"];
+
 /// The most that a figure of any firmware may be, by the end of its name: variables with an initial value other than zero
 /// take flash, too.
 const ANY: [(&str, f64); 2] = [(".data.bytes", 256.0), (".panics.s", 0.0)];
@@ -95,7 +104,7 @@ pub fn run(options: &Options) -> Result<()> {
         return kernels::write(&figures, page);
     }
     if let Some(page) = &options.choice {
-        let mut figures = counted("choose_n")?;
+        let mut figures = counted(&project::firmware("choose_n")?)?;
         figures.extend(regions::measure(&project::firmware("cost")?)?);
         figures.extend(choice::distances()?);
         figures::print(&figures);
@@ -133,32 +142,38 @@ pub fn run(options: &Options) -> Result<()> {
 
 /// The figures that the firmware alone decides: they do not depend on the machine that measures them.
 pub fn firmware() -> Result<Vec<Figure>> {
-    let mut figures = phases(regions::measure(&project::firmware("cost")?)?)?;
-    figures.extend(regions::measure(&project::firmware("fingerprint_cost")?)?);
-    figures.extend(load(regions::measure(&project::firmware("beacon_cost")?)?)?);
-    for firmware in VEHICLES.into_iter().chain(BEACONS) {
-        figures.extend(memory(firmware)?);
-    }
-    for firmware in SMALL {
-        let elf = project::small_firmware(firmware)?;
-        let (flash, panics) = (sections::occupied(&elf)?.flash, panics::functions(&elf)?);
-        let name = figure_of(firmware);
-        figures.push(Figure::new(
-            format!("{name}.flash.s.bytes"),
-            flash as f64,
-            "bytes",
-        ));
-        figures.push(Figure::new(
-            format!("{name}.panics.s"),
-            panics as f64,
-            "functions",
-        ));
-    }
-    figures.extend(counted("updates")?);
-    figures.extend(counted("choose_n")?);
+    project::build_firmwares(&[&LOGGED[..], &COUNTED, &VEHICLES, &BEACONS].concat())?;
+    // While these run, those for size are built: cargo builds one after the other.
+    let small = || SMALL.map(small).into_iter().collect::<Result<Vec<_>>>();
+    let (large, small) = rayon::join(measured, small);
+    let mut figures = load(phases([large?.concat(), small?.concat()].concat())?)?;
     let milliseconds = worst_milliseconds(&figures)?;
     figures.push(milliseconds);
     Ok(with_limits(figures))
+}
+
+/// What firmwares that are built say, and what they take of the memories.
+fn measured() -> Result<Vec<Vec<Figure>>> {
+    let elfs = |names: &[&str]| (names.iter().map(|name| project::firmware(name))).collect();
+    let [logs, counts]: [Result<Vec<_>>; 2] = [elfs(&LOGGED), elfs(&COUNTED)];
+    let logs = logs?.into_par_iter().map(|elf| regions::measure(&elf));
+    let counts = counts?.into_par_iter().map(|elf| counted(&elf));
+    let mut figures = logs.chain(counts).collect::<Result<Vec<_>>>()?;
+    for firmware in VEHICLES.into_iter().chain(BEACONS) {
+        figures.push(memory(firmware)?);
+    }
+    Ok(figures)
+}
+
+/// What a firmware takes if it is built for size, and whether it could panic.
+fn small(firmware: &str) -> Result<Vec<Figure>> {
+    let elf = project::small_firmware(firmware)?;
+    let (flash, panics) = (sections::occupied(&elf)?.flash, panics::functions(&elf)?);
+    let name = figure_of(firmware);
+    Ok(vec![
+        Figure::new(format!("{name}.flash.s.bytes"), flash as f64, "bytes"),
+        Figure::new(format!("{name}.panics.s"), panics as f64, "functions"),
+    ])
 }
 
 /// What a full gateway takes of the time of a Cortex-M4 at 64 MHz, beside what its second was measured to take.
@@ -262,10 +277,9 @@ fn worst_milliseconds(figures: &[Figure]) -> Result<Figure> {
 
 /// What gateways take for recorded bearings and packets. They are too many instructions for a log; the firmware counts them
 /// itself, by a clock that ticks with them.
-fn counted(firmware: &str) -> Result<Vec<Figure>> {
-    let elf = project::firmware(firmware)?;
+fn counted(elf: &Path) -> Result<Vec<Figure>> {
     let clock = ["-icount", "shift=6"];
-    let mut machine = Machine::boot_with(&elf, Duration::from_secs(120), &clock)?;
+    let mut machine = Machine::boot_with(elf, Duration::from_secs(120), &clock)?;
     // The emulator writes the firmware's text where it writes the bytes of the UART, which this one does not use.
     let mut printed = Vec::new();
     while let Some(bytes) = machine.receive() {

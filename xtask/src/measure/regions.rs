@@ -149,12 +149,16 @@ impl Program {
     }
 
     /// Adds up the regions of the log.
-    fn follow(&self, log: impl BufRead) -> Result<Vec<Cost>> {
+    fn follow(&self, mut log: impl BufRead) -> Result<Vec<Cost>> {
         let mut costs = Vec::new();
         let mut region: Option<Cost> = None;
         let mut previous: Option<(u32, &Timing)> = None;
-        for line in log.lines() {
-            let Some(address) = executed(&line?) else {
+        // One for all lines: there are many millions.
+        let mut line = String::new();
+        while log.read_line(&mut line)? > 0 {
+            let address = executed(&line);
+            line.clear();
+            let Some(address) = address else {
                 continue;
             };
             let follows = previous
