@@ -133,12 +133,6 @@ pub fn check_all() -> Result<()> {
     run(&Options { words: Vec::new() })
 }
 
-/// The cases on a core that none of the other checks runs on.
-pub fn check_m33() -> Result<()> {
-    let words = vec!["M33".into()];
-    run(&Options { words })
-}
-
 /// The vehicle's gateway on the machine of this name: its file, and what runs it. On one of Arm, UART0 is the standard input
 /// and output.
 pub fn vehicle(name: &str) -> Result<(PathBuf, Command)> {

@@ -9,7 +9,7 @@ mod miri;
 mod semver;
 
 use crate::{
-    boards, features, load, machines,
+    boards, features, fuzz, load, machines,
     project::{cargo, run},
     replay, restarts,
     setup::{self, Need},
@@ -51,6 +51,7 @@ const STEPS: &[Step] = &[
     ),
     ("how much of the library its tests run", coverage::print),
     ("the same bits on every machine", machines::check_all),
+    ("random input over a line", fuzz::check),
     ("the load of many gateways on a broker", load::check),
     ("ten minutes of random restarts", restarts::check),
     ("firmwares of real boards", boards::check),
@@ -73,5 +74,5 @@ pub fn run_all(options: &Options) -> Result<()> {
     let chosen = |name: &str| steps::is_chosen(name, &options.words);
     let steps: Vec<&Step> = STEPS.iter().filter(|(name, _)| chosen(name)).collect();
     ensure!(!steps.is_empty(), "no check has such a name");
-    steps::run(&steps, "release")
+    steps::run(&[steps], "release")
 }

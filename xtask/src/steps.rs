@@ -1,14 +1,15 @@
-//! Checks, one after the other.
+//! Checks, in lanes side by side.
 
 use std::{
     error::Error,
     fmt::{self, Display},
+    thread,
     time::{Duration, Instant},
 };
 
 use anyhow::{Result, ensure};
 use console::style;
-use indicatif::ProgressBar;
+use indicatif::{MultiProgress, ProgressBar};
 
 /// Why a check could not be made, as the error of one that is no failure for that.
 #[derive(Debug)]
@@ -48,12 +49,23 @@ impl From<&Result<()>> for Verdict {
     }
 }
 
-/// Runs all, and fails if one does; `task` repeats them.
-pub fn run(steps: &[&Step], task: &str) -> Result<()> {
-    let verdicts = steps
-        .iter()
-        .map(|(name, check)| (*name, timed(name, check, task)));
-    let verdicts: Vec<(&str, Verdict)> = verdicts.collect();
+/// Runs the steps of each lane one after the other, beside those of the others, and fails if one does; `task` repeats them.
+pub fn run(lanes: &[Vec<&Step>], task: &str) -> Result<()> {
+    let spinners = MultiProgress::new();
+    let lane = |steps: &[&Step]| {
+        let verdicts = steps
+            .iter()
+            .map(|(name, check)| (*name, timed(name, check, task, &spinners)));
+        verdicts.collect::<Vec<(&str, Verdict)>>()
+    };
+    let verdicts: Vec<(&str, Verdict)> = thread::scope(|scope| {
+        let lanes = lanes.iter().map(|steps| scope.spawn(|| lane(steps)));
+        let lanes: Vec<_> = lanes.collect();
+        let joined = lanes.into_iter().map(|lane| lane.join());
+        joined
+            .flat_map(|lane| lane.expect("a check fails without a panic"))
+            .collect()
+    });
     let of = |sought| {
         let found = verdicts
             .iter()
@@ -71,9 +83,9 @@ pub fn run(steps: &[&Step], task: &str) -> Result<()> {
 }
 
 /// Runs a check under a spinner and prints its verdict, its time, and what it found.
-fn timed(name: &str, check: &fn() -> Result<()>, task: &str) -> Verdict {
+fn timed(name: &str, check: &fn() -> Result<()>, task: &str, spinners: &MultiProgress) -> Verdict {
     let start = Instant::now();
-    let spinner = ProgressBar::new_spinner().with_message(name.to_owned());
+    let spinner = spinners.add(ProgressBar::new_spinner().with_message(name.to_owned()));
     spinner.enable_steady_tick(Duration::from_millis(100));
     let result = check();
     spinner.finish_and_clear();
@@ -83,13 +95,15 @@ fn timed(name: &str, check: &fn() -> Result<()>, task: &str) -> Verdict {
         Verdict::Skipped => style("skipped").yellow(),
         Verdict::Failed => style("FAILED ").red(),
     };
-    println!("{word} {:6.1} s  {name}", start.elapsed().as_secs_f64());
-    if let Err(error) = &result {
-        println!("\n{error:#}");
-    }
-    if verdict == Verdict::Failed {
-        println!("to repeat: cargo xtask {task} \"{name}\"\n");
-    }
+    spinners.suspend(|| {
+        println!("{word} {:6.1} s  {name}", start.elapsed().as_secs_f64());
+        if let Err(error) = &result {
+            println!("\n{error:#}");
+        }
+        if verdict == Verdict::Failed {
+            println!("to repeat: cargo xtask {task} \"{name}\"\n");
+        }
+    });
     verdict
 }
 
@@ -103,8 +117,8 @@ mod tests {
     fn what_was_skipped_is_no_failure() {
         let skipped: &Step = &("a", || Err(Skipped("there is none".to_owned()).into()));
         let passed: &Step = &("b", || Ok(()));
-        assert!(run(&[skipped, passed], "test").is_ok());
+        assert!(run(&[vec![skipped], vec![passed]], "test").is_ok());
         let failed: &Step = &("c", || Err(std::fmt::Error).context("it failed"));
-        assert!(run(&[skipped, failed], "test").is_err());
+        assert!(run(&[vec![skipped, failed], vec![passed]], "test").is_err());
     }
 }

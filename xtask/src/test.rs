@@ -1,4 +1,4 @@
-//! The task `test`: everything that is checked, in order.
+//! The task `test`: everything that is checked.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use crate::{
     book, chapter, constants, cost,
     expected::Expected,
-    features, ffi, figures, fuzz, house, machines, page,
+    features, ffi, figures, house, page,
     project::{self, BOARD, cargo, run},
     qemu::Machine,
     reset, setup,
@@ -29,9 +29,12 @@ pub struct Options {
 /// The check in which the portable tests compare what they compute with what is expected.
 const PORTABLE: &str = "unit, property and portable tests, host";
 
-const STEPS: &[Step] = &[
+/// What is built for this computer.
+const HOST: &[Step] = &[
     ("format", || run(cargo().args(["fmt", "--all", "--check"]))),
     ("files, functions and words", house::check),
+    ("chapters and links of the guide", book::check),
+    ("tuned constants of the guide", constants::check),
     ("lints, host", || clippy(&["--workspace", "--all-targets"])),
     ("lints, board", || {
         clippy(&[
@@ -51,8 +54,17 @@ const STEPS: &[Step] = &[
     ("documentation tests", || {
         run(cargo().args(["test", "--workspace", "--doc"]))
     }),
+    ("every feature, on every target", features::check_each),
+    ("documentation", || {
+        run(cargo()
+            .args(["doc", "--workspace", "--no-deps", "--all-features"])
+            .env("RUSTDOCFLAGS", "-D warnings"))
+    }),
+];
+
+/// What is built for the board and for others: in other directories, so that cargo builds either while the other runs.
+const OTHERS: &[Step] = &[
     ("portable tests, emulated board", portable_on_board),
-    ("portable tests, Cortex-M33", machines::check_m33),
     ("whole drives, board against host", trace::compare),
     ("a reset in the middle of a drive", reset::compare),
     (
@@ -60,22 +72,13 @@ const STEPS: &[Step] = &[
         trace::compare_tunnel,
     ),
     ("the library for C", ffi::check),
-    ("random input over a line", fuzz::check),
     ("no panic can happen", || {
         project::firmware("no_panic")
             .map(drop)
             .context("a panic is possible: its handler was linked")
     }),
-    ("every feature, on every target", features::check_each),
     ("the page's WebAssembly", page::check),
     ("the chapter about your board", chapter::check),
-    ("chapters and links of the guide", book::check),
-    ("tuned constants of the guide", constants::check),
-    ("documentation", || {
-        run(cargo()
-            .args(["doc", "--workspace", "--no-deps", "--all-features"])
-            .env("RUSTDOCFLAGS", "-D warnings"))
-    }),
 ];
 
 /// Runs every check.
@@ -99,10 +102,15 @@ pub fn run_all(options: &Options) -> Result<()> {
             .args(["test", "--package", "foxhunt", "--test", "portable"])
             .env("BLESS", "1"))?;
     }
-    let steps = STEPS.iter().chain([&figures]);
-    let steps: Vec<&Step> = steps.filter(|(name, _)| chosen(name)).collect();
-    ensure!(!steps.is_empty(), "no check has such a name");
-    steps::run(&steps, "test")
+    let host = HOST.iter().filter(|(name, _)| chosen(name)).collect();
+    let others = OTHERS.iter().chain([&figures]);
+    let others = others.filter(|(name, _)| chosen(name)).collect();
+    let lanes: [Vec<&Step>; 2] = [host, others];
+    ensure!(
+        lanes.iter().any(|lane| !lane.is_empty()),
+        "no check has such a name"
+    );
+    steps::run(&lanes, "test")
 }
 
 /// Fails if one of the results does, with what all of them say.
