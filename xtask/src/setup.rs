@@ -26,7 +26,7 @@ pub enum Need {
     QemuRiscV,
     /// Node.js, which runs WebAssembly.
     Node,
-    /// A compiler of C and C++, for the fuzzer's engine.
+    /// A compiler of C and C++, for SQLite, the library for C, and the fuzzer's engine.
     Cxx,
     /// A compiler of C for the emulated board.
     ArmC,
@@ -73,7 +73,6 @@ pub const TEST: &[Need] = &[
     Need::Qemu,
     Need::Cxx,
     Need::ArmC,
-    Need::CargoFuzz,
     Need::Mosquitto,
     Need::Gpsd,
     Need::Target(BROWSER),
@@ -83,6 +82,7 @@ pub const TEST: &[Need] = &[
 /// Installs everything that any task needs.
 pub fn run() -> Result<()> {
     ensure(TEST)?;
+    ensure(FUZZ)?;
     println!("everything that the tasks need is installed");
     Ok(())
 }
