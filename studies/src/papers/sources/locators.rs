@@ -12,7 +12,14 @@ pub const TRACKS: usize = 6;
 type Several = MultiTarget<TRACKS, Robust<256>, 128>;
 type One = Robust<256>;
 
-const SEVERAL: multi::Config = multi::Config::DEFAULT;
+/// What a user has who says nothing.
+pub const DEFAULT: multi::Config = multi::Config::DEFAULT;
+/// Told what is true of these arrays: they have no bias.
+pub const UNBIASED: multi::Config = {
+    let mut config = DEFAULT;
+    config.track.errors.bias_sigma_rad = 0.0;
+    config
+};
 const ONE: robust::Config = robust::Config::DEFAULT;
 
 /// What the locator of several sources says.
@@ -24,13 +31,13 @@ pub struct Found {
 }
 
 /// The sources of a stream of readings, of which it is not told whose they are.
-pub fn several(readings: &[Reading], seed: u64) -> Result<Found> {
+pub fn several(readings: &[Reading], config: &multi::Config, seed: u64) -> Result<Found> {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
     let mut locator = Box::new(Several::EMPTY);
     let sources = |locator: &Several| (0..).map_while(|index| locator.source(index)).count();
     let mut most = 0;
     for reading in readings {
-        locator.push(&reading.sight.try_into()?, &SEVERAL, &mut rng)?;
+        locator.push(&reading.sight.try_into()?, config, &mut rng)?;
         most = most.max(sources(&locator));
     }
     let fixes = (0..).map_while(|index| Some(locator.source(index)?.fix));

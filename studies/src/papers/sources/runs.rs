@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::{
     gospa::{Assignment, Gospa},
-    locators::{several, told},
+    locators::{DEFAULT, UNBIASED, several, told},
     mixture,
     scenarios::Scenario,
 };
@@ -39,7 +39,9 @@ struct Run {
     ever: bool,
     ours: Gospa,
     told: Gospa,
-    /// Of expectation maximisation that knows how many there are.
+    /// Ours, told that the array has no bias.
+    unbiased: Gospa,
+    /// Of expectation maximisation that knows this, and how many there are.
     mixture: Gospa,
 }
 
@@ -48,9 +50,11 @@ impl Run {
         let (channel, readings) = scenario.readings(seed, run);
         let truths = &channel.sources;
         let seed = seed ^ run;
-        let found = several(&readings, seed)?;
+        let found = several(&readings, &DEFAULT, seed)?;
+        let unbiased = several(&readings, &UNBIASED, seed)?;
         let told = told(&readings, truths.len(), seed)?;
-        let places: Vec<[f64; 2]> = found.fixes.iter().map(place).collect();
+        let places_of = |fixes: &[Fix]| fixes.iter().map(place).collect::<Vec<_>>();
+        let places = places_of(&found.fixes);
         let assigned = Assignment::new(truths, &places, scenario.cutoff_m);
         let known: Vec<[f64; 2]> = told.iter().flatten().map(place).collect();
         let mixture = mixture::locate(&readings, truths.len(), seed);
@@ -74,6 +78,7 @@ impl Run {
             sources,
             ours: assigned.gospa,
             told: gospa(&known),
+            unbiased: gospa(&places_of(&unbiased.fixes)),
             mixture: gospa(&mixture),
         })
     }
@@ -94,7 +99,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 /// How the figures of the distance end.
 pub const GOSPA: &str = ".gospa";
 
-pub const HEADER: [&str; 10] = [
+pub const HEADER: [&str; 11] = [
     "scenario",
     "all found",
     "sources found",
@@ -104,6 +109,7 @@ pub const HEADER: [&str; 10] = [
     "95 % ellipse holds, the told",
     "GOSPA m: all (placed, missed, false)",
     "by told locators",
+    "told that there is no bias",
     "by expectation maximisation",
 ];
 
@@ -168,7 +174,7 @@ impl<'a> Runs<'a> {
         [sum.total(), sum.localisation, sum.missed, sum.ghosts].map(root)
     }
 
-    pub fn row(&self) -> [String; 10] {
+    pub fn row(&self) -> [String; 11] {
         let percent = |fraction: f64| format!("{:.1} %", 100.0 * fraction);
         let gospa = |[all, placed, missed, ghosts]: [f64; 4]| {
             format!("{all:.3} ({placed:.3}, {missed:.3}, {ghosts:.3})")
@@ -189,6 +195,7 @@ impl<'a> Runs<'a> {
             format!("{}, {}", percent(covered), percent(told_covered)),
             gospa(self.gospa(|run| run.ours)),
             gospa(self.gospa(|run| run.told)),
+            gospa(self.gospa(|run| run.unbiased)),
             gospa(self.gospa(|run| run.mixture)),
         ]
     }
@@ -215,6 +222,7 @@ impl<'a> Runs<'a> {
         ];
         let [mixture, ..] = self.gospa(|run| run.mixture);
         let [told, ..] = self.gospa(|run| run.told);
+        let [unbiased, ..] = self.gospa(|run| run.unbiased);
         let [all, placed, missed, ghosts] = self.gospa(|run| run.ours);
         figures.extend([
             figure("told.covered", told_covered, "of fixes"),
@@ -224,6 +232,7 @@ impl<'a> Runs<'a> {
             figure("gospa.false", ghosts, "m"),
             figure("gospa_mixture", mixture, "m"),
             figure("gospa_told", told, "m"),
+            figure("gospa_unbiased", unbiased, "m"),
         ]);
         figures
     }
