@@ -276,9 +276,9 @@ fn through_the_building<S: Stored<Floor = u8>>(config: Config, louder_db: f32) -
     let badge = |[x, y]: [f32; 2], floor| {
         let [dx, dy] = [x - 8.0, y - 5.0];
         match floor {
+            0 if dx > 0.0 => f32::NAN,
             0 => -0.1 * (dx * dx + dy * dy),
-            1 => -4.0,
-            _ => f32::NAN,
+            _ => -4.0,
         }
     };
     let fix = walk
