@@ -88,15 +88,18 @@ impl FoxhuntBeaconConfig {
 impl From<Option<Event>> for FoxhuntBeaconEvent {
     fn from(event: Option<Event>) -> Self {
         use FoxhuntBeaconEventKind as Kind;
-        const NONE: FoxhuntBeaconRejected = FoxhuntBeaconRejected::Other;
-        let (kind, rejected, tag) = match event {
-            None => (Kind::None, NONE, 0),
-            Some(Event::Taken { tag }) => (Kind::Taken, NONE, tag),
-            Some(Event::Fix { tag, .. }) => (Kind::Fix, NONE, tag),
-            Some(Event::Rejected(reason)) => (Kind::Rejected, reason.into(), 0),
-            Some(Event::Queried) => (Kind::Queried, NONE, 0),
-            Some(Event::Restarted) => (Kind::Restarted, NONE, 0),
-            Some(_) => (Kind::Other, NONE, 0),
+        let rejected = match event {
+            Some(Event::Rejected(reason)) => reason.into(),
+            _ => FoxhuntBeaconRejected::Other,
+        };
+        let (kind, tag) = match event {
+            None => (Kind::None, 0),
+            Some(Event::Taken { tag }) => (Kind::Taken, tag),
+            Some(Event::Fix { tag, .. }) => (Kind::Fix, tag),
+            Some(Event::Rejected(_)) => (Kind::Rejected, 0),
+            Some(Event::Queried) => (Kind::Queried, 0),
+            Some(Event::Restarted) => (Kind::Restarted, 0),
+            Some(_) => (Kind::Other, 0),
         };
         Self {
             kind,

@@ -277,17 +277,20 @@ impl Told for FoxhuntRobustVehicleConfig {
 impl From<Option<Event>> for FoxhuntEvent {
     fn from(event: Option<Event>) -> Self {
         use FoxhuntEventKind as Kind;
-        const NONE: FoxhuntRejected = FoxhuntRejected::Other;
         let nothing = FoxhuntAnswer::without_fix(FoxhuntAnswerKind::TooFewBearings, 0.0, 2.0);
-        let (kind, rejected, answer) = match event {
-            None => (Kind::None, NONE, nothing),
-            Some(Event::Used) => (Kind::Used, NONE, nothing),
-            Some(Event::Fix(fix)) => (Kind::Fix, NONE, fix.into()),
-            Some(Event::NotObservable(reason)) => (Kind::NotObservable, NONE, reason.into()),
-            Some(Event::Rejected(reason)) => (Kind::Rejected, reason.into(), nothing),
-            Some(Event::Queried) => (Kind::Queried, NONE, nothing),
-            Some(Event::Restarted) => (Kind::Restarted, NONE, nothing),
-            Some(_) => (Kind::Other, NONE, nothing),
+        let rejected = match event {
+            Some(Event::Rejected(reason)) => reason.into(),
+            _ => FoxhuntRejected::Other,
+        };
+        let (kind, answer) = match event {
+            None => (Kind::None, nothing),
+            Some(Event::Used) => (Kind::Used, nothing),
+            Some(Event::Fix(fix)) => (Kind::Fix, fix.into()),
+            Some(Event::NotObservable(reason)) => (Kind::NotObservable, reason.into()),
+            Some(Event::Rejected(_)) => (Kind::Rejected, nothing),
+            Some(Event::Queried) => (Kind::Queried, nothing),
+            Some(Event::Restarted) => (Kind::Restarted, nothing),
+            Some(_) => (Kind::Other, nothing),
         };
         Self {
             kind,
