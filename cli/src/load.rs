@@ -155,7 +155,7 @@ async fn fixes(load: &Load, gateways: &[Gateway]) -> u64 {
                 0 => Message::Bearing(bearing(gateway, load.gateways, count)),
                 tags => Message::Tag(fix((tag % tags) as u32, count)),
             };
-            gateways[gateway].hub.add(Out::Message(Box::new(message)));
+            gateways[gateway].hub.add([Out::Message(Box::new(message))]);
             count += 1;
         }
     }

@@ -98,8 +98,9 @@ impl Core {
     /// # Errors
     /// If the log cannot be written.
     pub fn run(mut self, mut asks: mpsc::Receiver<Ask>) -> Result<Engine> {
-        let hub = self.hub.clone();
-        self.engine.begin(&mut |happened| add(&hub, happened));
+        let mut outs = Vec::new();
+        self.engine.begin(&mut |happened| outs.extend(out(happened)));
+        self.hub.add(outs);
         self.health();
         let mut ticks = 0u64;
         while let Some(ask) = asks.blocking_recv() {
@@ -135,7 +136,8 @@ impl Core {
         if let Some(log) = &mut self.log {
             log.write(piece)?;
         }
-        let hub = self.hub.clone();
+        // What one piece comes to is seen at once: a bearing never without the answer that knows of it.
+        let mut outs = Vec::new();
         let mut refused = None;
         let done = self.engine.take(piece, &mut |happened| {
             match &happened {
@@ -151,8 +153,9 @@ impl Core {
                 } => refused = Some(reason.to_string()),
                 _ => {}
             }
-            add(&hub, happened);
+            outs.extend(out(happened));
         });
+        self.hub.add(outs);
         if let Some(waiting) = waiting {
             // What is confirmed is in the log.
             self.flush()?;
@@ -194,22 +197,21 @@ impl Core {
             outputs: outputs.collect(),
         };
         let message = Message::Health(health);
-        self.hub.add(Out::Message(Box::new(message)));
+        self.hub.add([Out::Message(Box::new(message))]);
     }
 }
 
-fn add(hub: &Hub, happened: Happened<'_>) {
+/// What of it is a result.
+fn out(happened: Happened<'_>) -> Option<Out> {
     match happened {
         Happened::Message(message) => {
             if let Message::Refused(refused) = &message {
                 let (input, reason) = (&refused.input, &refused.reason);
                 eprintln!("{input}: not used: {reason}: {}", refused.text);
             }
-            hub.add(Out::Message(Box::new(message)));
+            Some(Out::Message(Box::new(message)))
         }
-        Happened::Report(report) => {
-            hub.add(Out::Report(report.to_owned()));
-        }
-        Happened::Line { .. } | Happened::Refused { .. } => {}
+        Happened::Report(report) => Some(Out::Report(report.to_owned())),
+        Happened::Line { .. } | Happened::Refused { .. } => None,
     }
 }

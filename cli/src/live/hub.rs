@@ -52,6 +52,20 @@ struct State {
     is_over: bool,
 }
 
+impl State {
+    fn take(&mut self, out: Out, json: String) {
+        self.seq += 1;
+        if let Out::Message(message) = &out {
+            self.view.take(message);
+        }
+        if self.items.len() == KEPT {
+            self.items.pop_front();
+        }
+        let seq = self.seq;
+        self.items.push_back(Arc::new(Item { seq, out, json }));
+    }
+}
+
 impl Hub {
     /// A hub without results. Numbers go on from `seq`, so that pages that stayed open notice nothing of a restart.
     pub fn new(seq: u64) -> Self {
@@ -69,27 +83,24 @@ impl Hub {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Adds a result, and says its number.
-    pub fn add(&self, out: Out) -> u64 {
-        let json = match &out {
-            Out::Message(message) => serde_json::to_string(message).unwrap_or_default(),
-            Out::Report(_) => String::new(),
-        };
+    /// Adds results. Whoever reads, or asks for all that is known, meets all of them or none.
+    pub fn add(&self, outs: impl IntoIterator<Item = Out>) {
+        let items = outs.into_iter().map(|out| {
+            let json = match &out {
+                Out::Message(message) => serde_json::to_string(message).unwrap_or_default(),
+                Out::Report(_) => String::new(),
+            };
+            (out, json)
+        });
+        let items: Vec<_> = items.collect();
         let seq = {
             let mut state = self.lock();
-            state.seq += 1;
-            let seq = state.seq;
-            if let Out::Message(message) = &out {
-                state.view.take(message);
+            for (out, json) in items {
+                state.take(out, json);
             }
-            if state.items.len() == KEPT {
-                state.items.pop_front();
-            }
-            state.items.push_back(Arc::new(Item { seq, out, json }));
-            seq
+            state.seq
         };
         self.changed.send_replace(seq);
-        seq
     }
 
     /// There will be no more results: who has read all of them is told so.
@@ -171,7 +182,7 @@ mod tests {
         let hub = Arc::new(Hub::new(5));
         let (mut slow, mut quick) = (hub.reader(5), hub.reader(5));
         for k in 0..KEPT + 10 {
-            hub.add(Out::Report(k.to_string()));
+            hub.add([Out::Report(k.to_string())]);
             if k == 0 {
                 let (items, lost) = quick.next().await.unwrap();
                 assert_eq!((items.len(), items[0].seq, lost), (1, 6, 0));
