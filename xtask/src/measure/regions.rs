@@ -1,5 +1,5 @@
 //! Instructions and modelled cycles of marked regions of a firmware, from the emulator's log of every
-//! instruction that it executes.
+//! block of instructions that it translates and that it executes.
 //!
 //! The firmware calls a function `region_edge`, which does nothing, at the beginning and at the end of each
 //! region, and prints a line `region<TAB>name<TAB>items` for each, in the order of their execution. Its
@@ -8,8 +8,9 @@
 use std::{
     collections::HashMap,
     io::{BufRead, BufReader, Read},
+    mem,
     path::Path,
-    process::{Command, Stdio},
+    process::Stdio,
     thread,
 };
 
@@ -41,8 +42,7 @@ pub fn measure(elf: &Path) -> Result<Vec<Figure>> {
             "-semihosting-config",
             "chardev=text",
         ])
-        .args(["-serial", "none", "-d", "exec,nochain"])
-        .args(one_instruction_per_block()?)
+        .args(["-serial", "none", "-d", "in_asm,exec,nochain"])
         .arg("-kernel")
         .arg(elf)
         .stdin(Stdio::null())
@@ -61,24 +61,6 @@ pub fn measure(elf: &Path) -> Result<Vec<Figure>> {
     let printed = printed.join().expect("reading does not panic")?;
     ensure!(status.success(), "the firmware failed:\n{printed}");
     figures(&costs, &printed)
-}
-
-/// The emulator's option that makes its log name every instruction instead of every block of them.
-fn one_instruction_per_block() -> Result<&'static [&'static str]> {
-    let output = Command::new("qemu-system-arm").arg("--version").output()?;
-    let text = String::from_utf8_lossy(&output.stdout);
-    let mut numbers = text
-        .split(|c: char| !c.is_ascii_digit())
-        .filter_map(|word| word.parse().ok());
-    let version: (u32, u32) = numbers
-        .next()
-        .zip(numbers.next())
-        .context("QEMU has no version")?;
-    Ok(if version < (8, 1) {
-        &["-singlestep"]
-    } else {
-        &["-accel", "tcg,one-insn-per-tb=on"]
-    })
 }
 
 /// Pairs the regions with what the firmware printed of them. Regions of one name are added up.
@@ -150,53 +132,84 @@ impl Program {
 
     /// Adds up the regions of the log.
     fn follow(&self, mut log: impl BufRead) -> Result<Vec<Cost>> {
-        let mut costs = Vec::new();
-        let mut region: Option<Cost> = None;
-        let mut previous: Option<(u32, &Timing)> = None;
+        let mut sums = Sums::default();
+        // By where the emulator keeps its translation.
+        let mut blocks: HashMap<u64, Vec<u32>> = HashMap::new();
+        let mut translated = Vec::new();
         // One for all lines: there are many millions.
         let mut line = String::new();
         while log.read_line(&mut line)? > 0 {
-            let address = executed(&line);
-            line.clear();
-            let Some(address) = address else {
-                continue;
-            };
-            let follows = previous
-                .filter(|(next, _)| *next == address)
-                .map(|(_, timing)| timing);
-            if let Some(cost) = region
-                .as_mut()
-                .filter(|_| previous.is_some() && follows.is_none())
-            {
-                cost.cycles += u64::from(TAKEN_BRANCH);
-            }
-            if self.edge.contains(&address) {
-                if address == self.edge.start {
-                    match region.take() {
-                        Some(cost) => costs.push(cost),
-                        None => region = Some(Cost::default()),
-                    }
+            if let Some(block) = executed(&line) {
+                if !translated.is_empty() {
+                    blocks.insert(block, mem::take(&mut translated));
                 }
-                previous = None;
-            } else if let Some(cost) = &mut region {
-                let (size, timing) = self
-                    .instructions
-                    .get(&address)
-                    .with_context(|| format!("{address:#x} is not in the disassembly"))?;
-                cost.instructions += 1;
-                cost.cycles += u64::from(timing.cycles_after(follows));
-                previous = Some((address + size, timing));
+                let addresses = blocks.get(&block).context("a block without instructions")?;
+                for address in addresses {
+                    self.step(*address, &mut sums)?;
+                }
+            } else if line.starts_with("IN:") {
+                translated.clear();
+            } else {
+                translated.extend(listed(&line));
             }
+            line.clear();
         }
-        ensure!(region.is_none(), "the last region has no end");
-        Ok(costs)
+        ensure!(sums.region.is_none(), "the last region has no end");
+        Ok(sums.costs)
+    }
+
+    /// Adds an instruction that was executed.
+    fn step<'a>(&'a self, address: u32, sums: &mut Sums<'a>) -> Result<()> {
+        let previous = sums.previous.take();
+        let follows = previous
+            .filter(|(next, _)| *next == address)
+            .map(|(_, timing)| timing);
+        if let Some(cost) = sums
+            .region
+            .as_mut()
+            .filter(|_| previous.is_some() && follows.is_none())
+        {
+            cost.cycles += u64::from(TAKEN_BRANCH);
+        }
+        if address == self.edge.start {
+            match sums.region.take() {
+                Some(cost) => sums.costs.push(cost),
+                None => sums.region = Some(Cost::default()),
+            }
+        } else if let Some(cost) = &mut sums.region
+            && !self.edge.contains(&address)
+        {
+            let (size, timing) = self
+                .instructions
+                .get(&address)
+                .with_context(|| format!("{address:#x} is not in the disassembly"))?;
+            cost.instructions += 1;
+            cost.cycles += u64::from(timing.cycles_after(follows));
+            sums.previous = Some((address + size, timing));
+        }
+        Ok(())
     }
 }
 
-/// The address in a line of the log: `Trace 0: 0x7f48 [00000000/0000000000000400/00000110/ff000000]`.
-fn executed(line: &str) -> Option<u32> {
-    let fields = line.strip_prefix("Trace ")?.split_once('[')?.1;
-    u32::from_str_radix(fields.split('/').nth(1)?, 16).ok()
+/// What was added up so far.
+#[derive(Default)]
+struct Sums<'a> {
+    costs: Vec<Cost>,
+    /// The region that has begun.
+    region: Option<Cost>,
+    /// The address after the last instruction of the region, and the timing of that instruction.
+    previous: Option<(u32, &'a Timing)>,
+}
+
+/// The block in a line of the log: `Trace 0: 0x7f48 [00000000/00000400/00000110/ff000000]`.
+fn executed(line: &str) -> Option<u64> {
+    let fields = line.strip_prefix("Trace ")?.split_once(": 0x")?.1;
+    u64::from_str_radix(fields.split_once(' ')?.0, 16).ok()
+}
+
+/// The address in a line of a block: `0x00000404:  480e       ldr      r0, [pc, #0x38]`.
+fn listed(line: &str) -> Option<u32> {
+    u32::from_str_radix(line.strip_prefix("0x")?.split_once(':')?.0, 16).ok()
 }
 
 #[cfg(test)]
@@ -223,10 +236,26 @@ mod tests {
         }
     }
 
-    fn log(addresses: &[u32]) -> String {
-        let line =
-            |address| format!("Trace 0: 0x7f48 [00000000/{address:016x}/00000110/ff000000]\n");
-        addresses.iter().map(line).collect()
+    /// What the emulator says of blocks that it executes, of each when it comes to it the first time.
+    fn log(blocks: &[&[u32]]) -> String {
+        let (mut log, mut known) = (String::new(), Vec::new());
+        for block in blocks {
+            if !known.contains(block) {
+                known.push(*block);
+                log += "----------------\nIN: main\n";
+                let lines = block
+                    .iter()
+                    .map(|address| format!("0x{address:08x}:  bf00  nop\n"));
+                log.extend(lines);
+                log += "\n";
+            }
+            let kept = known.iter().position(|known| known == block).unwrap();
+            log += &format!(
+                "Trace 0: 0x7f{kept:02x} [00000000/{:08x}/00000110/ff000000]\n",
+                block[0]
+            );
+        }
+        log
     }
 
     #[test]
@@ -236,7 +265,13 @@ mod tests {
             (0x42, "vmul.f32", "s3, s0, s0"),
             (0x44, "bl", "0x10"),
         ]);
-        let log = log(&[0x30, 0x10, 0x12, 0x40, 0x42, 0x44, 0x10, 0x12, 0x46]);
+        let log = log(&[
+            &[0x30],
+            &[0x10, 0x12],
+            &[0x40, 0x42, 0x44],
+            &[0x10, 0x12],
+            &[0x46],
+        ]);
         // 1 + (1 + stall) + (1 + taken)
         let cost = Cost {
             instructions: 3,
@@ -248,7 +283,7 @@ mod tests {
     #[test]
     fn a_branch_costs_more_only_when_taken() {
         let program = program(&[(0x40, "bne", "0x40"), (0x42, "nop", "")]);
-        let log = log(&[0x10, 0x40, 0x40, 0x42, 0x10]);
+        let log = log(&[&[0x10], &[0x40], &[0x40], &[0x42], &[0x10]]);
         let costs = program.follow(log.as_bytes()).unwrap();
         // Taken once, then the way on to the edge, which is not the next in memory.
         assert_eq!(
