@@ -14,6 +14,7 @@ use crate::{
     replay, restarts,
     setup::{self, Need},
     steps::{self, Skipped, Step},
+    trace,
 };
 
 /// The options of `cargo xtask release`.
@@ -50,6 +51,10 @@ const STEPS: &[Step] = &[
         features::check_every_combination,
     ),
     ("how much of the library its tests run", coverage::print),
+    ("tests that take minutes", || {
+        run(cargo().args(["test", "--workspace", "--tests", "--", "--ignored"]))
+    }),
+    ("all whole drives, board against host", trace::compare_all),
     ("the same bits on every machine", machines::check_all),
     ("random input over a line", fuzz::check),
     ("the load of many gateways on a broker", load::check),

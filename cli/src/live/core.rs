@@ -99,7 +99,8 @@ impl Core {
     /// If the log cannot be written.
     pub fn run(mut self, mut asks: mpsc::Receiver<Ask>) -> Result<Engine> {
         let mut outs = Vec::new();
-        self.engine.begin(&mut |happened| outs.extend(out(happened)));
+        self.engine
+            .begin(&mut |happened| outs.extend(out(happened)));
         self.hub.add(outs);
         self.health();
         let mut ticks = 0u64;
