@@ -51,11 +51,15 @@ fn on_one_core(command: Command) -> Command {
     pinned
 }
 
-/// The cores on which this program may run, as `taskset` says it: `pid 7's current affinity list: 0,2-4`.
+/// The cores on which this program may run.
 fn cores() -> Option<Vec<u32>> {
     let mut taskset = Command::new("taskset");
     taskset.args(["--cpu-list", "--pid", &process::id().to_string()]);
-    let said = String::from_utf8(taskset.output().ok()?.stdout).ok()?;
+    listed(&String::from_utf8(taskset.output().ok()?.stdout).ok()?)
+}
+
+/// Cores as `taskset` lists them: `pid 7's current affinity list: 0,2-4`.
+fn listed(said: &str) -> Option<Vec<u32>> {
     let (_, list) = said.trim().rsplit_once(' ')?;
     let ranges = list.split(',').map(|range| {
         let (first, last) = range.split_once('-').unwrap_or((range, range));
@@ -196,5 +200,19 @@ impl Drop for Machine {
         let _ = self.child.kill();
         let _ = self.child.wait();
         self.stop_watchdog();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cores_are_listed_by_numbers_and_ranges() {
+        let of = |list| listed(&format!("pid 7's current affinity list: {list}\n"));
+        assert_eq!(of("0,2-4"), Some(vec![0, 2, 3, 4]));
+        assert_eq!(of("1"), Some(vec![1]));
+        assert_eq!(of("none"), None);
+        assert_eq!(listed(""), None);
     }
 }
