@@ -166,6 +166,9 @@ mod tests {
             belief.learn(0.0, total, [(some, [1.0, 5.0])].into_iter());
             let mean_db = if is_learned { 5.0 } else { 0.0 };
             assert_eq!(belief.mean_db, mean_db, "{total} {some}");
+            // A thousand to one at most, also where nothing is left for none.
+            let probability = belief.probability();
+            assert!((0.001..0.999).contains(&probability), "{probability}");
         }
     }
 
