@@ -53,6 +53,7 @@ struct State {
 }
 
 impl State {
+    /// Adds a result with its JSON.
     fn take(&mut self, out: Out, json: String) {
         self.seq += 1;
         if let Out::Message(message) = &out {
@@ -93,6 +94,10 @@ impl Hub {
             (out, json)
         });
         let items: Vec<_> = items.collect();
+        // Most lines come to nothing: nobody is woken for them.
+        if items.is_empty() {
+            return;
+        }
         let seq = {
             let mut state = self.lock();
             for (out, json) in items {
@@ -176,6 +181,17 @@ impl Reader {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[tokio::test]
+    async fn nothing_wakes_nobody() {
+        let hub = Arc::new(Hub::new(0));
+        let reader = hub.reader(0);
+        hub.add([]);
+        assert!(!reader.changed.has_changed().unwrap());
+        hub.add([Out::Report("one".to_owned()), Out::Report("two".to_owned())]);
+        assert!(reader.changed.has_changed().unwrap());
+        assert_eq!(hub.seq(), 2);
+    }
 
     #[tokio::test]
     async fn who_is_too_slow_is_told() {
