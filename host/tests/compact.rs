@@ -42,7 +42,7 @@ fn rounding_costs_less_than_a_hundredth_in_the_tunnel() {
 }
 
 #[test]
-#[ignore = "takes half a minute: a part of `cargo xtask release`"]
+#[ignore = "takes too long for every change: a part of `cargo xtask release`"]
 fn rounding_costs_less_than_a_hundredth_in_other_tunnels() {
     rounding_costs_little(&[(2.0, 1), (6.0, 1), (4.0, 10)]);
 }
@@ -84,7 +84,7 @@ fn in_the_office<S: Stored<Floor = OneFloor>>(office: &Office, is_straight: bool
 }
 
 #[test]
-#[ignore = "takes half a minute: a part of `cargo xtask release`"]
+#[ignore = "takes too long for every change: a part of `cargo xtask release`"]
 fn rounding_costs_less_than_a_hundredth_in_the_office() {
     let Some(data) = std::env::var_os("FOXHUNT_DATA") else {
         println!("skipped: FOXHUNT_DATA does not name the directory of the measured data");

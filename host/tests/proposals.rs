@@ -234,7 +234,7 @@ fn ten_points_are_exact_on_the_gamma_model() {
 }
 
 #[test]
-#[ignore = "takes half a minute: a part of `cargo xtask release`"]
+#[ignore = "takes too long for every change: a part of `cargo xtask release`"]
 fn ten_points_are_exact_with_other_noise() {
     ten_points_are_exact(&[(0.01, 0.124), (0.1, 0.330)]);
 }

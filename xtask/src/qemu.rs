@@ -38,13 +38,10 @@ pub fn command() -> Command {
 fn on_one_core(command: Command) -> Command {
     static NEXT: AtomicUsize = AtomicUsize::new(0);
     static CORES: LazyLock<Vec<u32>> = LazyLock::new(|| cores().unwrap_or_default());
-    let next = NEXT.fetch_add(1, Ordering::Relaxed);
-    let Some(core) = next
-        .checked_rem(CORES.len())
-        .and_then(|place| CORES.get(place))
-    else {
+    if CORES.is_empty() {
         return command;
-    };
+    }
+    let core = CORES[NEXT.fetch_add(1, Ordering::Relaxed) % CORES.len()];
     let mut pinned = Command::new("taskset");
     pinned.args(["--cpu-list", &core.to_string()]);
     pinned.arg(command.get_program()).args(command.get_args());

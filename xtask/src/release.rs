@@ -51,7 +51,7 @@ const STEPS: &[Step] = &[
         features::check_every_combination,
     ),
     ("how much of the library its tests run", coverage::print),
-    ("tests that take minutes", || {
+    ("tests that take too long for every change", || {
         run(cargo().args(["test", "--workspace", "--tests", "--", "--ignored"]))
     }),
     ("all whole drives, board against host", trace::compare_all),

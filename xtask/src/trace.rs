@@ -82,7 +82,8 @@ pub fn compare() -> Result<()> {
     compare_each(trials)
 }
 
-/// The same with every drive on which something happens, and with every build of the KrakenSDR's software.
+/// Fails unless the robust firmware answers every drive on which something happens, and a drive with every build of the
+/// KrakenSDR's software, as the host does.
 pub fn compare_all() -> Result<()> {
     let scripted = Script::ALL.map(scripted).into_iter();
     compare_each(scripted.chain(Build::ALL.map(passed)).collect())
