@@ -32,6 +32,11 @@ pub trait Track: Locate {
     /// for tracks that have had a fix.
     fn odds(&self, observation: &Observation, config: &Self::Config) -> f32;
 
+    /// The bearings of a source at rest as they are kept; none of a source that may move, whose place was another one then.
+    fn entries(&self) -> &[Entry] {
+        &[]
+    }
+
     /// What the bearings of this source say of the errors that all sources have in common.
     fn shared(&self) -> Shared {
         Shared::NOTHING
@@ -50,6 +55,10 @@ pub trait Track: Locate {
 
     /// Takes a bearing of this source that came earlier, and was not known to be one: for tracks that have a fix.
     fn reclaim(&mut self, _earlier: &Entry, _config: &Self::Config) {}
+
+    /// Takes a bearing of a track that was deleted because this source explains it, too, as long as there is
+    /// room: particles move with the next one.
+    fn inherit(&mut self, _earlier: &Entry, _config: &Self::Config) {}
 
     /// States how many outliers were removed upstream for each bearing that the track gets: they count for its rates, if it
     /// learns any. To be stated before each push.

@@ -55,6 +55,10 @@ impl<const N: usize, const B: usize, M: Moves<N>> Track for Clean<N, B, M> {
     fn odds(&self, observation: &Observation, _: &Config<M>) -> f32 {
         odds_by_moments(observation, &ERRORS, &self.moments())
     }
+
+    fn entries(&self) -> &[Entry] {
+        self.bearings.entries()
+    }
 }
 
 impl<const N: usize, const B: usize, M: Moves<N>> Stationary for Clean<N, B, M> {

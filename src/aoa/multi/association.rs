@@ -42,6 +42,16 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
 
     /// Counts a bearing, of which these are the odds, for what it says of how many sources there are.
     pub(super) fn weigh(&mut self, odds: &[f32; K], config: &Config<L::Config>) {
+        let (fits, total) = self.fits(odds, config);
+        for (slot, fit) in self.slots.iter_mut().zip(fits) {
+            slot.weigh(ln(total / (total - fit + slot.rate())));
+        }
+    }
+
+    /// How likely a bearing is that of each source, from its odds, and how likely altogether, in what it is as an outlier
+    /// if all bearings are outliers.
+    #[inline(never)]
+    pub(super) fn fits(&self, odds: &[f32; K], config: &Config<L::Config>) -> ([f32; K], f32) {
         /// The least part of the bearings that are of no source: less makes one outlier say more.
         const LEAST: f32 = 0.01;
         let mut fits = [0.0; K];
@@ -53,10 +63,7 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
             others -= slot.rate();
             total += *fit;
         }
-        total += larger(others, LEAST);
-        for (slot, fit) in self.slots.iter_mut().zip(fits) {
-            slot.weigh(ln(total / (total - fit + slot.rate())));
-        }
+        (fits, total + larger(others, LEAST))
     }
 
     /// Gives one of the unassociated bearings to the track that now explains it: when the bearing came, the track did not exist

@@ -8,14 +8,16 @@
 //!   large enough. One after the other becomes a track of the bearings that it explains best; the others stay. So sources are
 //!   told apart however their bearings alternate, and wherever the vehicle stops.
 //! * Track deletion: a track ends when its source has been silent for longer than its own rate and its earlier pauses make
-//!   likely (a cumulative sum test: Page 1954), or when it turns out to be that of another track. The track of a silent source
-//!   is kept while there is room, so that the source has its number when it is heard again.
+//!   likely (a cumulative sum test: Page 1954), or when it turns out to be that of another track, or when a new track of a
+//!   source at rest explains its bearings as well. The track of a silent source is kept while there is room, so that the source has its number when
+//!   it is heard again.
 //!
 //! A bearing is associated when it comes, or later, when a track explains it. All sources have the scale of the errors and
 //! the bias of the array in common: each track is told what the others say of them (expectation propagation: Minka 2001).
 
 mod association;
 mod config;
+mod review;
 mod slot;
 
 use super::robust::{self, Candidates, Shared};
@@ -131,6 +133,7 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
                         ..FREE
                     };
                     self.next_identity = identity.wrapping_add(1);
+                    self.review(place, config);
                     self.delete_twin(place);
                     return;
                 }

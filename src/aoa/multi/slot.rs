@@ -78,6 +78,11 @@ impl Slot {
         self.log_factor = (self.log_factor + log_factor).clamp(-MOST, MOST);
     }
 
+    /// Whether it is more likely that there is no such source.
+    pub(super) fn is_unlikely(&self) -> bool {
+        probability(self.log_factor) < 0.5
+    }
+
     /// The probability that there is such a source, and that it is still heard.
     pub(super) fn probability(&self) -> f32 {
         probability(self.log_factor) * of_log_odds(self.limit - self.silence)

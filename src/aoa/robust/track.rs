@@ -1,6 +1,5 @@
 //! The robust locator as one that others build on.
 
-use super::Robust;
 use super::config::Config;
 use super::errors::{Errors, Learned};
 use super::evidence::Candidate;
@@ -8,6 +7,7 @@ use super::mode::weigh;
 use super::search::climb_again;
 use super::shared::Shared;
 use super::term::{PLAIN, State, without_scale};
+use super::{AT_LEAST_EVERY, Robust};
 use crate::aoa::core::Entry;
 use crate::aoa::track::{Stationary, Track, odds_by_moments};
 use crate::aoa::{Answer, Locate, Observation, PushError};
@@ -58,6 +58,10 @@ impl<const N: usize, const B: usize> Track for Robust<N, B, PLAIN> {
         )
     }
 
+    fn entries(&self) -> &[Entry] {
+        self.evidence.entries()
+    }
+
     fn shared(&self) -> Shared {
         match self.answer {
             Answer::Fix(_) => {
@@ -88,6 +92,14 @@ impl<const N: usize, const B: usize> Track for Robust<N, B, PLAIN> {
         let change = (self.evidence).push(*earlier, &believed.errors, false);
         self.weigh(&change, believed.errors.scale_sigma);
         self.answer = self.credible_fix(2.0, config).into();
+    }
+
+    fn inherit(&mut self, earlier: &Entry, config: &Config) {
+        if self.evidence.entries().len() < B {
+            let errors = self.errors(config);
+            self.evidence.push(*earlier, &errors, false);
+            self.since_search = AT_LEAST_EVERY;
+        }
     }
 
     fn set_outliers_removed(&mut self, per_bearing: f32) {

@@ -1,6 +1,7 @@
 extern crate std;
 
 mod alternatives;
+mod review;
 mod stops;
 
 use std::vec::Vec;

@@ -1,12 +1,13 @@
 //! Expectation maximisation with a known number of sources, over one bearing a stop.
 //!
 //! Every reading is of one of the sources, with an error of one standard deviation for all, or an outlier. The readings of a
-//! stop that are of one source are averaged: however many they are, they count as one bearing.
+//! stop that are of one source are averaged: however many they are, they count as one bearing. All may have a bias in common,
+//! of which a normal prior is known.
 
 use std::f64::consts::TAU;
 
 use foxhunt_host::channel::Reading;
-use foxhunt_simulation::{Sight, random::generator};
+use foxhunt_simulation::{Sight, random::generator, sight::wrap};
 use nalgebra::{Matrix2, Vector2};
 use rand::{Rng, RngExt};
 
@@ -21,12 +22,12 @@ const STEPS: usize = 60;
 const SIGMA: f64 = 0.2;
 const OUTLIERS: f64 = 0.1;
 
-/// The places of so many sources.
-pub fn locate(readings: &[Reading], count: usize, seed: u64) -> Vec<[f64; 2]> {
+/// The places of so many sources, with a bias of this standard deviation in radians; zero is none.
+pub fn locate(readings: &[Reading], count: usize, bias_sigma: f64, seed: u64) -> Vec<[f64; 2]> {
     let sights: Vec<Sight> = readings.iter().map(|reading| reading.sight).collect();
     let ends = (0..STARTS).filter_map(|start| {
         let mut rng = generator(seed, start);
-        let mut mixture = Mixture::start(&sights, count, &mut rng)?;
+        let mut mixture = Mixture::start(&sights, count, bias_sigma, &mut rng)?;
         let mut likelihood = f64::NEG_INFINITY;
         for _ in 0..STEPS {
             likelihood = mixture.step(&sights);
@@ -42,11 +43,14 @@ struct Mixture {
     /// Of the sources, and of the outliers last.
     rates: Vec<f64>,
     sigma: f64,
+    bias: f64,
+    /// What is known of the bias.
+    bias_sigma: f64,
 }
 
 impl Mixture {
     /// One source after the other where two bearings cross: each at the best of some random crossings.
-    fn start(sights: &[Sight], count: usize, rng: &mut impl Rng) -> Option<Self> {
+    fn start(sights: &[Sight], count: usize, bias_sigma: f64, rng: &mut impl Rng) -> Option<Self> {
         let draw = |_| {
             sights
                 .get(rng.random_range(0..sights.len().max(1)))
@@ -80,6 +84,8 @@ impl Mixture {
             sources,
             rates,
             sigma: SIGMA,
+            bias: 0.0,
+            bias_sigma,
         })
     }
 
@@ -87,7 +93,7 @@ impl Mixture {
         self.sources.iter().map(|place| (*place).into()).collect()
     }
 
-    /// One step; returns the logarithm of the likelihood before it.
+    /// One step; returns the logarithm of the posterior before it.
     fn step(&mut self, sights: &[Sight]) -> f64 {
         let count = self.sources.len();
         let mut normals = vec![Normal::default(); count];
@@ -116,8 +122,13 @@ impl Mixture {
                 }
             }
         }
+        let turn = self.turn(&normals);
+        if self.bias_sigma > 0.0 {
+            likelihood -= 0.5 * (self.bias / self.bias_sigma).powi(2);
+        }
+        self.bias += turn;
         for (place, normal) in self.sources.iter_mut().zip(&normals) {
-            *place += normal.step();
+            *place += normal.step(turn);
         }
         let all: f64 = totals.iter().sum();
         self.rates = totals.iter().map(|total| total / all).collect();
@@ -125,10 +136,25 @@ impl Mixture {
         likelihood
     }
 
+    /// How much the bias changes, if all places change with it.
+    fn turn(&self, normals: &[Normal]) -> f64 {
+        if self.bias_sigma == 0.0 {
+            return 0.0;
+        }
+        let prior = (self.sigma / self.bias_sigma).powi(2);
+        let (mut weight, mut pull) = (prior, -prior * self.bias);
+        for normal in normals {
+            let [own, residuals] = normal.beside_place();
+            weight += own;
+            pull += residuals;
+        }
+        pull / weight
+    }
+
     /// Probabilities and residuals of a reading for each source and for an outlier, and its density.
     fn expect(&self, sight: &Sight) -> (Vec<(f64, f64)>, f64) {
         let of = |place: &Vector2<f64>, rate: f64| {
-            let residual = sight.residual((*place).into());
+            let residual = wrap(sight.residual((*place).into()) - self.bias);
             (rate * normal(residual, self.sigma), residual)
         };
         let sources = self.sources.iter().zip(&self.rates);
@@ -142,11 +168,15 @@ impl Mixture {
     }
 }
 
-/// The normal equations of a place by bearings.
+/// The normal equations of a place and of the bias by bearings.
 #[derive(Clone, Default)]
 struct Normal {
     information: Matrix2<f64>,
     pull: Vector2<f64>,
+    /// Of the bias with the place, and its own.
+    coupling: Vector2<f64>,
+    weight: f64,
+    residuals: f64,
     /// The least range of a bearing that counts, in metres.
     nearest: Option<f64>,
 }
@@ -158,18 +188,38 @@ impl Normal {
         let gradient = Vector2::new(-offset.y, offset.x) / square;
         self.information += weight * gradient * gradient.transpose();
         self.pull += weight * residual * gradient;
+        self.coupling += weight * gradient;
+        self.weight += weight;
+        self.residuals += weight * residual;
         let range = square.sqrt();
         self.nearest = Some(self.nearest.map_or(range, |nearest| nearest.min(range)));
     }
 
-    /// The step to the solution, damped, and no farther than half of the way to the nearest receiver or to infinity.
-    fn step(&self) -> Vector2<f64> {
+    /// Inverse of the information of the place, damped.
+    fn inverse(&self) -> Option<Matrix2<f64>> {
         let damping = Matrix2::identity() * (1e-3 * self.information.trace());
-        let Some((inverse, nearest)) = (self.information + damping).try_inverse().zip(self.nearest)
-        else {
+        (self.information + damping).try_inverse()
+    }
+
+    /// What the bearings say of the bias wherever the place is: its information, and that times what it is off by.
+    fn beside_place(&self) -> [f64; 2] {
+        let Some(inverse) = self.inverse() else {
+            return [0.0; 2];
+        };
+        let by_place = inverse * self.coupling;
+        [
+            self.weight - by_place.dot(&self.coupling),
+            self.residuals - by_place.dot(&self.pull),
+        ]
+    }
+
+    /// The step to the solution if the bias changes by so much, damped, and no farther than half of the way to the nearest
+    /// receiver or to infinity.
+    fn step(&self, turn: f64) -> Vector2<f64> {
+        let Some((inverse, nearest)) = self.inverse().zip(self.nearest) else {
             return Vector2::zeros();
         };
-        let step = inverse * self.pull;
+        let step = inverse * (self.pull - turn * self.coupling);
         let most = 0.5 * nearest.max(1.0 / self.information.trace().sqrt());
         step * (most / step.norm()).min(1.0)
     }
@@ -206,7 +256,7 @@ mod tests {
         for (side, readings, outliers) in [(12.0, 1, 0.0), (1200.0, 1, 0.1), (12.0, 5, 0.1)] {
             let channel = Channel::stops(side, readings, 0.035, 0.0).with_outliers(outliers);
             let readings = channel.readings(&mut generator(1, 0));
-            let found = locate(&readings, 4, 1);
+            let found = locate(&readings, 4, 0.0, 1);
             let Assignment { estimates, gospa } =
                 Assignment::new(&channel.sources, &found, 0.1 * side);
             assert!(estimates.iter().all(Option::is_some), "{found:?}");
@@ -214,8 +264,25 @@ mod tests {
         }
     }
 
+    /// Turning all bearings turns nothing but the bias.
+    #[test]
+    fn a_bias_is_found() {
+        let channel = Channel::stops(12.0, 1, 0.02, 0.0);
+        let mut readings = channel.readings(&mut generator(3, 0));
+        for reading in &mut readings {
+            reading.sight.bearing = wrap(reading.sight.bearing + 0.1);
+        }
+        let error = |bias_sigma| {
+            let found = locate(&readings, 4, bias_sigma, 1);
+            let assignment = Assignment::new(&channel.sources, &found, 3.0);
+            assignment.gospa.total().sqrt()
+        };
+        let [unknown, known] = [0.0, 0.07].map(error);
+        assert!(known < 0.4 * unknown, "{known} {unknown}");
+    }
+
     #[test]
     fn nothing_comes_of_nothing() {
-        assert!(locate(&[], 2, 1).is_empty());
+        assert!(locate(&[], 2, 0.07, 1).is_empty());
     }
 }

@@ -27,8 +27,9 @@ pub fn run(study: &Study, asked: &[String]) -> Result<Vec<Figure>> {
     let scenarios = Scenario::asked(asked)?;
     println!(
         "Sources at rest, default configuration with {} tracks. Found is what is nearer to a source than the cutoff of GOSPA \
-         (p = 2, alpha = 2): a quarter of the side of the square; 200 m for two sources and for one. Told are robust \
-         locators of the readings of one source each, expectation maximisation how many there are.\n",
+         (p = 2, alpha = 2): a quarter of the side of the square; 200 m for two sources and for one. A ghost is farther; \
+         by its own region if its 99 % ellipse holds no source. Told are robust locators of the readings of one source \
+         each; expectation maximisation knows how many there are, and as much of the bias as the locator beside it.\n",
         locators::TRACKS
     );
     let mut figures = Vec::new();
