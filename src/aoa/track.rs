@@ -37,6 +37,21 @@ pub trait Track: Locate {
         &[]
     }
 
+    /// One of them, to be changed: particles move with the next bearing.
+    fn entry_mut(&mut self, _index: usize) -> Option<&mut Entry> {
+        None
+    }
+
+    /// Gives one of them away: particles move with the next bearing.
+    fn take(&mut self, _index: usize) -> Option<Entry> {
+        None
+    }
+
+    /// How far off a bearing is, if it is this source's.
+    fn off_by(&self, _entry: &Entry, _config: &Self::Config) -> OffBy {
+        OffBy::NOTHING
+    }
+
     /// What the bearings of this source say of the errors that all sources have in common.
     fn shared(&self) -> Shared {
         Shared::NOTHING
@@ -104,6 +119,48 @@ pub(in crate::aoa) fn reading_of(
     reading
 }
 
+/// How far off a bearing is of a source.
+#[derive(Clone, Copy)]
+pub struct OffBy {
+    /// Measured less expected, before any correction, in radians.
+    pub(in crate::aoa) error: f32,
+    /// Its variance, of what the bearing has on its own and of the place of the source.
+    pub(in crate::aoa) variance: f32,
+    /// What a square radian of stated variance adds to that.
+    pub(in crate::aoa) by_stated: f32,
+    /// The probability that the bearing is the source's rather than an outlier.
+    pub(in crate::aoa) probability: f32,
+}
+
+impl OffBy {
+    const NOTHING: Self = Self {
+        error: 0.0,
+        variance: 1.0,
+        by_stated: 1.0,
+        probability: 0.0,
+    };
+}
+
+/// By the normal distribution of position and bias with the moments of the particles.
+pub(in crate::aoa) fn off_by_moments(
+    entry: &Entry,
+    errors: &Errors,
+    (mean, covariance): &([f32; 3], [[f32; 3]; 3]),
+) -> OffBy {
+    let line = read(&entry.observation, errors, mean);
+    let all = line.variance_with(covariance);
+    let odds = entry.probability * line.odds(line.error, all, errors);
+    let scale = errors.sigma_scale * errors.sigma_scale;
+    let by_stated = scale * errors.own_variance(entry) * entry.observation.information();
+    let stated = entry.correction.stated_variance(&entry.observation);
+    OffBy {
+        error: entry.correction.offset - line.error,
+        variance: by_stated * stated + (all - line.variance),
+        by_stated,
+        probability: odds / (1.0 + odds),
+    }
+}
+
 /// The odds of [`Track::odds`] by the normal distribution of position and bias with the moments of the particles.
 pub(in crate::aoa) fn odds_by_moments(
     observation: &Observation,
@@ -111,11 +168,5 @@ pub(in crate::aoa) fn odds_by_moments(
     (mean, covariance): &([f32; 3], [[f32; 3]; 3]),
 ) -> f32 {
     let line = read(observation, errors, mean);
-    let mut variance = line.variance;
-    for (row, a) in covariance.iter().zip(&line.gradient) {
-        for (entry, b) in row.iter().zip(&line.gradient) {
-            variance += a * b * entry;
-        }
-    }
-    line.odds(line.error, variance, errors)
+    line.odds(line.error, line.variance_with(covariance), errors)
 }

@@ -2,11 +2,13 @@
 //! tests whether there is a fix.
 
 mod buffer;
+mod entry;
 mod sweep;
 
 use super::NotObservable;
 use crate::math::{larger, sqrt};
-pub(super) use buffer::{Buffer, Comparison, Entry, square_of_distance};
+pub(super) use buffer::Buffer;
+pub(super) use entry::{Comparison, Entry, square_of_distance};
 pub(super) use sweep::{BLOCK, Block, Importance, Proposal, Target, sweep};
 
 /// Whether `count` particles of this effective sample size are to be resampled and moved.

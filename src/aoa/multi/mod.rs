@@ -18,6 +18,7 @@
 mod association;
 mod config;
 mod review;
+mod revision;
 mod slot;
 
 use super::robust::{self, Candidates, Shared};
@@ -31,6 +32,7 @@ use crate::random::Rng;
 use crate::snapshot::Persist;
 use crate::{ConfigError, persist};
 pub use config::Config;
+use revision::Revision;
 use slot::{FREE, Slot};
 
 /// Tracks up to `K` sources, each by an `L`, and keeps up to `B` bearings that none of them explains: 96 are enough for four
@@ -77,10 +79,11 @@ pub struct MultiTarget<const K: usize, L, const B: usize = 96> {
     next_identity: u16,
     /// What is known while there is no track.
     reason: NotObservable,
+    revision: Revision,
 }
 
 persist!(impl[const K: usize, L: Persist, const B: usize] MultiTarget<K, L, B> as "MultiTarget"(K, B) {
-    tracks, slots, candidates, outliers, next_identity, reason
+    tracks, slots, candidates, outliers, next_identity, reason, revision
 });
 
 /// Sigmas of their distance within which two sources are one: more join neighbours, fewer keep two tracks on one source.
@@ -267,6 +270,7 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
             outliers: 0.0,
             next_identity: 0,
             reason: NOTHING,
+            revision: Revision::NEW,
         }
     };
 
@@ -292,8 +296,10 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
         config: &Self::Config,
         rng: &mut R,
     ) -> Result<Answer, PushError> {
-        let first = alternatives.first().ok_or(PushError::Empty)?.observation();
         let beliefs = L::beliefs(&config.track);
+        let reading = reading_of(alternatives, |one| self.corrected(one, config, &beliefs));
+        let alternatives = reading.as_slice();
+        let first = alternatives.first().ok_or(PushError::Empty)?.observation();
         let odds = self.odds(alternatives, config);
         let associated = self.associate(alternatives, &odds, &beliefs);
         let place = associated.map(|(place, _)| place);
@@ -321,6 +327,8 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
         }
         if L::RECLAIMS {
             self.reassociate(config, &beliefs);
+            self.revise(config, &beliefs);
+            self.give_up(config);
         }
         Ok(self.answer())
     }
@@ -358,6 +366,7 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
         self.candidates.clear();
         self.outliers = 0.0;
         self.reason = NOTHING;
+        self.revision = Revision::NEW;
     }
 
     fn source(&self, index: usize) -> Option<Source> {

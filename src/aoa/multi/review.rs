@@ -1,9 +1,10 @@
 //! What a new source says of those that were found before it.
 //!
 //! A track may start at a wrong place, by a few bearings that were taken from one side. Later bearings of its source do not
-//! fit then, and start a second track, at the right place: that one explains the bearings of the first, too.
+//! fit then, and start a second track, at the right place: that one explains the bearings of the first, too. The same holds
+//! when bearings that came later make the first unlikely.
 
-use super::slot::FREE;
+use super::slot::{FREE, Slot};
 use super::{Config, MultiTarget};
 use crate::aoa::core::Entry;
 use crate::aoa::track::Track;
@@ -28,6 +29,38 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
                 }
             }
         }
+    }
+
+    /// Deletes the tracks whose sources are more likely not to be there, if another one explains half of their bearings.
+    #[inline(never)]
+    pub(super) fn give_up(&mut self, config: &Config<L::Config>) {
+        for place in 0..K {
+            let mut live = self
+                .slots
+                .get(place)
+                .into_iter()
+                .filter(|slot| slot.is_live());
+            if live.any(Slot::is_unlikely)
+                && let Some(heir) = (0..K).find(|other| self.explains_half(*other, place, config))
+            {
+                self.hand_over(place, heir, config);
+            }
+        }
+    }
+
+    /// Whether one track explains half of the bearings of another.
+    fn explains_half(&self, one: usize, other: usize, config: &Config<L::Config>) -> bool {
+        let Some((heir, track)) = self.tracks.get(one).zip(self.tracks.get(other)) else {
+            return false;
+        };
+        let (mut explained, mut all) = (0.0, 0.0);
+        for entry in track.entries() {
+            all += entry.readings;
+            if heir.odds(&entry.observation, &config.track) > 1.0 {
+                explained += entry.readings;
+            }
+        }
+        one != other && self.fix_at(one).is_some() && explained > 0.5 * all
     }
 
     /// What another source adds to the logarithm of the Bayes factor of a live one, by the bearings of that.

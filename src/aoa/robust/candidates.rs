@@ -9,7 +9,7 @@ use super::search::search;
 use super::shared::Shared;
 use super::term::{PLAIN, Term, Width, without_scale};
 use crate::aoa::core::{Entry, is_narrow};
-use crate::aoa::track::odds_by_moments;
+use crate::aoa::track::{OffBy, odds_by_moments, off_by_moments};
 use crate::aoa::words::Belief;
 use crate::aoa::{
     Advice, Alternative, Answer, Hypothesis, NotObservable, Observation, PushError, Retract,
@@ -135,6 +135,11 @@ impl<const B: usize> Candidates<B> {
         self.found as usize
     }
 
+    /// Where the likeliest one is thought to be.
+    pub(in crate::aoa) fn source(&self) -> Option<[f32; 2]> {
+        self.evidence.source
+    }
+
     fn sources(&self) -> &[Mode<PLAIN>] {
         self.modes.get(..self.found()).unwrap_or_default()
     }
@@ -143,11 +148,7 @@ impl<const B: usize> Candidates<B> {
     pub(in crate::aoa) fn odds(&self, observation: &Observation, config: &Config) -> f32 {
         let mut most = 0.0;
         for mode in self.sources() {
-            let scale = Width::new(config.errors.scale_sigma, &mode.mean).scale();
-            let errors = Errors {
-                sigma_scale: scale * config.errors.sigma_scale,
-                ..config.errors
-            };
+            let errors = errors_at(mode, &config.errors);
             let moments = without_scale(&mode.mean, &mode.covariance.matrix());
             let odds = odds_by_moments(observation, &errors, &moments);
             if odds > most {
@@ -220,10 +221,33 @@ impl<const B: usize> Candidates<B> {
 
     /// Takes the bearing at an index away.
     pub(in crate::aoa) fn take(&mut self, index: usize) -> Option<Entry> {
-        let taken = self.entries().get(index).copied();
-        let mut indices = 0..;
-        (self.evidence.bearings).retain(|_| indices.next() != Some(index));
-        taken
+        self.evidence.bearings.take(index)
+    }
+
+    /// One of them, to be changed.
+    pub(in crate::aoa) fn entry_mut(&mut self, index: usize) -> Option<&mut Entry> {
+        self.evidence.bearings.entries_mut().get_mut(index)
+    }
+
+    /// The mode that explains a bearing best, of those that would make a fix, and how far off it is of that. `None` if
+    /// it is likelier an outlier.
+    pub(in crate::aoa) fn explained(
+        &self,
+        entry: &Entry,
+        config: &Config,
+    ) -> Option<(usize, OffBy)> {
+        let (mut best, mut most) = (None, 0.5);
+        for (rank, (mode, gain)) in self.modes.iter().zip(&self.gains).enumerate() {
+            if *gain == f32::NEG_INFINITY {
+                continue;
+            }
+            let moments = without_scale(&mode.mean, &mode.covariance.matrix());
+            let off_by = off_by_moments(entry, &errors_at(mode, &config.errors), &moments);
+            if off_by.probability > most {
+                (best, most) = (Some((rank, off_by)), off_by.probability);
+            }
+        }
+        best
     }
 
     /// Why there is no fix yet.
@@ -240,6 +264,15 @@ impl<const B: usize> Candidates<B> {
                 have: self.modes.len() as u32,
             },
         }
+    }
+}
+
+/// The errors with the scale of a mode.
+fn errors_at(mode: &Mode<PLAIN>, errors: &Errors) -> Errors {
+    let scale = Width::new(errors.scale_sigma, &mode.mean).scale();
+    Errors {
+        sigma_scale: scale * errors.sigma_scale,
+        ..*errors
     }
 }
 

@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use super::errors::Errors;
+use super::errors::{Correlation, Errors};
 use super::evidence::{Evidence, Lines, Terms};
 use super::term::Term;
 use crate::aoa::Observation;
@@ -212,7 +212,7 @@ impl Lines {
         Some(Pair {
             covariance: if is_similar { covariance } else { 0.0 },
             turn,
-            is_of_one_place: self.is_one_place(square, length_m),
+            is_of_one_place: Correlation::is_one_place(square, length_m),
         })
     }
 }

@@ -8,6 +8,9 @@ use crate::config::{require, require_all, require_within};
 use crate::math::{exp, larger, sqrt};
 use crate::snapshot::value;
 
+/// Fraction of the length over which correlation falls within which two places are one.
+const SAME_PLACE: f32 = 0.25;
+
 /// What weighs more bearings than this is not learned.
 const CERTAIN: f32 = 1e6;
 
@@ -136,6 +139,11 @@ impl Correlation {
         larger(length, least)
     }
 
+    /// Whether two places are one, from the square of their distance and the distance over which it falls.
+    pub(super) fn is_one_place(square: f32, length_m: f32) -> bool {
+        square < SAME_PLACE * SAME_PLACE * length_m * length_m
+    }
+
     /// Of readings that are evenly spread over a time, in the mean over all pairs: one if there is no time between them.
     fn over(&self, seconds: f32) -> f32 {
         let x = seconds / self.time_s;
@@ -228,6 +236,20 @@ impl Errors {
         self.correlation.at_rest > 0.0 || self.stop_sigma_rad > 0.0
     }
 
+    /// Whether two bearings on a source are taken by one station at one place, where an error that they have in common is
+    /// one.
+    pub(in crate::aoa) fn are_of_one_place(
+        &self,
+        a: &Observation,
+        b: &Observation,
+        source: [f32; 2],
+    ) -> bool {
+        let range = sqrt(square_of_distance(source, b.position()));
+        let apart = square_of_distance(a.position(), b.position());
+        a.station() == b.station()
+            && Correlation::is_one_place(apart, self.correlation.length_m(range))
+    }
+
     /// Whether variances depend on how far away the source is.
     pub(super) fn depend_on_range(&self) -> bool {
         let by_direction = matches!(self.biases, Biases::ByDirection);
@@ -237,7 +259,7 @@ impl Errors {
     /// Variance of the error of an entry on its own, in stated sigmas: of the part that the readings have in common,
     /// which is as large for many as for one, and of the others.
     #[inline(never)]
-    pub(super) fn own_variance(&self, entry: &Entry) -> f32 {
+    pub(in crate::aoa) fn own_variance(&self, entry: &Entry) -> f32 {
         let correlation = &self.correlation;
         let common = correlation.at_rest * correlation.over(entry.span_s());
         let single = (1.0 - correlation.at_rest) * entry.worth / entry.readings;
@@ -302,6 +324,21 @@ impl Errors {
             direct: rate(self.rates.direct, counts.direct),
             mirrored: rate(self.rates.mirrored, counts.mirrored),
             outlier: rate(self.rates.outlier, counts.outlier),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_within_a_quarter_of_the_correlation_are_one() {
+        for length_m in [10.0, 400.0] {
+            let near: f32 = 0.24 * length_m;
+            let far: f32 = 0.26 * length_m;
+            assert!(Correlation::is_one_place(near * near, length_m));
+            assert!(!Correlation::is_one_place(far * far, length_m));
         }
     }
 }

@@ -5,7 +5,7 @@ use heapless::Vec;
 use super::biases::Known;
 use super::config::Config;
 use super::density::{Density, Region, Space};
-use super::errors::Errors;
+use super::errors::{Correlation, Errors};
 use super::mode::{MODES, Mode, Modes, best, plane, position};
 use super::shared::Shared;
 use super::term::{PLAIN, State, Term, Width, fold_angle};
@@ -20,9 +20,6 @@ const ENOUGH: f32 = 0.5;
 
 /// Bearings from which on it is a contradiction if most of them do not fit: of fewer, most cross somewhere by chance.
 const MANY: usize = 8;
-
-/// Fraction of the length over which correlation falls within which two places are one.
-const SAME_PLACE: f32 = 0.25;
 
 /// All bits of an empty one are zero.
 #[derive(Debug, Clone)]
@@ -388,11 +385,6 @@ impl Lines {
         self.errors.correlation.length_m(range)
     }
 
-    /// Whether two places are one, from the square of their distance and the length over which correlation falls.
-    pub(super) fn is_one_place(&self, square: f32, length_m: f32) -> bool {
-        square < SAME_PLACE * SAME_PLACE * length_m * length_m
-    }
-
     /// Whether an angle between two bearings is within three sigmas of their difference, if their errors have this
     /// covariance in square stated sigmas.
     pub(super) fn is_within(&self, pair: [&Entry; 2], turn: f32, covariance: f32) -> bool {
@@ -421,7 +413,7 @@ impl Comparison for Lines {
 
     fn are_of_one_place(&self, a: &Entry, b: &Entry) -> bool {
         let apart = square_of_distance(a.position(), b.position());
-        self.errors.are_correlated() && self.is_one_place(apart, self.length_m(a))
+        self.errors.are_correlated() && Correlation::is_one_place(apart, self.length_m(a))
     }
 
     fn is_similar(&self, a: &Entry, b: &Entry) -> bool {
@@ -458,26 +450,5 @@ impl Comparison for Lines {
             None => entry.observation.sigma_rad(),
         };
         doubt(a) <= doubt(b)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn places_within_a_quarter_of_the_correlation_are_one() {
-        let lines = Lines {
-            source: None,
-            extent_m: 0.0,
-            errors: Errors::DEFAULT,
-            of_several: false,
-        };
-        for length_m in [10.0, 400.0] {
-            let near: f32 = 0.24 * length_m;
-            let far: f32 = 0.26 * length_m;
-            assert!(lines.is_one_place(near * near, length_m));
-            assert!(!lines.is_one_place(far * far, length_m));
-        }
     }
 }

@@ -64,6 +64,7 @@ pub use config::Config;
 pub use errors::{Correlation, Errors, Learned};
 pub(super) use evidence::Candidate;
 use evidence::{Change, Evidence};
+pub(super) use mode::MODES;
 use mode::{Modes, hypotheses, plane, position};
 use proposal::MixtureProposal;
 use search::search;

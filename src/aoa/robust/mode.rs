@@ -12,7 +12,7 @@ use crate::math::{exp, larger};
 use crate::snapshot::value;
 
 /// The most hypotheses that are kept: more keep more sources apart, for time and 90 bytes each.
-pub(super) const MODES: usize = 4;
+pub(in crate::aoa) const MODES: usize = 4;
 
 pub(super) type Modes<const D: usize> = Vec<Mode<D>, MODES>;
 

@@ -63,6 +63,17 @@ pub(in crate::aoa) struct Line {
 }
 
 impl Line {
+    /// The variance of the error if place and bias have this covariance.
+    pub(in crate::aoa) fn variance_with(&self, covariance: &[[f32; 3]; 3]) -> f32 {
+        let mut variance = self.variance;
+        for (row, a) in covariance.iter().zip(&self.gradient) {
+            for (entry, b) in row.iter().zip(&self.gradient) {
+                variance += a * b * entry;
+            }
+        }
+        variance
+    }
+
     /// Odds of not being an outlier if it is off by `error` and such errors have this variance.
     pub(in crate::aoa) fn odds(&self, error: f32, variance: f32, errors: &Errors) -> f32 {
         let Mixture {

@@ -9,7 +9,7 @@ use super::shared::Shared;
 use super::term::{PLAIN, State, without_scale};
 use super::{AT_LEAST_EVERY, Robust};
 use crate::aoa::core::Entry;
-use crate::aoa::track::{Stationary, Track, odds_by_moments};
+use crate::aoa::track::{OffBy, Stationary, Track, odds_by_moments, off_by_moments};
 use crate::aoa::{Answer, Locate, Observation, PushError};
 use crate::random::Rng;
 
@@ -60,6 +60,21 @@ impl<const N: usize, const B: usize> Track for Robust<N, B, PLAIN> {
 
     fn entries(&self) -> &[Entry] {
         self.evidence.entries()
+    }
+
+    fn entry_mut(&mut self, index: usize) -> Option<&mut Entry> {
+        self.since_search = AT_LEAST_EVERY;
+        self.evidence.bearings.entries_mut().get_mut(index)
+    }
+
+    fn take(&mut self, index: usize) -> Option<Entry> {
+        self.since_search = AT_LEAST_EVERY;
+        self.evidence.bearings.take(index)
+    }
+
+    fn off_by(&self, entry: &Entry, config: &Config) -> OffBy {
+        let errors = config.errors.with(&self.learned);
+        off_by_moments(entry, &errors, &Stationary::moments(self))
     }
 
     fn shared(&self) -> Shared {

@@ -2,6 +2,7 @@
 
 mod advice;
 mod answer;
+mod correction;
 mod locate;
 mod observation;
 mod reasons;
@@ -12,6 +13,7 @@ pub use advice::{Advice, DIRECTIONS, FARTHEST_M};
 pub use answer::{
     Answer, Bias, Cloud, Fix, Hypothesis, Mixture, Motion, NotObservable, SigmaScale, Source,
 };
+pub(in crate::aoa) use correction::Correction;
 pub use locate::{Locate, Locator};
 pub use observation::{Alternative, Bearing, Observation, ObservationError, PushError};
 pub use retract::{Retract, Retracted};

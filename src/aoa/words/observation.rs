@@ -2,6 +2,7 @@
 
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 
+use super::Correction;
 use crate::error::messages;
 use crate::math::wrap;
 use crate::snapshot::{by_value, value_as};
@@ -249,6 +250,12 @@ impl Observation {
         self
     }
 
+    /// The same with a bearing that is turned by an angle in radians.
+    pub(in crate::aoa) fn turned_by(mut self, angle: f32) -> Self {
+        self.bearing = Bearing::from_radians(self.bearing.radians() + angle);
+        self
+    }
+
     /// Inverse of the variance, in 1 / rad^2.
     pub(in crate::aoa) fn information(&self) -> f32 {
         1.0 / (self.sigma_rad * self.sigma_rad)
@@ -272,6 +279,7 @@ impl AsRef<Self> for Observation {
 pub struct Alternative {
     observation: Observation,
     probability: f32,
+    correction: Correction,
 }
 
 impl Alternative {
@@ -287,6 +295,7 @@ impl Alternative {
         Ok(Self {
             observation,
             probability,
+            correction: Correction::NONE,
         })
     }
 
@@ -299,16 +308,32 @@ impl Alternative {
     pub(in crate::aoa) const fn with_observation(&self, observation: Observation) -> Self {
         Self {
             observation,
-            probability: self.probability,
+            ..*self
         }
     }
 
     /// The same, if the reading may be of none of its bearings: one of them is right with this probability.
     pub(in crate::aoa) const fn if_any(&self, probability: f32) -> Self {
         Self {
-            observation: self.observation,
             probability: self.probability * probability,
+            ..*self
         }
+    }
+
+    /// The same, corrected by what is known of its error.
+    pub(in crate::aoa) fn corrected(&self, by: &Correction) -> Self {
+        let mut correction = self.correction;
+        let observation = correction.replace(by, &self.observation);
+        Self {
+            observation,
+            correction,
+            ..*self
+        }
+    }
+
+    /// By what it was corrected.
+    pub(in crate::aoa) const fn correction(&self) -> Correction {
+        self.correction
     }
 
     /// The most probable of some bearings; of several that are as probable the last.
@@ -339,6 +364,7 @@ impl From<Observation> for Alternative {
         Self {
             observation,
             probability: 1.0,
+            correction: Correction::NONE,
         }
     }
 }

@@ -2,6 +2,7 @@ extern crate std;
 
 mod alternatives;
 mod review;
+mod revision;
 mod stops;
 
 use std::vec::Vec;

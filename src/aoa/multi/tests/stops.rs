@@ -3,9 +3,9 @@
 use super::*;
 
 /// Rows of stops between four sources at the corners of a room.
-const ROOM: [[f32; 2]; 4] = [[0.0, 0.0], [12.0, 0.0], [12.0, 12.0], [0.0, 12.0]];
+pub(super) const ROOM: [[f32; 2]; 4] = [[0.0, 0.0], [12.0, 0.0], [12.0, 12.0], [0.0, 12.0]];
 
-fn stop(index: usize) -> [f32; 2] {
+pub(super) fn stop(index: usize) -> [f32; 2] {
     let (row, column) = (index / 7, index % 7);
     let column = if row % 2 == 0 { column } else { 6 - column };
     [2.4 + 1.2 * column as f32, 2.4 + 3.6 * row as f32]

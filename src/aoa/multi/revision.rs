@@ -1,0 +1,464 @@
+//! What earlier bearings say in the light of later ones.
+//!
+//! With each bearing that comes, some of the earlier ones are looked at again, in turn:
+//!
+//! * One that another source explains better goes to the track of that. For the others, the probability is renewed that
+//!   they are of no other source. Over many bearings this is expectation maximisation (Dempster, Laird and Rubin 1977).
+//! * What the bearings of several sources are off by at one place, as by the error of a compass there, is taken off: each is
+//!   corrected by what those of the *other* sources say of that error, as a Kalman filter would do it, with the variance
+//!   that is left. How large such errors are is learned from the products of what two sources' bearings are off by at one
+//!   place, which are zero in the mean if there are none.
+
+use super::{Config, MultiTarget};
+use crate::aoa::core::Entry;
+use crate::aoa::robust::{self, MODES};
+use crate::aoa::track::{OffBy, Track};
+use crate::aoa::words::Correction;
+use crate::aoa::{Alternative, Observation};
+use crate::math::larger;
+use crate::snapshot::value;
+
+/// Entries that are looked at again with each bearing: more keep all up to date, and cost time.
+const AT_ONCE: u32 = 16;
+/// How many times as likely a bearing has to be another source's to go to its track: less moves bearings to and fro.
+const CLEARLY: f32 = 1.5;
+/// How much a probability has to change, and a correction in stated sigmas, until particles move for it: less moves them
+/// more often, more leaves errors.
+const PROBABILITY: f32 = 0.1;
+const SIGMAS: f32 = 0.2;
+/// Pairs of bearings that the prior of the variance of the errors in common counts for, which is that there are none: less
+/// takes chance for such errors, more learns of them later.
+const PAIRS: f32 = 4.0;
+
+/// How far the revision has come, and what it has learned. All bits of a new one are zero.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Revision {
+    /// The next entry: number of its track, or that of tracks for the unassociated ones, and its index.
+    place: u16,
+    index: u16,
+    /// Variance of the errors that all sources' bearings of one place have in common, in square radians.
+    pub(super) variance: f32,
+    /// Sums over the places since the first entry: of the products of errors of two sources, and of what they count for.
+    products: f32,
+    pairs: f32,
+}
+
+value!(Revision {
+    place,
+    index,
+    variance,
+    products,
+    pairs,
+});
+
+impl Revision {
+    pub(super) const NEW: Self = Self {
+        place: 0,
+        index: 0,
+        variance: 0.0,
+        products: 0.0,
+        pairs: 0.0,
+    };
+
+    /// All entries have been looked at once more.
+    fn begin_again(&mut self) {
+        let variance = self.products / (self.pairs + PAIRS);
+        *self = Self {
+            variance: larger(variance, 0.0),
+            ..Self::NEW
+        };
+    }
+}
+
+/// What the bearings of one source at one place say of the error that they have in common with those of others.
+#[derive(Clone, Copy)]
+struct Sum {
+    precision: f32,
+    /// The mean, times that.
+    error: f32,
+    probability: f32,
+}
+
+impl Sum {
+    const NOTHING: Self = Self {
+        precision: 0.0,
+        error: 0.0,
+        probability: 0.0,
+    };
+
+    fn add(&mut self, one: &OffBy) {
+        let precision = one.probability / one.variance;
+        self.precision += precision;
+        self.error += precision * one.error;
+        self.probability = larger(self.probability, one.probability);
+    }
+}
+
+/// What bearings of one place say, by source.
+struct AtPlace<const K: usize> {
+    of_tracks: [Sum; K],
+    of_modes: [Sum; MODES],
+    /// The entry that comes first.
+    first: Option<[usize; 2]>,
+}
+
+impl<const K: usize> AtPlace<K> {
+    const NOTHING: Self = Self {
+        of_tracks: [Sum::NOTHING; K],
+        of_modes: [Sum::NOTHING; MODES],
+        first: None,
+    };
+
+    fn all(&self) -> impl Iterator<Item = &Sum> + Clone {
+        self.of_tracks.iter().chain(&self.of_modes)
+    }
+
+    /// The sum of the products of the errors of two sources, and what they count for.
+    fn products(&self) -> [f32; 2] {
+        let (mut products, mut pairs) = (0.0, 0.0);
+        let known = self.all().filter(|one| one.precision > 0.0);
+        for (i, a) in known.clone().enumerate() {
+            for b in known.clone().skip(i + 1) {
+                let both = a.probability * b.probability;
+                products += both * (a.error / a.precision) * (b.error / b.precision);
+                pairs += both;
+            }
+        }
+        [products, pairs]
+    }
+
+    /// By what a bearing of this source, by its number, is to be corrected if such errors have this variance; a square
+    /// radian of stated variance adds so much to that of the bearing.
+    fn correction(&self, own: Option<usize>, variance: f32, by_stated: f32) -> Correction {
+        if variance <= 0.0 {
+            return Correction::NONE;
+        }
+        let (mut precision, mut error) = (1.0 / variance, 0.0);
+        for (source, one) in self.all().enumerate() {
+            if own != Some(source) {
+                precision += one.precision;
+                error += one.error;
+            }
+        }
+        Correction {
+            offset: error / precision,
+            variance: 1.0 / (precision * by_stated),
+        }
+    }
+}
+
+impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
+    /// A bearing corrected by what is known of the error of its place.
+    pub(super) fn corrected(
+        &self,
+        alternative: &Alternative,
+        config: &Config<L::Config>,
+        beliefs: &robust::Config,
+    ) -> Alternative {
+        let variance = self.revision.variance;
+        if variance <= 0.0 {
+            return *alternative;
+        }
+        let at_place = self.at_place(alternative.observation(), config, beliefs);
+        let entry = Entry::from(alternative);
+        let by_stated = |track: &L| track.off_by(&entry, &config.track).by_stated;
+        let by_stated = self.best().map_or(1.0, by_stated);
+        alternative.corrected(&at_place.correction(None, variance, by_stated))
+    }
+
+    /// Looks at some of the earlier bearings again.
+    #[inline(never)]
+    pub(super) fn revise(&mut self, config: &Config<L::Config>, beliefs: &robust::Config) {
+        for _ in 0..AT_ONCE {
+            let Some(at) = self.next_entry() else {
+                self.revision.begin_again();
+                return;
+            };
+            if !self.reassign(at, config, beliefs) {
+                self.correct(at, config, beliefs);
+            }
+        }
+    }
+
+    /// The entries of a track that has a fix; after those of all tracks, the unassociated ones.
+    fn entries_at(&self, place: usize) -> &[Entry] {
+        if place == K {
+            return self.candidates.entries();
+        }
+        match (self.fix_at(place), self.tracks.get(place)) {
+            (Some(_), Some(track)) => track.entries(),
+            _ => &[],
+        }
+    }
+
+    /// Where the next entry is; `None` after the last one.
+    fn next_entry(&mut self) -> Option<[usize; 2]> {
+        loop {
+            let [place, index] = [self.revision.place, self.revision.index].map(usize::from);
+            if place > K {
+                return None;
+            }
+            if index < self.entries_at(place).len() {
+                self.revision.index += 1;
+                return Some([place, index]);
+            }
+            self.revision.place += 1;
+            self.revision.index = 0;
+        }
+    }
+
+    /// Gives a bearing to the track that explains it better, or says how likely it is of no other source. Whether it was
+    /// given away.
+    fn reassign(
+        &mut self,
+        [place, index]: [usize; 2],
+        config: &Config<L::Config>,
+        beliefs: &robust::Config,
+    ) -> bool {
+        let entries = self.entries_at(place);
+        let Some(entry) = entries.get(index).copied().filter(|_| place < K) else {
+            return false;
+        };
+        let is_same_reading =
+            |other: &Entry| other.position() == entry.position() && other.holds(&entry.observation);
+        if entries
+            .iter()
+            .filter(|other| is_same_reading(other))
+            .count()
+            > 1
+        {
+            return false;
+        }
+        let odds = self.odds(&[entry.observation.into()], config);
+        let (mut other, mut most, mut own) = (None, 1.0, 0.0);
+        let mut sum = self.candidates.odds(&entry.observation, beliefs);
+        for (at, odds) in odds.into_iter().enumerate() {
+            if at == place {
+                own = odds;
+                continue;
+            }
+            sum += odds;
+            if odds > most && self.fix_at(at).is_some() {
+                (other, most) = (Some(at), odds);
+            }
+        }
+        match other {
+            Some(other) if most > CLEARLY * own => {
+                let probability = 1.0 / (1.0 + sum - most + own);
+                self.move_entry([place, index], other, probability, config);
+                true
+            }
+            _ => {
+                let probability = 1.0 / (1.0 + sum);
+                if (probability - entry.probability).abs() > PROBABILITY
+                    && let Some(entry) = self
+                        .tracks
+                        .get_mut(place)
+                        .and_then(|track| track.entry_mut(index))
+                {
+                    entry.probability = probability;
+                }
+                false
+            }
+        }
+    }
+
+    fn move_entry(
+        &mut self,
+        [place, index]: [usize; 2],
+        other: usize,
+        probability: f32,
+        config: &Config<L::Config>,
+    ) {
+        let Some((slot, track)) = self.at(Some(place)) else {
+            return;
+        };
+        let Some(entry) = track.take(index) else {
+            return;
+        };
+        slot.heard = larger(slot.heard - entry.readings, 0.0);
+        if let Some((slot, track)) = self.at(Some(other)) {
+            slot.heard += entry.readings;
+            track.reclaim(
+                &Entry {
+                    probability,
+                    ..entry
+                },
+                &config.track,
+            );
+        }
+    }
+
+    /// Corrects an entry by what the bearings of other sources at its place say.
+    fn correct(&mut self, at: [usize; 2], config: &Config<L::Config>, beliefs: &robust::Config) {
+        let [place, index] = at;
+        let entry = self.entries_at(place).get(index).copied();
+        let Some(entry) = entry.filter(Entry::is_of_one_place) else {
+            return;
+        };
+        let at_place = self.at_place(&entry.observation, config, beliefs);
+        if at_place.first == Some(at) {
+            let [products, pairs] = at_place.products();
+            self.revision.products += products;
+            self.revision.pairs += pairs;
+        }
+        let own = match self.tracks.get(place) {
+            Some(track) => Some((place, track.off_by(&entry, &config.track))),
+            None => (self.candidates.explained(&entry, beliefs))
+                .map(|(rank, off_by)| (K + rank, off_by)),
+        };
+        let by_stated = own.map_or(1.0, |(_, off_by)| off_by.by_stated);
+        let own = own.map(|(source, _)| source);
+        let next = at_place.correction(own, self.revision.variance, by_stated);
+        if is_worth_a_move(&entry, &next) {
+            let entry = match self.tracks.get_mut(place) {
+                Some(track) => track.entry_mut(index),
+                None => self.candidates.entry_mut(index),
+            };
+            if let Some(entry) = entry {
+                entry.correct(&next);
+            }
+        }
+    }
+
+    /// What all bearings of one station and place say of their errors.
+    #[inline(never)]
+    fn at_place(
+        &self,
+        at: &Observation,
+        config: &Config<L::Config>,
+        beliefs: &robust::Config,
+    ) -> AtPlace<K> {
+        let mut all = AtPlace::NOTHING;
+        for (place, sum) in all.of_tracks.iter_mut().enumerate() {
+            let Some((fix, track)) = self.fix_at(place).zip(self.tracks.get(place)) else {
+                continue;
+            };
+            for (index, entry) in self.entries_at(place).iter().enumerate() {
+                if entry.is_of_one_place()
+                    && beliefs
+                        .errors
+                        .are_of_one_place(at, &entry.observation, fix.position)
+                {
+                    all.first = all.first.or(Some([place, index]));
+                    sum.add(&track.off_by(entry, &config.track));
+                }
+            }
+        }
+        let Some(source) = self.candidates.source() else {
+            return all;
+        };
+        for (index, entry) in self.candidates.entries().iter().enumerate() {
+            if entry.is_of_one_place()
+                && beliefs
+                    .errors
+                    .are_of_one_place(at, &entry.observation, source)
+                && let Some((rank, off_by)) = self.candidates.explained(entry, beliefs)
+                && let Some(sum) = all.of_modes.get_mut(rank)
+            {
+                all.first = all.first.or(Some([K, index]));
+                sum.add(&off_by);
+            }
+        }
+        all
+    }
+}
+
+/// Whether an entry is to be corrected by something else than before.
+fn is_worth_a_move(entry: &Entry, next: &Correction) -> bool {
+    let before = entry.correction;
+    let stated = before.stated_variance(&entry.observation);
+    let turn = next.offset - before.offset;
+    turn * turn > SIGMAS * SIGMAS * stated
+        || (next.variance - before.variance).abs() > SIGMAS * stated
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn off_by(error: f32, sigma: f32, probability: f32) -> OffBy {
+        OffBy {
+            error,
+            variance: sigma * sigma,
+            by_stated: 1.0,
+            probability,
+        }
+    }
+
+    /// Two sources of three are heard at a place, one of them twice.
+    fn place() -> AtPlace<3> {
+        let mut all = AtPlace::NOTHING;
+        all.of_tracks[0].add(&off_by(0.10, 0.1, 1.0));
+        all.of_tracks[0].add(&off_by(0.20, 0.1, 1.0));
+        all.of_tracks[2].add(&off_by(0.05, 0.2, 0.5));
+        all
+    }
+
+    #[test]
+    fn a_correction_is_that_of_a_kalman_filter_without_the_source_itself() {
+        let variance = 0.04;
+        for (own, precision, error) in [
+            (None, 25.0 + 200.0 + 12.5, 30.0 + 0.625),
+            (Some(0), 25.0 + 12.5, 0.625),
+            (Some(1), 25.0 + 200.0 + 12.5, 30.0 + 0.625),
+            (Some(2), 25.0 + 200.0, 30.0),
+        ] {
+            let found = place().correction(own, variance, 2.0);
+            assert!((found.offset - error / precision).abs() < 1e-6);
+            assert!((found.variance - 0.5 / precision).abs() < 1e-6);
+        }
+        assert_eq!(place().correction(None, 0.0, 1.0), Correction::NONE);
+    }
+
+    #[test]
+    fn products_are_of_the_means_of_two_sources() {
+        let mut place = place();
+        let [products, pairs] = place.products();
+        assert!((products - 0.5 * 0.15 * 0.05).abs() < 1e-7);
+        assert_eq!(pairs, 0.5);
+        place.of_modes[1].add(&off_by(-0.1, 0.1, 1.0));
+        let [products, pairs] = place.products();
+        assert!((products - (0.5 * 0.15 * 0.05 - 0.15 * 0.1 - 0.5 * 0.05 * 0.1)).abs() < 1e-7);
+        assert_eq!(pairs, 2.0);
+    }
+
+    #[test]
+    fn few_products_teach_little() {
+        let revision = |products, pairs| {
+            let mut revision = Revision {
+                place: 4,
+                index: 2,
+                products,
+                pairs,
+                ..Revision::NEW
+            };
+            revision.begin_again();
+            assert_eq!((revision.place, revision.index), (0, 0));
+            assert_eq!((revision.products, revision.pairs), (0.0, 0.0));
+            revision.variance
+        };
+        assert_eq!(revision(0.04, 4.0), 0.005);
+        assert!((revision(4.0, 400.0) - 0.0099).abs() < 1e-5);
+        assert_eq!(revision(-1.0, 10.0), 0.0);
+    }
+
+    #[test]
+    fn small_changes_wait() {
+        use crate::aoa::Bearing;
+        let bearing = Observation::new(0, [0.0; 2], Bearing::from_radians(1.0), 0.1).unwrap();
+        let entry = Entry::new(bearing, 1.0);
+        for (offset, variance, moves) in [
+            (0.019, 0.0, false),
+            (-0.019, 0.0019, false),
+            (0.021, 0.0, true),
+            (-0.021, 0.0, true),
+            (0.0, 0.0021, true),
+        ] {
+            assert_eq!(
+                is_worth_a_move(&entry, &Correction { offset, variance }),
+                moves
+            );
+        }
+    }
+}
