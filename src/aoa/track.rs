@@ -142,6 +142,7 @@ impl OffBy {
 }
 
 /// By the normal distribution of position and bias with the moments of the particles.
+#[inline(never)]
 pub(in crate::aoa) fn off_by_moments(
     entry: &Entry,
     errors: &Errors,

@@ -166,13 +166,10 @@ impl Entry {
     pub(in crate::aoa) fn join(&mut self, other: &Self, comparison: &impl Comparison) {
         let [old, fresh] =
             [&*self, other].map(|entry| entry.readings * entry.observation.information());
+        let part = fresh / (old + fresh);
+        self.correction = self.correction.mixed(&other.correction, part);
         let readings = self.readings + other.readings;
-        self.blend(
-            other,
-            fresh / (old + fresh),
-            (old + fresh) / readings,
-            comparison,
-        );
+        self.blend(other, part, (old + fresh) / readings, comparison);
     }
 
     /// Takes another in that says the same.
@@ -219,7 +216,6 @@ impl Entry {
         if let Ok(mean) = Observation::new(time_ms, position, bearing, sigma) {
             let part = other.readings / (self.readings + other.readings);
             self.probability += part * (other.probability - self.probability);
-            self.correction = self.correction.mixed(other.correction, part);
             self.readings += other.readings;
             if mean.since_ms(other.first_ms) > mean.since_ms(self.first_ms) {
                 self.first_ms = other.first_ms;

@@ -115,7 +115,7 @@ fn seconds(milliseconds: i32) -> f32 {
 /// a computer may take 1,024, as in `Manoeuvring<Robust<256>, 4, 1024>`: errors are 2 % less, for eight times the memory and the
 /// time. A chip that is short of either may take 64: errors are 1 % more.
 ///
-/// With 128 and no station, it takes 9.6 kB more than that: 19.1 kB around a [`Robust<256, 64>`](crate::aoa::Robust).
+/// With 128 and no station, it takes 9.6 kB more than that: 19.6 kB around a [`Robust<256, 64>`](crate::aoa::Robust).
 ///
 /// ```
 /// use foxhunt::aoa::{Bearing, Locator, Manoeuvring, Observation, Robust, manoeuvring::Config};

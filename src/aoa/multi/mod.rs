@@ -8,12 +8,16 @@
 //!   large enough. One after the other becomes a track of the bearings that it explains best; the others stay. So sources are
 //!   told apart however their bearings alternate, and wherever the vehicle stops.
 //! * Track deletion: a track ends when its source has been silent for longer than its own rate and its earlier pauses make
-//!   likely (a cumulative sum test: Page 1954), or when it turns out to be that of another track, or when a new track of a
-//!   source at rest explains its bearings as well. The track of a silent source is kept while there is room, so that the source has its number when
-//!   it is heard again.
+//!   likely (a cumulative sum test: Page 1954), or when it turns out to be that of another track, or when another track of a
+//!   source at rest explains its bearings as well. The track of a silent source is kept while there is room, so that the
+//!   source has its number when it is heard again.
 //!
-//! A bearing is associated when it comes, or later, when a track explains it. All sources have the scale of the errors and
-//! the bias of the array in common: each track is told what the others say of them (expectation propagation: Minka 2001).
+//! A bearing is associated when it comes, or later, when a track explains it. Those on sources at rest are looked at again
+//! as more is known: one may go to another track, and what the bearings of all sources are off by at one place, as by the
+//! error of a compass, is taken off.
+//!
+//! All sources have the scale of the errors and the bias of the array in common: each track is told what the others say of
+//! them (expectation propagation: Minka 2001).
 
 mod association;
 mod config;
@@ -39,8 +43,8 @@ use slot::{FREE, Slot};
 /// sources that are heard from stops, beside outliers, and 64 for two or three on a drive. With as many as a track keeps,
 /// both use the same code, which saves 6 kB of flash.
 ///
-/// It takes `K` times what a track does, and 4.6 kB with `B` = 96; three robust locators of 256 particles and 64 bearings
-/// make 32.8 kB. A bearing moves the particles of one track at most, or takes one search among the unassociated bearings
+/// It takes `K` times what a track does, and 5.4 kB with `B` = 96; three robust locators of 256 particles and 64 bearings
+/// make 35.2 kB. A bearing moves the particles of one track at most, or takes one search among the unassociated bearings
 /// and starts those of one: so it takes hardly longer than with a single source.
 ///
 /// Sources are numbered as their tracks start, from 0 on, and from 0 again after 65,536 of them, past the numbers of those
@@ -297,7 +301,14 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
         rng: &mut R,
     ) -> Result<Answer, PushError> {
         let beliefs = L::beliefs(&config.track);
-        let reading = reading_of(alternatives, |one| self.corrected(one, config, &beliefs));
+        let corrected = |one: &Alternative| {
+            if L::RECLAIMS {
+                self.corrected(one, config, &beliefs)
+            } else {
+                *one
+            }
+        };
+        let reading = reading_of(alternatives, corrected);
         let alternatives = reading.as_slice();
         let first = alternatives.first().ok_or(PushError::Empty)?.observation();
         let odds = self.odds(alternatives, config);

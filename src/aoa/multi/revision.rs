@@ -10,7 +10,7 @@
 //!   place, which are zero in the mean if there are none.
 
 use super::{Config, MultiTarget};
-use crate::aoa::core::Entry;
+use crate::aoa::core::{Entry, square_of_distance};
 use crate::aoa::robust::{self, MODES};
 use crate::aoa::track::{OffBy, Track};
 use crate::aoa::words::Correction;
@@ -149,6 +149,7 @@ impl<const K: usize> AtPlace<K> {
 
 impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
     /// A bearing corrected by what is known of the error of its place.
+    #[inline(never)]
     pub(super) fn corrected(
         &self,
         alternative: &Alternative,
@@ -330,16 +331,18 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
         beliefs: &robust::Config,
     ) -> AtPlace<K> {
         let mut all = AtPlace::NOTHING;
+        let is_of_it = |entry: &Entry, square: f32| {
+            entry.is_of_one_place()
+                && entry.observation.station() == at.station()
+                && square_of_distance(entry.position(), at.position()) < square
+        };
         for (place, sum) in all.of_tracks.iter_mut().enumerate() {
             let Some((fix, track)) = self.fix_at(place).zip(self.tracks.get(place)) else {
                 continue;
             };
-            for (index, entry) in self.entries_at(place).iter().enumerate() {
-                if entry.is_of_one_place()
-                    && beliefs
-                        .errors
-                        .are_of_one_place(at, &entry.observation, fix.position)
-                {
+            let square = beliefs.errors.square_of_place(at.position(), fix.position);
+            for (index, entry) in track.entries().iter().enumerate() {
+                if is_of_it(entry, square) {
                     all.first = all.first.or(Some([place, index]));
                     sum.add(&track.off_by(entry, &config.track));
                 }
@@ -348,11 +351,9 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
         let Some(source) = self.candidates.source() else {
             return all;
         };
+        let square = beliefs.errors.square_of_place(at.position(), source);
         for (index, entry) in self.candidates.entries().iter().enumerate() {
-            if entry.is_of_one_place()
-                && beliefs
-                    .errors
-                    .are_of_one_place(at, &entry.observation, source)
+            if is_of_it(entry, square)
                 && let Some((rank, off_by)) = self.candidates.explained(entry, beliefs)
                 && let Some(sum) = all.of_modes.get_mut(rank)
             {

@@ -231,6 +231,7 @@ impl<const B: usize> Candidates<B> {
 
     /// The mode that explains a bearing best, of those that would make a fix, and how far off it is of that. `None` if
     /// it is likelier an outlier.
+    #[inline(never)]
     pub(in crate::aoa) fn explained(
         &self,
         entry: &Entry,

@@ -236,18 +236,10 @@ impl Errors {
         self.correlation.at_rest > 0.0 || self.stop_sigma_rad > 0.0
     }
 
-    /// Whether two bearings on a source are taken by one station at one place, where an error that they have in common is
-    /// one.
-    pub(in crate::aoa) fn are_of_one_place(
-        &self,
-        a: &Observation,
-        b: &Observation,
-        source: [f32; 2],
-    ) -> bool {
-        let range = sqrt(square_of_distance(source, b.position()));
-        let apart = square_of_distance(a.position(), b.position());
-        a.station() == b.station()
-            && Correlation::is_one_place(apart, self.correlation.length_m(range))
+    /// The square of the distance in metres within which bearings on a source are taken at one place.
+    pub(in crate::aoa) fn square_of_place(&self, place: [f32; 2], source: [f32; 2]) -> f32 {
+        let length_m = (self.correlation).length_m(sqrt(square_of_distance(source, place)));
+        SAME_PLACE * SAME_PLACE * length_m * length_m
     }
 
     /// Whether variances depend on how far away the source is.

@@ -24,6 +24,7 @@ impl Correction {
 
     /// A bearing that was corrected by this, corrected by `next` instead. A sigma that would be out of range is the nearest
     /// one that is not.
+    #[inline(never)]
     pub(in crate::aoa) fn replace(&mut self, next: &Self, bearing: &Observation) -> Observation {
         let stated = self.stated_variance(bearing);
         let sigma = smaller(sqrt(stated + next.variance), Observation::MAX_SIGMA_RAD);
@@ -43,7 +44,7 @@ impl Correction {
     }
 
     /// What lies `part` of the way to another.
-    pub(in crate::aoa) fn mixed(self, other: Self, part: f32) -> Self {
+    pub(in crate::aoa) fn mixed(self, other: &Self, part: f32) -> Self {
         let mix = |a: f32, b: f32| a + part * (b - a);
         Self {
             offset: mix(self.offset, other.offset),
