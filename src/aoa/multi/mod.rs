@@ -21,6 +21,7 @@
 
 mod association;
 mod config;
+mod in_common;
 mod review;
 mod revision;
 mod slot;
@@ -36,7 +37,7 @@ use crate::random::Rng;
 use crate::snapshot::Persist;
 use crate::{ConfigError, persist};
 pub use config::Config;
-use revision::Revision;
+use in_common::Revision;
 use slot::{FREE, Slot};
 
 /// Tracks up to `K` sources, each by an `L`, and keeps up to `B` bearings that none of them explains: 96 are enough for four
@@ -301,15 +302,13 @@ impl<const K: usize, L: Track, const B: usize> Locate for MultiTarget<K, L, B> {
         rng: &mut R,
     ) -> Result<Answer, PushError> {
         let beliefs = L::beliefs(&config.track);
-        let corrected = |one: &Alternative| {
-            if L::RECLAIMS {
-                self.corrected(one, config, &beliefs)
-            } else {
-                *one
-            }
+        let reading;
+        let alternatives = if L::RECLAIMS {
+            reading = reading_of(alternatives, |one| self.corrected(one, config, &beliefs));
+            reading.as_slice()
+        } else {
+            alternatives
         };
-        let reading = reading_of(alternatives, corrected);
-        let alternatives = reading.as_slice();
         let first = alternatives.first().ok_or(PushError::Empty)?.observation();
         let odds = self.odds(alternatives, config);
         let associated = self.associate(alternatives, &odds, &beliefs);

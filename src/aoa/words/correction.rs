@@ -1,6 +1,6 @@
 //! What is known of the error of a bearing.
 
-use super::Observation;
+use super::observation::Observation;
 use crate::math::{larger, smaller, sqrt};
 use crate::snapshot::value;
 

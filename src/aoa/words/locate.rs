@@ -3,8 +3,9 @@
 use core::fmt::Debug;
 
 use super::advice::Advice;
+use super::alternative::Alternative;
 use super::answer::{Answer, Bias, Cloud, Fix, Hypothesis, Mixture, SigmaScale, Source};
-use super::observation::{Alternative, Observation, PushError};
+use super::observation::{Observation, PushError};
 use super::retract::{Retract, Retracted};
 use crate::ConfigError;
 use crate::random::Rng;
