@@ -14,6 +14,7 @@ use super::{Case, Digest, answers::add_all};
 
 pub const CASES: &[Case] = &[
     ("locators::sources_that_pause", sources_that_pause),
+    ("locators::errors_of_stops", errors_of_stops),
     ("locators::sources_that_move", sources_that_move),
     ("locators::a_walk_among_stations", a_walk_among_stations),
     ("locators::a_source_that_is_lost", a_source_that_is_lost),
@@ -156,6 +157,28 @@ fn sources_that_pause() -> Digest {
         until_ms: 140_000,
     };
     run.take_back(all, &last);
+    run.start_over()
+}
+
+/// Four sources, heard from stops of which each turns all bearings by several sigmas.
+fn errors_of_stops() -> Digest {
+    const SOURCES: [[f32; 2]; 4] = [[0.0, 0.0], [1200.0, 0.0], [1200.0, 1200.0], [0.0, 1200.0]];
+    type Four = MultiTarget<4, Robust<64, 24>, 24>;
+    let mut run = Run::<Four>::new(multi::Config::DEFAULT);
+    let mut turn = 0.0;
+    for (i, source) in (0..84).zip(SOURCES.into_iter().cycle()) {
+        if i % 4 == 0 {
+            turn = 3.0 * run.noise();
+        }
+        let noise = run.noise();
+        run.take(&[bearing(
+            1000 * u32::from(i),
+            stop(i / 4),
+            source,
+            turn + noise,
+        )]);
+    }
+    assert!(SOURCES.into_iter().all(|source| run.is_near(source, 150.0)));
     run.start_over()
 }
 
