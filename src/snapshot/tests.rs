@@ -389,7 +389,7 @@ fn other_shapes_are_refused() {
 
 /// Where the parts of a snapshot of [`small`] begin.
 const LIST: usize = HEADER;
-const ANSWER: usize = LIST + 4 + 3 * 40 + 25 + 4 + 4 * 5 * 4 + 8;
+const ANSWER: usize = LIST + 4 + 3 * 48 + 25 + 4 + 4 * 5 * 4 + 8;
 
 #[test]
 fn values_that_no_state_has_are_refused() {
@@ -413,6 +413,8 @@ fn values_that_no_state_has_are_refused() {
         put(first + 12, &3.2f32.to_le_bytes()),
         put(first + 16, &nan),
         put(first + 16, &0f32.to_le_bytes()),
+        put(first + 40, &nan),
+        put(first + 44, &nan),
         put(ANSWER, &[4]),
         put(snapshot.len() - CHECKSUM - 16, &[0; 16]),
         sealed(snapshot.clone(), |all| all.push(0)),

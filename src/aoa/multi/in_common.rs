@@ -4,7 +4,7 @@ use crate::aoa::robust::MODES;
 use crate::aoa::track::OffBy;
 use crate::aoa::words::Correction;
 use crate::math::larger;
-use crate::snapshot::value;
+use crate::snapshot::{by_value, value_as};
 
 /// Pairs of bearings that the prior of the variance of the errors in common counts for, which is that there are none: less
 /// takes chance for such errors, more learns of them later.
@@ -23,13 +23,16 @@ pub(super) struct Revision {
     pub(super) pairs: f32,
 }
 
-value!(Revision {
-    place,
-    index,
-    variance,
-    products,
-    pairs,
-});
+value_as!(Revision as ((u16, u16), [f32; 3]):
+    |taken| ((taken.place, taken.index), [taken.variance, taken.products, taken.pairs]),
+    |((place, index), [variance, products, pairs])| {
+        let all = [variance, products, pairs];
+        let is_one = all.iter().all(|one| one.is_finite()) && variance >= 0.0 && pairs >= 0.0;
+        is_one.then_some(Self { place, index, variance, products, pairs })
+    },
+);
+
+by_value!(Revision);
 
 impl Revision {
     pub(super) const NEW: Self = Self {

@@ -2,7 +2,7 @@
 
 use super::observation::Observation;
 use crate::math::{larger, smaller, sqrt};
-use crate::snapshot::value;
+use crate::snapshot::{by_value, value_as};
 
 /// What was taken off a bearing, and how well that was known. All bits are zero where nothing was.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,7 +14,15 @@ pub(in crate::aoa) struct Correction {
     pub(in crate::aoa) variance: f32,
 }
 
-value!(Correction { offset, variance });
+value_as!(Correction as (f32, f32):
+    |taken| (taken.offset, taken.variance),
+    |(offset, variance)| {
+        let is_one = offset.is_finite() && variance.is_finite();
+        is_one.then_some(Self { offset, variance })
+    },
+);
+
+by_value!(Correction);
 
 impl Correction {
     pub(in crate::aoa) const NONE: Self = Self {

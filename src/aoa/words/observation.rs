@@ -83,7 +83,7 @@ pub struct Observation {
     channel: u8,
 }
 
-/// Why an [`Observation`], an [`Alternative`], a place or a spectrum was refused.
+/// Why an [`Observation`], an [`Alternative`](crate::aoa::Alternative), a place or a spectrum was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
