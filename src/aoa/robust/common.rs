@@ -208,7 +208,10 @@ impl Lines {
         }
         let time = a.seconds_from(b) / self.errors.correlation.time_s;
         let covariance = (self.errors).covariance([a, b], sqrt(square) / length_m, time);
-        let is_similar = self.is_within([a, b], turn, covariance);
+        // Readings of one of several sources stay together even if they have less in common than is believed: each
+        // apart, they fill the buffer, and none is worth enough to find the source.
+        let believed = if self.of_several { 0.0 } else { covariance };
+        let is_similar = self.is_within([a, b], turn, believed);
         Some(Pair {
             covariance: if is_similar { covariance } else { 0.0 },
             turn,
