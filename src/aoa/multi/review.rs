@@ -35,12 +35,8 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
     #[inline(never)]
     pub(super) fn give_up(&mut self, config: &Config<L::Config>) {
         for place in 0..K {
-            let mut live = self
-                .slots
-                .get(place)
-                .into_iter()
-                .filter(|slot| slot.is_live());
-            if live.any(Slot::is_unlikely)
+            let live = self.slots.get(place).filter(|slot| slot.is_live());
+            if live.is_some_and(Slot::is_unlikely)
                 && let Some(heir) = (0..K).find(|other| self.explains_half(*other, place, config))
             {
                 self.hand_over(place, heir, config);
@@ -86,10 +82,10 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
         single.filter_map(of_entry).sum()
     }
 
-    /// Deletes a track. The one of the source that has just been found takes the bearings that it explains.
-    fn hand_over(&mut self, place: usize, new: usize, config: &Config<L::Config>) {
-        let slots = self.slots.get_disjoint_mut([place, new]);
-        let tracks = self.tracks.get_disjoint_mut([place, new]);
+    /// Deletes a track. Its heir takes the bearings that it explains.
+    fn hand_over(&mut self, place: usize, heir: usize, config: &Config<L::Config>) {
+        let slots = self.slots.get_disjoint_mut([place, heir]);
+        let tracks = self.tracks.get_disjoint_mut([place, heir]);
         let (Ok([slot, heir_slot]), Ok([track, heir])) = (slots, tracks) else {
             return;
         };

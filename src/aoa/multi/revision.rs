@@ -13,7 +13,7 @@ use super::in_common::AtPlace;
 use super::{Config, MultiTarget};
 use crate::aoa::core::{Entry, square_of_distance};
 use crate::aoa::robust;
-use crate::aoa::track::Track;
+use crate::aoa::track::{Reading, Track, reading_of};
 use crate::aoa::words::Correction;
 use crate::aoa::{Alternative, Observation};
 use crate::math::larger;
@@ -28,23 +28,25 @@ const PROBABILITY: f32 = 0.1;
 const SIGMAS: f32 = 0.2;
 
 impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
-    /// A bearing corrected by what is known of the error of its place.
+    /// A reading corrected by what is known of the error of its place.
     #[inline(never)]
     pub(super) fn corrected(
         &self,
-        alternative: &Alternative,
+        alternatives: &[Alternative],
         config: &Config<L::Config>,
         beliefs: &robust::Config,
-    ) -> Alternative {
+    ) -> Reading {
         let variance = self.revision.variance;
-        if variance <= 0.0 {
-            return *alternative;
-        }
-        let at_place = self.at_place(alternative.observation(), config, beliefs);
-        let entry = Entry::from(alternative);
-        let by_stated = |track: &L| track.off_by(&entry, &config.track).by_stated;
-        let by_stated = self.best().map_or(1.0, by_stated);
-        alternative.corrected(&at_place.correction(None, variance, by_stated))
+        let Some(first) = alternatives.first().filter(|_| variance > 0.0) else {
+            return reading_of(alternatives, |one| *one);
+        };
+        let at_place = self.at_place(first.observation(), config, beliefs);
+        reading_of(alternatives, |one| {
+            let entry = Entry::from(one);
+            let by_stated = |track: &L| track.off_by(&entry, &config.track).by_stated;
+            let by_stated = self.best().map_or(1.0, by_stated);
+            one.corrected(&at_place.correction(None, variance, by_stated))
+        })
     }
 
     /// Looks at some of the earlier bearings again.
@@ -100,14 +102,10 @@ impl<const K: usize, L: Track, const B: usize> MultiTarget<K, L, B> {
         let Some(entry) = entries.get(index).copied().filter(|_| place < K) else {
             return false;
         };
-        let is_same_reading =
-            |other: &Entry| other.position() == entry.position() && other.holds(&entry.observation);
-        if entries
-            .iter()
-            .filter(|other| is_same_reading(other))
-            .count()
-            > 1
-        {
+        // Of several bearings of a reading, not more than one is the source's.
+        let is_of_reading =
+            |one: &&Entry| one.position() == entry.position() && one.holds(&entry.observation);
+        if entries.iter().filter(is_of_reading).count() > 1 {
             return false;
         }
         let odds = self.odds(&[entry.observation.into()], config);

@@ -141,7 +141,11 @@ impl Correlation {
 
     /// Whether two places are one, from the square of their distance and the distance over which it falls.
     pub(super) fn is_one_place(square: f32, length_m: f32) -> bool {
-        square < SAME_PLACE * SAME_PLACE * length_m * length_m
+        square < Self::square_of_place(length_m)
+    }
+
+    fn square_of_place(length_m: f32) -> f32 {
+        SAME_PLACE * SAME_PLACE * length_m * length_m
     }
 
     /// Of readings that are evenly spread over a time, in the mean over all pairs: one if there is no time between them.
@@ -238,8 +242,8 @@ impl Errors {
 
     /// The square of the distance in metres within which bearings on a source are taken at one place.
     pub(in crate::aoa) fn square_of_place(&self, place: [f32; 2], source: [f32; 2]) -> f32 {
-        let length_m = (self.correlation).length_m(sqrt(square_of_distance(source, place)));
-        SAME_PLACE * SAME_PLACE * length_m * length_m
+        let range = sqrt(square_of_distance(source, place));
+        Correlation::square_of_place(self.correlation.length_m(range))
     }
 
     /// Whether variances depend on how far away the source is.
