@@ -18,6 +18,11 @@ impl Coverage {
         self.0.push(walk);
     }
 
+    /// All of them in one.
+    pub fn pooled(all: &[Self]) -> Self {
+        Self(all.iter().flat_map(|of| of.0.iter().cloned()).collect())
+    }
+
     /// The fraction of all steps.
     pub fn value(&self) -> f64 {
         let all = self.0.iter().flatten();

@@ -2,14 +2,14 @@
 
 use anyhow::Result;
 use foxhunt::fingerprint::tracker::Config;
-use foxhunt_host::walks::Office;
+use foxhunt_host::walks::{Office, Walk};
 use foxhunt_simulation::{random::generator, tunnel::Packet};
 use indicatif::ParallelProgressIterator;
 use rand::RngExt;
 use rayon::prelude::*;
 
 use super::both::Both;
-use crate::papers::study::progress;
+use crate::papers::{fingerprint::coverage::Coverage, study::progress};
 
 /// Filter seeds of every walk, and of every set of four receivers.
 pub const SEEDS: u64 = 40;
@@ -34,6 +34,8 @@ pub struct Tracked {
     pub outliers: Both,
     /// Without the receiver of each number.
     dead: Vec<Both>,
+    /// Whether the regions of each walk held the truth, with all packets.
+    pub held: Vec<Coverage>,
 }
 
 impl Tracked {
@@ -63,6 +65,11 @@ impl Tracked {
             dead: (0..receivers)
                 .map(|dead| tracked(&move |packets, _| without(packets, dead)))
                 .collect::<Result<_>>()?,
+            held: office
+                .walks
+                .iter()
+                .map(|walk| held(walk, seed))
+                .collect::<Result<_>>()?,
         };
         bar.finish_and_clear();
         Ok(tracked)
@@ -82,6 +89,7 @@ impl Tracked {
         let both = Both {
             straight: self.dead[straight].straight.clone(),
             plane: self.dead[plane].plane.clone(),
+            late: Default::default(),
         };
         (both, [straight, plane])
     }
@@ -123,6 +131,30 @@ fn track(office: &Office, seed: u64, change: Change<'_>) -> Result<Both> {
         both.push(&office.walks[*number], errors);
     }
     Ok(both)
+}
+
+/// Whether the regions of a walk held the truth, with every seed.
+fn held(walk: &Walk, seed: u64) -> Result<Coverage> {
+    let times = walk.times();
+    let holds = |filter_seed: u64| -> Result<Vec<bool>> {
+        let fixes = walk.fixes(
+            &walk.packets,
+            &times,
+            Config::DEFAULT,
+            seed << 8 ^ filter_seed,
+        )?;
+        let steps = fixes.iter().zip(&times);
+        Ok(steps
+            .map(|(fix, time)| fix.contains(walk.truth_at(*time).map(|c| c as f32), 0.95))
+            .collect())
+    };
+    let seeds: Vec<Vec<bool>> = (0..SEEDS)
+        .into_par_iter()
+        .map(holds)
+        .collect::<Result<_>>()?;
+    let mut coverage = Coverage::default();
+    seeds.into_iter().for_each(|seed| coverage.push(seed));
+    Ok(coverage)
 }
 
 /// For every set of four receivers, the fraction of the steps of the straight walks below 2 m.
