@@ -18,6 +18,12 @@ impl Errors {
         self.0.push(run);
     }
 
+    /// Those of all steps but the first so many of each run.
+    pub fn after(&self, steps: usize) -> Self {
+        let later = |run: &Vec<f64>| run.iter().skip(steps).copied().collect();
+        Self(self.0.iter().map(later).collect())
+    }
+
     pub fn runs(&self) -> usize {
         self.0.len()
     }

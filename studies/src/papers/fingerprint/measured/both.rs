@@ -9,22 +9,15 @@ use crate::papers::fingerprint::errors::Errors;
 pub struct Both {
     pub straight: Errors,
     pub plane: Errors,
-    /// The same of the steps from the tenth second on.
-    pub late: [Errors; 2],
 }
-
-/// Steps of two seconds before the tenth.
-const EARLY: usize = 4;
 
 impl Both {
     pub fn push(&mut self, walk: &Walk, errors: Vec<f64>) {
-        let [straight, plane] = &mut self.late;
-        let (all, late) = if walk.is_straight {
-            (&mut self.straight, straight)
+        let both = if walk.is_straight {
+            &mut self.straight
         } else {
-            (&mut self.plane, plane)
+            &mut self.plane
         };
-        late.push(errors.iter().skip(EARLY).copied().collect());
-        all.push(errors);
+        both.push(errors);
     }
 }

@@ -8,6 +8,9 @@ use crate::papers::{
     statistics::median,
 };
 
+/// Steps of two seconds before the tenth.
+const EARLY: usize = 4;
+
 /// The errors of all methods.
 pub struct Results {
     /// What the radio map errs by where a place of the survey is left out.
@@ -46,12 +49,15 @@ impl Results {
         figures
     }
 
-    /// How much larger nine tenths of the errors are at most, from the tenth second on, if the tag is 10 dB too strong.
+    /// By how much a tag that is 10 dB too strong raises what nine tenths of the errors are at most from the tenth second on:
+    /// along corridors, and in the plane.
     pub fn loud_late(&self) -> [f64; 2] {
-        [0, 1].map(|kind| {
-            let [loud, all] = [&self.tracked.louder, &self.tracked.all];
-            loud.late[kind].quantile(0.9) / all.late[kind].quantile(0.9)
-        })
+        let Tracked { all, louder, .. } = &self.tracked;
+        [
+            (&louder.straight, &all.straight),
+            (&louder.plane, &all.plane),
+        ]
+        .map(|(loud, all)| p90_ratio(&loud.after(EARLY), &all.after(EARLY)))
     }
 
     fn loud(&self) -> [Figure; 2] {
@@ -137,8 +143,7 @@ impl Results {
             ..
         } = &self.tracked;
         let ratio = |name: &str, changed: &Errors, clean: &Errors| {
-            let ratio = changed.quantile(0.9) / clean.quantile(0.9);
-            figure(&format!("{name}.p90_ratio"), ratio, "")
+            figure(&format!("{name}.p90_ratio"), p90_ratio(changed, clean), "")
         };
         let plane =
             |name: &str, both: &Both| ratio(&format!("plane.{name}"), &both.plane, &all.plane);
@@ -157,6 +162,10 @@ impl Results {
             straight("one_dead", &self.dead).at_most(1.20),
         ]
     }
+}
+
+fn p90_ratio(changed: &Errors, clean: &Errors) -> f64 {
+    changed.quantile(0.9) / clean.quantile(0.9)
 }
 
 fn figure(name: &str, value: f64, unit: &str) -> Figure {

@@ -80,8 +80,7 @@ fn print(office: &Office, rows: &[(&str, &Both)]) {
         "largest m",
     ];
     let mut table = table(header, 1);
-    for (label, both) in rows {
-        let [straight, plane] = [&both.straight, &both.plane];
+    for (label, Both { straight, plane }) in rows {
         let near = |errors: &Errors| format!("{:.1} %", 100.0 * errors.near().value);
         let quantile = |errors: &Errors, fraction| format!("{:.2}", errors.quantile(fraction));
         table.add_row([

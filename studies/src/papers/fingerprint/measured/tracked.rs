@@ -1,7 +1,7 @@
 //! The tracker on the measured walks, with all packets and with faults that it should stand.
 
 use anyhow::Result;
-use foxhunt::fingerprint::tracker::Config;
+use foxhunt::fingerprint::tracker::{Config, Fix};
 use foxhunt_host::walks::{Office, Walk};
 use foxhunt_simulation::{random::generator, tunnel::Packet};
 use indicatif::ParallelProgressIterator;
@@ -28,14 +28,14 @@ type Change<'a> = &'a (dyn Fn(&[Packet], u64) -> Vec<Packet> + Sync);
 /// The tracker's errors, with all packets and with changed ones.
 pub struct Tracked {
     pub all: Both,
+    /// Whether the regions of each walk held the truth, with all packets.
+    pub held: Vec<Coverage>,
     pub four: Both,
     pub louder: Both,
     pub quieter: Both,
     pub outliers: Both,
     /// Without the receiver of each number.
     dead: Vec<Both>,
-    /// Whether the regions of each walk held the truth, with all packets.
-    pub held: Vec<Coverage>,
 }
 
 impl Tracked {
@@ -43,14 +43,17 @@ impl Tracked {
     pub fn new(office: &Office, seed: u64) -> Result<Self> {
         let receivers = office.receivers.len();
         let bar = progress(receivers as u64 + 5, "measured walks")?;
-        let tracked = |change: Change<'_>| -> Result<Both> {
-            let both = track(office, seed, change);
+        let followed = |change: Change<'_>| {
+            let followed = follow(office, seed, change);
             bar.inc(1);
-            both
+            followed
         };
+        let tracked = |change: Change<'_>| Ok::<_, anyhow::Error>(errors(&followed(change)?));
+        let all = followed(&|packets, _| packets.to_vec())?;
         let by = |offset| tracked(&move |packets, _| changed(packets, |p| p.level += offset));
         let tracked = Self {
-            all: tracked(&|packets, _| packets.to_vec())?,
+            all: errors(&all),
+            held: held(&all),
             four: tracked(&|packets, _| only(packets, &FOUR))?,
             louder: by(OFFSET)?,
             quieter: by(-OFFSET)?,
@@ -64,11 +67,6 @@ impl Tracked {
             })?,
             dead: (0..receivers)
                 .map(|dead| tracked(&move |packets, _| without(packets, dead)))
-                .collect::<Result<_>>()?,
-            held: office
-                .walks
-                .iter()
-                .map(|walk| held(walk, seed))
                 .collect::<Result<_>>()?,
         };
         bar.finish_and_clear();
@@ -89,7 +87,6 @@ impl Tracked {
         let both = Both {
             straight: self.dead[straight].straight.clone(),
             plane: self.dead[plane].plane.clone(),
-            late: Default::default(),
         };
         (both, [straight, plane])
     }
@@ -111,50 +108,54 @@ fn without(packets: &[Packet], dead: usize) -> Vec<Packet> {
     packets.copied().collect()
 }
 
-/// Every walk with every seed.
-fn track(office: &Office, seed: u64, change: Change<'_>) -> Result<Both> {
+/// What the tracker knows at each step of every walk, with every seed.
+fn follow<'a>(
+    office: &'a Office,
+    seed: u64,
+    change: Change<'_>,
+) -> Result<Vec<(&'a Walk, Vec<Fix>)>> {
     let jobs: Vec<(usize, u64)> = (0..office.walks.len())
         .flat_map(|walk| (0..SEEDS).map(move |seed| (walk, seed)))
         .collect();
-    let errors: Vec<Vec<f64>> = jobs
-        .par_iter()
+    jobs.par_iter()
         .map(|(number, filter_seed)| {
             let walk = &office.walks[*number];
             let packets = change(&walk.packets, *number as u64 * SEEDS + filter_seed);
-            let times = walk.times();
-            let places = walk.follow(&packets, &times, Config::DEFAULT, seed << 8 ^ filter_seed)?;
-            Ok(walk.errors(&times, &places))
+            let seed = seed << 8 ^ filter_seed;
+            let fixes = walk.fixes(&packets, &walk.times(), Config::DEFAULT, seed)?;
+            Ok((walk, fixes))
         })
-        .collect::<Result<_>>()?;
-    let mut both = Both::default();
-    for ((number, _), errors) in jobs.iter().zip(errors) {
-        both.push(&office.walks[*number], errors);
-    }
-    Ok(both)
+        .collect()
 }
 
-/// Whether the regions of a walk held the truth, with every seed.
-fn held(walk: &Walk, seed: u64) -> Result<Coverage> {
-    let times = walk.times();
-    let holds = |filter_seed: u64| -> Result<Vec<bool>> {
-        let fixes = walk.fixes(
-            &walk.packets,
-            &times,
-            Config::DEFAULT,
-            seed << 8 ^ filter_seed,
-        )?;
-        let steps = fixes.iter().zip(&times);
-        Ok(steps
-            .map(|(fix, time)| fix.contains(walk.truth_at(*time).map(|c| c as f32), 0.95))
-            .collect())
+/// The errors of these places.
+fn errors(followed: &[(&Walk, Vec<Fix>)]) -> Both {
+    let mut both = Both::default();
+    for (walk, fixes) in followed {
+        let places: Vec<[f64; 2]> = fixes
+            .iter()
+            .map(|fix| fix.position.map(f64::from))
+            .collect();
+        both.push(walk, walk.errors(&walk.times(), &places));
+    }
+    both
+}
+
+/// Whether the regions of each walk held the truth.
+fn held(followed: &[(&Walk, Vec<Fix>)]) -> Vec<Coverage> {
+    let of_walk = |seeds: &[(&Walk, Vec<Fix>)]| {
+        let mut coverage = Coverage::default();
+        for (walk, fixes) in seeds {
+            let times = walk.times();
+            let holds = fixes.iter().zip(&times).map(|(fix, time)| {
+                let truth = walk.truth_at(*time).map(|c| c as f32);
+                fix.contains(truth, 0.95)
+            });
+            coverage.push(holds.collect());
+        }
+        coverage
     };
-    let seeds: Vec<Vec<bool>> = (0..SEEDS)
-        .into_par_iter()
-        .map(holds)
-        .collect::<Result<_>>()?;
-    let mut coverage = Coverage::default();
-    seeds.into_iter().for_each(|seed| coverage.push(seed));
-    Ok(coverage)
+    followed.chunks(SEEDS as usize).map(of_walk).collect()
 }
 
 /// For every set of four receivers, the fraction of the steps of the straight walks below 2 m.
