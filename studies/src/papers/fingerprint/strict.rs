@@ -42,15 +42,17 @@ const RATE: f64 = 2.0;
 const PARTICLES: usize = 4000;
 /// Runs that are enough for that.
 const TWICE: u64 = 100;
+/// As many as the tracker has.
+const FEW: usize = 300;
 /// Steps of the levels, in metres.
 const STEP: f64 = 0.25;
 
-/// What came of a walk: errors in metres, of the tracker and of the filter with so many particles and with twice as many; and
-/// whether the tracker's regions held the truth.
+/// What came of a walk: errors in metres, of the tracker and of the filter with so many particles, with twice as many and with
+/// as many as the tracker; and whether the tracker's regions held the truth.
 struct Outcome {
     ours: Vec<f64>,
     held: Vec<bool>,
-    told: [Vec<f64>; 2],
+    told: [Vec<f64>; 3],
 }
 
 /// A tracker that knows how people walk here, and a radio that is that of the survey.
@@ -69,7 +71,7 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
     println!(
         "A tunnel whose map is off by {ERROR} dB, alike over some metres; packets with {NOISE} dB of noise, {RATE} a second of each \
          of four beacons; {runs} walks of up to a minute, asked every 2 s. Beside it a filter of {PARTICLES} particles that each \
-         remember the error where they were, told of its sigma and length."
+         remember the error where they were, told of its sigma and length; and the same with {FEW}, as many as the tracker has."
     );
     let header = [
         "length m",
@@ -78,6 +80,7 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
         "of that told",
         "ratio",
         "told, twice as many",
+        "told, 300",
         "95 % regions hold",
     ];
     let mut rows = table(header, 2);
@@ -98,7 +101,7 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
                 )
             };
             let ours = rmse(&|outcome| &outcome.ours);
-            let [told, twice] = [0, 1].map(|n| rmse(&|outcome: &Outcome| &outcome.told[n]));
+            let [told, twice, few] = [0, 1, 2].map(|n| rmse(&|outcome: &Outcome| &outcome.told[n]));
             // Of the same runs.
             let both = outcomes.iter().take(TWICE as usize);
             let first = root_mean_square(both.flat_map(|outcome| outcome.told[0].iter().copied()));
@@ -114,6 +117,7 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
                 format!("{told:.2}"),
                 format!("{:.3}", ours / told),
                 format!("{:.3}", twice / first),
+                format!("{:.3}", few / told),
                 format!("{:.1} %", 100.0 * coverage),
             ]);
             let prefix = format!("papers.fingerprint.wrong_map.{length}_m.{speed}_m_s");
@@ -121,6 +125,7 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
             let off = f64::max(0.92 - coverage, coverage - 0.98).max(0.0);
             figures.push(figure("rmse_over_told", ours / told).at_most(1.10));
             figures.push(figure("coverage_off_92_to_98", off).at_most(0.0));
+            figures.push(figure("told_by_300_over_told", few / told));
         }
     }
     println!("{rows}\n");
@@ -224,7 +229,7 @@ fn walk(length: f64, speed: f64, seed: u64, run: u64) -> Result<Outcome> {
 
     let site = Site::new(RadioMap::new(&bytes)?, config())?;
     let found: Vec<Fix> = fixes(&site, &packets, &times, run)?;
-    let told = [PARTICLES, 2 * PARTICLES].map(|particles| {
+    let told = [PARTICLES, 2 * PARTICLES, FEW].map(|particles| {
         if particles > PARTICLES && run >= TWICE {
             return Vec::new();
         }
