@@ -173,8 +173,8 @@ impl<const N: usize, F: Floor> Cloud<N, F> {
         }
     }
 
-    /// Sets the log-likelihoods to those of the places, of tags that were where their velocity says `age_s` seconds ago; the
-    /// points were looked up for a velocity of `mean`.
+    /// Sets the log-likelihoods to those of the places, of tags that moved by their velocity for `age_s` seconds; the points
+    /// were looked up for a velocity of `mean`.
     #[inline(never)]
     pub fn look_up<const P: usize>(
         &mut self,

@@ -6,6 +6,7 @@ use super::offset::OffsetBelief;
 use super::pending::Level;
 use crate::fingerprint::{RadioMap, map::LOWEST_MEAN_DBM};
 use crate::math::{larger, ln};
+use core::f32::consts::SQRT_2;
 
 /// A beacon of a scan, ready to be compared. Levels are in halves of a dB above the lowest, as the means of the map.
 #[derive(Debug, Clone, Copy)]
@@ -128,94 +129,66 @@ impl<'a, const B: usize> Comparison<'a, B> {
     }
 }
 
-/// Where a tag was that is at a point now: fractions of a step beyond another point.
+/// Where a tag was that is at a point now.
+///
+/// What is remembered fades exponentially, so its mean over the way of a tag is an integral with an exponential weight: by
+/// Gauss-Laguerre quadrature of two points (Abramowitz and Stegun, 25.4.45), at a recent and at an old age.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Past {
+    /// At the recent age: a point, and the fractions of a step beyond it.
     pub first: usize,
     pub fractions: [f32; 2],
+    /// The point nearest to where it was at the old age, which weighs little.
+    pub old: usize,
 }
 
-/// How the log-likelihood changes with the displacement of a tag since what is remembered, in steps: to the second order.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Slope {
-    pub gradient: [f32; 2],
-    /// Along x, across, and along y.
-    pub curvature: [f32; 3],
+impl Past {
+    /// The ages, relative to the mean age of what is remembered.
+    pub const RECENT: f32 = 2.0 - SQRT_2;
+    pub const OLD: f32 = 2.0 + SQRT_2;
+    /// The weight of each age.
+    const OF_RECENT: f32 = 0.25 * Self::OLD;
+    const OF_OLD: f32 = 0.25 * Self::RECENT;
 }
 
-impl Slope {
-    pub const ZERO: Self = Self {
-        gradient: [0.0; 2],
-        curvature: [0.0; 3],
-    };
-
-    /// Adds a reading whose difference, weighted by its precision, falls by `along` and `across` with the displacement.
-    #[inline(always)]
-    fn add<const PLANE: bool>(&mut self, weighted: f32, precision: f32, [along, across]: [f32; 2]) {
-        let of_along = precision * along;
-        self.gradient[0] += weighted * along;
-        self.curvature[0] += of_along * along;
-        if PLANE {
-            self.gradient[1] += weighted * across;
-            self.curvature[1] += of_along * across;
-            self.curvature[2] += precision * across * across;
-        }
-    }
-
-    /// What a displacement adds that is so much larger.
-    #[inline(always)]
-    pub fn at<const PLANE: bool>(&self, [x, y]: [f32; 2]) -> f32 {
-        let [xx, xy, yy] = self.curvature;
-        if PLANE {
-            x * (self.gradient[0] - 0.5 * xx * x - xy * y) + y * (self.gradient[1] - 0.5 * yy * y)
-        } else {
-            x * (self.gradient[0] - 0.5 * xx * x)
-        }
-    }
-}
+/// By how much the log-likelihood grows with every step that a tag moved further since what is remembered, along each axis.
+pub(super) type Slope = [f32; 2];
 
 impl<const B: usize> Comparison<'_, B> {
     /// At a point, of a tag that was elsewhere when it heard what is remembered.
     #[inline(always)]
     pub fn at_point<const PLANE: bool>(&self, point: usize, past: &Past) -> (Found, Slope) {
         let mut sums = Sums::EMPTY;
-        let mut slope = Slope::ZERO;
+        let mut slope = [0.0; 2];
         let [s, t] = past.fractions;
         for reading in &self.readings {
-            let Some([sigma, mean]) = reading.row.get(point) else {
+            let row = reading.row;
+            let (Some([sigma, mean]), Some([_, old]), Some([a, b])) =
+                (row.get(point), row.get(past.old), pair(row, past.first))
+            else {
                 continue;
             };
-            let mut difference = reading.level - f32::from(*mean);
-            let mut falls = [0.0; 2];
-            let near = pair(reading.row, past.first);
-            let far = if PLANE {
-                pair(reading.row, past.first + self.columns)
-            } else {
-                None
-            };
-            if let Some([a, b]) = near {
-                let mut along = b - a;
-                let mut there = a + s * along;
-                if let Some([c, d]) = far {
-                    let above = c + s * (d - c);
-                    let across = above - there;
-                    along += t * ((d - c) - along);
-                    there += t * across;
-                    falls[1] = reading.weight * across;
-                }
-                falls[0] = reading.weight * along;
-                difference += reading.weight * there;
+            let (mut recent, mut gradient) = (a + s * (b - a), [b - a, 0.0]);
+            if PLANE {
+                let Some([c, d]) = pair(row, past.first + self.columns) else {
+                    continue;
+                };
+                let across = c + s * (d - c) - recent;
+                recent += t * across;
+                gradient = [gradient[0] + t * ((d - c) - gradient[0]), across];
             }
+            let there = Past::OF_RECENT * recent + Past::OF_OLD * f32::from(*old);
+            let difference = reading.level - f32::from(*mean) + reading.weight * there;
             let error = error_variance(*sigma) + self.mismatch;
             let variance = error * reading.unknown + reading.noise;
             let weighted = sums.add(difference, 1.0 - reading.weight, variance, self);
-            if let Some((weighted, precision)) = weighted {
-                slope.add::<PLANE>(weighted, precision, falls);
+            let weighted = reading.weight * weighted;
+            slope[0] += weighted * gradient[0];
+            if PLANE {
+                slope[1] += weighted * gradient[1];
             }
         }
-        slope.gradient = slope.gradient.map(|sum| self.tempering * sum);
-        slope.curvature = slope.curvature.map(|sum| self.tempering * sum);
-        (sums.conclude(self), slope)
+        (sums.conclude(self), slope.map(|sum| self.tempering * sum))
     }
 
     /// At a point, if nothing is remembered: the log-likelihood.
@@ -264,7 +237,7 @@ impl Sums {
     };
 
     /// Adds a reading that differs so much from what is expected, to which an offset adds in proportion to `slope`. Returns
-    /// the weighted difference and the precision by the more probable hypothesis of both, if the reading is within its gate.
+    /// the difference, weighted by its precision, by the more probable hypothesis of both; nothing beyond its gate.
     #[inline(always)]
     fn add<const B: usize>(
         &mut self,
@@ -272,17 +245,13 @@ impl Sums {
         slope: f32,
         variance: f32,
         terms: &Comparison<'_, B>,
-    ) -> Option<(f32, f32)> {
+    ) -> f32 {
         let precision = 1.0 / variance;
         let weighted = difference * precision;
         let cost = difference * weighted;
         let is_within = cost < terms.gate;
         self.cost += if is_within { cost } else { terms.gate };
-        let mut said = if is_within {
-            Some((weighted, precision))
-        } else {
-            None
-        };
+        let mut said = if is_within { weighted } else { 0.0 };
         if terms.is_estimated {
             let difference = difference - slope * terms.mean;
             let weighted = difference * precision;
@@ -294,12 +263,12 @@ impl Sums {
                 self.precision += informed;
                 self.weighted += slope * weighted;
                 if terms.has_offset {
-                    said = Some((weighted, precision));
+                    said = weighted;
                 }
             } else {
                 self.cost_with += terms.gate;
                 if terms.has_offset {
-                    said = None;
+                    said = 0.0;
                 }
             }
         }

@@ -37,7 +37,7 @@ struct Point {
 impl Point {
     const EMPTY: Self = Self {
         log_likelihood: 0.0,
-        slope: Slope::ZERO,
+        slope: [0.0; 2],
         shift: 0.0,
         probability: 0.0,
         weight: 0.0,
@@ -126,7 +126,7 @@ impl<const P: usize> Field<P> {
             } else {
                 Found::NOWHERE
             };
-            point.set(&found, &Slope::ZERO);
+            point.set(&found, &[0.0; 2]);
             precision += found.precision;
             mean.add(found.log_likelihood);
         }
@@ -171,7 +171,7 @@ impl<const P: usize> Field<P> {
     }
 
     /// Compares a scan with the corners of the marked cells of a floor, where particles moved by about so many steps since what
-    /// is remembered.
+    /// is remembered, in the mean over its ages.
     #[inline(never)]
     pub fn look_up_marked<const B: usize>(
         &mut self,
@@ -190,16 +190,19 @@ impl<const P: usize> Field<P> {
         let (mut precision, mut count) = (self.precision, self.compared);
         let mut first = 0;
         for row in 0..rows {
-            let (below, across) = back(row, rows, moved[1]);
+            let (below, across) = back(row, rows, Past::RECENT * moved[1]);
+            let old_row = nearest_back(row, rows, Past::OLD * moved[1]);
             for column in 0..columns {
                 let number = first + column;
                 if !self.is_corner(before + number, columns) {
                     continue;
                 }
-                let (left, along) = back(column, columns, moved[0]);
+                let (left, along) = back(column, columns, Past::RECENT * moved[0]);
+                let old_column = nearest_back(column, columns, Past::OLD * moved[0]);
                 let past = Past {
                     first: below * columns + left,
                     fractions: [along, across],
+                    old: old_row * columns + old_column,
                 };
                 let (found, slope) = if is_plane {
                     scan.at_point::<true>(number, &past)
@@ -238,7 +241,7 @@ impl<const P: usize> Field<P> {
         match pair.and_then(|rest| rest.first_chunk()) {
             Some([a, b]) => {
                 let nearest = if fraction < 0.5 { a } else { b };
-                mix(a, b, fraction) + nearest.slope.at::<false>([further, 0.0])
+                mix(a, b, fraction) + further * nearest.slope[0]
             }
             None => f32::NEG_INFINITY,
         }
@@ -255,7 +258,8 @@ impl<const P: usize> Field<P> {
         let [near, far] = if s < 0.5 { [a, c] } else { [b, d] };
         let nearest = if t < 0.5 { near } else { far };
         let [below, above] = [mix(a, b, s), mix(c, d, s)];
-        below + t * (above - below) + nearest.slope.at::<true>(further)
+        let [along, across] = nearest.slope;
+        below + t * (above - below) + (further[0] * along + further[1] * across)
     }
 
     /// Teaches the belief about the offset what particles at these places think of it, whose weights add up to `total`: each as
@@ -308,6 +312,14 @@ fn back(point: usize, points: usize, moved: f32) -> (usize, f32) {
     let first = (place as usize).min(last.saturating_sub(1));
     let fraction = place - first as f32;
     (first, fraction.clamp(0.0, 1.0))
+}
+
+/// The point nearest to it.
+#[inline(always)]
+fn nearest_back(point: usize, points: usize, moved: f32) -> usize {
+    // Saturates; NaN becomes 0.
+    let nearest = (point as f32 - moved + 0.5) as usize;
+    nearest.min(points.saturating_sub(1))
 }
 
 /// Interpolates between `a` and `b`.

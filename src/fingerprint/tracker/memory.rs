@@ -167,7 +167,11 @@ mod tests {
     fn what_is_remembered_ages_until_something_is_learned() {
         let mut memory = Memory::<1>::EMPTY;
         memory.learn(&heard(-60.0), |_, _| Some(1.0));
-        memory.fade(2.0, 0.0, 2.0, &Config::DEFAULT);
+        let config = Config {
+            error_memory_s: 5.0,
+            ..Config::DEFAULT
+        };
+        memory.fade(2.0, 0.0, 2.0, &config);
         assert_eq!(memory.age_s, 2.0);
         memory.learn(&heard(-60.0), |_, _| None);
         assert_eq!(memory.age_s, 2.0);

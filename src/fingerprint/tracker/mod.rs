@@ -60,7 +60,7 @@ pub use tags::Trackers;
 pub use walls::{Piece, Walls};
 pub use weigh::WeighError;
 
-/// The scratch memory of an update of `N` particles on a map of up to `P` points: 36 P + 22 N + 20 bytes, which hold nothing
+/// The scratch memory of an update of `N` particles on a map of up to `P` points: 24 P + 22 N + 20 bytes, which hold nothing
 /// of use between updates. One serves all trackers.
 ///
 /// In a [`Building`], `P` counts the points of all floors, and `F` is `u8`: a byte more for each particle.

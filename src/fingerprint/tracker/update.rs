@@ -46,7 +46,7 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             let moved_m = self.predict(dt, site, &grain, workspace, rng);
             let length_m = site.map(self.floor.number()).error_length_m();
             self.memory.fade(dt, moved_m, length_m, config);
-            let evidence = self.compare(time_ms, scan, &last, site, workspace);
+            let evidence = self.compare(time_ms, scan, &last, moved_m / dt, site, workspace);
             self.exclude_walls(site, &grain, workspace);
             if let Some(redrawn_s) = &mut self.redrawn_s {
                 *redrawn_s += dt;
@@ -71,13 +71,15 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
         }
     }
 
-    /// Compares a scan with the map where the particles are, and returns how likely it is there, relative to the best point.
+    /// Compares a scan with the map where the particles are, which move at this speed, and returns how likely it is there,
+    /// relative to the best point.
     #[inline(never)]
     fn compare<const P: usize, G: Ground<Floor = S::Floor>>(
         &self,
         time_ms: u32,
         scan: &[Level; B],
         last: &Fix,
+        speed_m_s: f32,
         site: &G,
         workspace: &mut Workspace<N, P, S::Floor>,
     ) -> f32 {
@@ -100,7 +102,10 @@ impl<const N: usize, const B: usize, const D: usize, S: Stored> Tracker<N, B, D,
             field.sample(map, &anew, time_ms);
             cloud.sample(Floor::of(floor), &anew, lattice, time_ms, &mut sample);
         }
-        cloud.look_up(field, lattice, age_s, velocity);
+        // Slopes are taken over a step: they say little of who moved further.
+        let steps = age_s * speed_m_s * lattice.per_metre();
+        let far = 1.0 + steps * steps;
+        cloud.look_up(field, lattice, age_s / (far * far), velocity);
         sample.mean(field.top())
     }
 
