@@ -12,7 +12,7 @@ use foxhunt_host::{
         corridor::LineMap,
         remembering::{self, Model},
     },
-    walks::fixes,
+    walks::{self, fixes},
 };
 use foxhunt_simulation::{
     random::{generator, normal},
@@ -42,8 +42,6 @@ const RATE: f64 = 2.0;
 const PARTICLES: usize = 4000;
 /// Runs that are enough for that.
 const TWICE: u64 = 100;
-/// As many as the tracker has.
-const FEW: usize = 300;
 /// Steps of the levels, in metres.
 const STEP: f64 = 0.25;
 
@@ -71,7 +69,8 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
     println!(
         "A tunnel whose map is off by {ERROR} dB, alike over some metres; packets with {NOISE} dB of noise, {RATE} a second of each \
          of four beacons; {runs} walks of up to a minute, asked every 2 s. Beside it a filter of {PARTICLES} particles that each \
-         remember the error where they were, told of its sigma and length; and the same with {FEW}, as many as the tracker has."
+         remember the error where they were, told of its sigma and length; and the same with {}, as many as the tracker has.",
+        walks::PARTICLES
     );
     let header = [
         "length m",
@@ -80,7 +79,7 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
         "of that told",
         "ratio",
         "told, twice as many",
-        "told, 300",
+        "told, as many",
         "95 % regions hold",
     ];
     let mut rows = table(header, 2);
@@ -101,7 +100,8 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
                 )
             };
             let ours = rmse(&|outcome| &outcome.ours);
-            let [told, twice, few] = [0, 1, 2].map(|n| rmse(&|outcome: &Outcome| &outcome.told[n]));
+            let [told, twice, as_many] =
+                [0, 1, 2].map(|n| rmse(&|outcome: &Outcome| &outcome.told[n]));
             // Of the same runs.
             let both = outcomes.iter().take(TWICE as usize);
             let first = root_mean_square(both.flat_map(|outcome| outcome.told[0].iter().copied()));
@@ -117,7 +117,7 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
                 format!("{told:.2}"),
                 format!("{:.3}", ours / told),
                 format!("{:.3}", twice / first),
-                format!("{:.3}", few / told),
+                format!("{:.3}", as_many / told),
                 format!("{:.1} %", 100.0 * coverage),
             ]);
             let prefix = format!("papers.fingerprint.wrong_map.{length}_m.{speed}_m_s");
@@ -125,7 +125,7 @@ pub fn run(study: &Study) -> Result<Vec<Figure>> {
             let off = f64::max(0.92 - coverage, coverage - 0.98).max(0.0);
             figures.push(figure("rmse_over_told", ours / told).at_most(1.10));
             figures.push(figure("coverage_off_92_to_98", off).at_most(0.0));
-            figures.push(figure("told_by_300_over_told", few / told));
+            figures.push(figure("told_by_as_many_over_told", as_many / told));
         }
     }
     println!("{rows}\n");
@@ -229,7 +229,7 @@ fn walk(length: f64, speed: f64, seed: u64, run: u64) -> Result<Outcome> {
 
     let site = Site::new(RadioMap::new(&bytes)?, config())?;
     let found: Vec<Fix> = fixes(&site, &packets, &times, run)?;
-    let told = [PARTICLES, 2 * PARTICLES, FEW].map(|particles| {
+    let told = [PARTICLES, 2 * PARTICLES, walks::PARTICLES].map(|particles| {
         if particles > PARTICLES && run >= TWICE {
             return Vec::new();
         }
