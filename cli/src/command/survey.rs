@@ -1,4 +1,9 @@
-//! `foxhunt survey`: from a survey to a radio map, for the flash of a gateway.
+//! `foxhunt survey`: from places where a tag was heard to a radio map, for the flash of a gateway.
+
+mod line;
+mod recipe;
+mod record;
+mod send;
 
 use std::{
     collections::BTreeMap,
@@ -7,18 +12,24 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail};
-use foxhunt::fingerprint::{self, Lattice, RadioMap};
+use foxhunt::fingerprint::{Lattice, RadioMap};
 use foxhunt_host::{
     picture::{self, Heat},
-    radio_map::{Expected, Made, Recipe, Shape, SiteSurvey, rust_constant},
+    radio_map::{Expected, Made, Recipe, SiteSurvey, rust_constant},
 };
 use serde_json::{Value, json};
 
 use crate::screen;
 
-/// Check a survey, make a radio map of it, or predict how well it will find tags
+/// Record a survey, check it, make a radio map of it, predict how well it will find tags, or send it to a gateway
 #[derive(clap::Subcommand)]
 pub enum Command {
+    /// Record a survey, by a gateway that hears a tag at one place after another
+    #[command(
+        after_help = "Each line of the input is a place: x y in metres, or x y floor. An empty line ends the survey.\n\n\
+                      Example:\n  foxhunt survey record survey.csv --serial /dev/ttyACM0 --tag 7"
+    )]
+    Record(record::Record),
     /// Say what a survey holds, and what it lacks
     #[command(after_help = "Example:\n  foxhunt survey check survey.csv")]
     Check(Check),
@@ -30,6 +41,12 @@ pub enum Command {
     /// Predict how well tags will be found by a map of the survey, and draw it
     #[command(after_help = "Example:\n  foxhunt survey predict survey.csv --picture expected.svg")]
     Predict(Predict),
+    /// Send a radio map to a gateway that runs
+    #[command(
+        after_help = "The gateway checks the map as a whole before it takes the place of its own.\n\n\
+                      Example:\n  foxhunt survey send tunnel.map --serial /dev/ttyACM0"
+    )]
+    Send(send::Send),
 }
 
 /// The survey.
@@ -49,7 +66,7 @@ pub struct Predict {
     #[command(flatten)]
     survey: Check,
     #[command(flatten)]
-    recipe: Options,
+    recipe: recipe::Options,
     /// Where the picture is written, as SVG and PNG.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
@@ -68,59 +85,7 @@ pub struct Build {
     #[arg(long, value_name = "NAME", default_value = "MAP")]
     name: String,
     #[command(flatten)]
-    recipe: Options,
-}
-
-/// How a map is made.
-#[derive(clap::Args)]
-pub struct Options {
-    /// Metres from one point of the map to the next [default: by the survey].
-    #[arg(long, value_name = "METRES")]
-    spacing: Option<f64>,
-    /// Side of the cells in which places are put together, 0 for none [default: by the survey].
-    #[arg(long, value_name = "METRES")]
-    cell: Option<f64>,
-    /// Distance over which the strengths of the beacons are alike; with --field-noise [default: by the survey].
-    #[arg(long, value_name = "METRES", requires = "field_noise")]
-    field_length: Option<f64>,
-    /// Fraction of the variance of the strengths that is noise of single places [default: by the survey].
-    #[arg(long, value_name = "FRACTION", requires = "field_length")]
-    field_noise: Option<f64>,
-    /// Standard deviation of the map's error where the survey has been [default: by the survey].
-    #[arg(long, value_name = "DB")]
-    sigma: Option<f64>,
-    /// Distance over which the map's error is alike [default: by the survey].
-    #[arg(long, value_name = "METRES")]
-    length: Option<f64>,
-    /// Standard deviation of a packet at one place [default: by the survey].
-    #[arg(long, value_name = "DB")]
-    packet_sigma: Option<f64>,
-    /// Points further than this from the survey are impossible [default: none is].
-    #[arg(long, value_name = "METRES")]
-    reach: Option<f64>,
-    /// Where beacons are: CSV with the columns id, x and y.
-    #[arg(long, value_name = "FILE")]
-    beacons: Option<PathBuf>,
-    /// The day of the survey.
-    #[arg(long, value_name = "YYYY-MM-DD", value_parser = days)]
-    date: Option<u32>,
-    /// What the map holds of each beacon at each point.
-    #[arg(long, value_enum, default_value_t = Encoding::Moments)]
-    encoding: Encoding,
-    /// Width of the kernel of levels, in dB: how much a scan differs from a survey.
-    #[arg(long, value_name = "DB", default_value_t = Recipe::default().bandwidth_db)]
-    bandwidth: f64,
-    /// How many levels there are.
-    #[arg(long, value_name = "NUMBER", default_value_t = Recipe::default().levels)]
-    levels: u8,
-}
-
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum Encoding {
-    /// Mean and sigma, in two bytes: what the tracker needs.
-    Moments,
-    /// The logarithm of a kernel density by level: what the table matcher needs.
-    Levels,
+    recipe: recipe::Options,
 }
 
 /// Runs the command.
@@ -129,6 +94,8 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Check(options) => check(options),
         Command::Build(options) => build(options),
         Command::Predict(options) => predict(options),
+        Command::Record(options) => record::run(options),
+        Command::Send(options) => send::run(options),
     }
 }
 
@@ -265,7 +232,7 @@ fn predict(options: &Predict) -> Result<()> {
     Ok(())
 }
 
-impl Options {
+impl recipe::Options {
     /// How the maps of some floors are made, all on one lattice.
     fn of(&self, floors: &BTreeMap<i32, SiteSurvey>, survey: &Check) -> Result<Recipe> {
         let mut recipe = self.recipe()?;
@@ -274,32 +241,6 @@ impl Options {
             recipe.lattice = Some(lattice);
         }
         Ok(recipe)
-    }
-
-    fn recipe(&self) -> Result<Recipe> {
-        let sources = match &self.beacons {
-            Some(file) => foxhunt_host::radio_map::sources(file)?,
-            None => Default::default(),
-        };
-        let shape = self.field_length.zip(self.field_noise);
-        Ok(Recipe {
-            spacing_m: self.spacing,
-            cell_m: self.cell,
-            shape: shape.map(|(length_m, noise)| Shape { length_m, noise }),
-            sigma_db: self.sigma,
-            length_m: self.length,
-            packet_sigma_db: self.packet_sigma,
-            reach_m: self.reach,
-            sources,
-            days: self.date,
-            encoding: match self.encoding {
-                Encoding::Moments => fingerprint::Encoding::Moments,
-                Encoding::Levels => fingerprint::Encoding::Levels,
-            },
-            bandwidth_db: self.bandwidth,
-            levels: self.levels,
-            ..Recipe::default()
-        })
     }
 }
 
@@ -430,42 +371,9 @@ fn draw(survey: &SiteSurvey, made: &Made, file: &Path) -> Result<PathBuf> {
     Ok(file.with_extension("svg"))
 }
 
-/// Days since 1970-01-01 of a date of the Gregorian calendar.
-fn days(date: &str) -> Result<u32> {
-    let parts: Vec<i64> = date
-        .split('-')
-        .map(|part| part.parse().with_context(|| format!("{date} is no date")))
-        .collect::<Result<_>>()?;
-    let [year, month, day] = parts[..] else {
-        bail!("{date} is not of the form YYYY-MM-DD");
-    };
-    if !(1970..=9999).contains(&year) || !(1..=12).contains(&month) || !(1..=31).contains(&day) {
-        bail!("{date} is no date since 1970");
-    }
-    // Years begin in March, so that the leap day is the last.
-    let shifted = year - i64::from(month <= 2);
-    let of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
-    let days = 365 * shifted + shifted / 4 - shifted / 100 + shifted / 400 + of_year - 719_468;
-    u32::try_from(days).with_context(|| format!("{date} is no date since 1970"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn days_are_those_of_the_calendar() {
-        for (date, expected) in [
-            ("1970-01-01", 0),
-            ("2000-02-29", 11_016),
-            ("2026-11-27", 20_784),
-        ] {
-            assert_eq!(days(date).unwrap(), expected, "{date}");
-        }
-        for wrong in ["2026-13-01", "2026-11", "yesterday", "1969-12-31"] {
-            assert!(days(wrong).is_err(), "{wrong}");
-        }
-    }
 
     #[test]
     fn floors_have_files_of_their_own() {

@@ -42,7 +42,9 @@ fn run_commands(folder: &Folder, chapter: &str) -> Vec<String> {
     );
     let ends = |line: &str| {
         let is_live = line.starts_with("foxhunt live");
+        let needs_board = line.contains("--serial ");
         line.starts_with("foxhunt ")
+            && !needs_board
             && (!is_live || line.contains("--check") || line.contains("--until-end"))
     };
     let all = blocks(chapter, "sh").join("\n");

@@ -5,6 +5,7 @@ mod broker;
 mod chapters;
 mod damage;
 mod floors;
+mod gateway;
 mod live;
 mod program;
 mod replay;

@@ -21,7 +21,14 @@ pub const PATIENCE: Duration = Duration::from_secs(20);
 
 /// The drive that comes with the project.
 pub fn drive() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/data/drive.nmea")
+    example("drive.nmea")
+}
+
+/// A file that comes with the project.
+pub fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../examples/data")
+        .join(name)
 }
 
 /// A directory for one test, removed at its end.
@@ -55,7 +62,8 @@ pub fn run(folder: &Folder, arguments: &[&str]) -> Output {
     command(folder, arguments).output().unwrap()
 }
 
-fn command(folder: &Folder, arguments: &[&str]) -> Command {
+/// The program in a folder.
+pub fn command(folder: &Folder, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_foxhunt"));
     command.args(arguments).current_dir(&folder.0);
     command

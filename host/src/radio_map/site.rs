@@ -174,7 +174,7 @@ impl SiteSurvey {
     }
 
     /// The lattice of a spacing, in metres, that begins at the lowest coordinates of the places and reaches to the
-    /// highest.
+    /// highest: one row or column, in their middle, where they are less than a spacing apart across it.
     ///
     /// # Errors
     /// When that is no lattice, or there is no place.
@@ -196,17 +196,23 @@ impl SiteSurvey {
             .collect();
         ensure!(!places.is_empty(), "the survey is empty");
         ensure!(spacing > 0.0, "spacing is not positive");
-        let along = |axis: usize| {
+        let extent = |axis: usize| {
             let coordinates = places.iter().map(|place| place[axis]);
             let lowest = coordinates.clone().fold(f64::INFINITY, f64::min);
             let highest = coordinates.fold(f64::NEG_INFINITY, f64::max);
-            // Where rounding has made the last step a little longer, there is no point beyond it.
-            (
-                lowest,
-                ((highest - lowest) / spacing - 1e-6).ceil().max(0.0) + 1.0,
-            )
+            [lowest, highest]
         };
-        let ((x, columns), (y, rows)) = (along(0), along(1));
+        let along = |[lowest, highest]: [f64; 2], other: [f64; 2]| {
+            let length = highest - lowest;
+            // A tunnel is a line, though its places are not quite on one.
+            if length < spacing && length < other[1] - other[0] {
+                return (0.5 * (lowest + highest), 1.0);
+            }
+            // Where rounding has made the last step a little longer, there is no point beyond it.
+            (lowest, (length / spacing - 1e-6).ceil().max(0.0) + 1.0)
+        };
+        let (x, y) = (extent(0), extent(1));
+        let ((x, columns), (y, rows)) = (along(x, y), along(y, x));
         ensure!(
             columns * rows <= Lattice::MAX_POINTS as f64 && columns.max(rows) < 65_536.0,
             "{columns} x {rows} points are more than a map can hold"
@@ -223,6 +229,26 @@ mod tests {
 
     fn refusal(csv: &str) -> String {
         format!("{:#}", SiteSurvey::read(csv.as_bytes()).unwrap_err())
+    }
+
+    #[test]
+    fn a_survey_that_is_narrower_than_a_step_makes_a_line() {
+        for (places, columns, rows, origin) in [
+            ([[0.0, 1.0], [5.0, 1.25], [9.5, 1.5]], 11, 1, [0.0, 1.25]),
+            ([[1.0, 0.0], [1.25, 5.0], [1.5, 9.5]], 1, 11, [1.25, 0.0]),
+            ([[0.0, 0.0], [5.0, 1.0], [9.5, 0.5]], 11, 2, [0.0, 0.0]),
+            ([[0.0, 0.0], [0.25, 0.5], [0.0, 0.0]], 1, 2, [0.125, 0.0]),
+        ] {
+            let readings = places.map(|[x, y]| Reading {
+                x,
+                y,
+                beacon: 1,
+                rssi: -60.0,
+            });
+            let lattice = SiteSurvey::new(readings).lattice(1.0).unwrap();
+            assert_eq!((lattice.columns(), lattice.rows()), (columns, rows));
+            assert_eq!(lattice.origin(), origin, "{places:?}");
+        }
     }
 
     #[test]
