@@ -86,7 +86,7 @@ type Hunt = Gateway<Robust<64, 16>, formats::All, FullReport, 3>;
 type Line = heapless::Vec<u8, 4_096>;
 
 /// With the checksum of a sentence.
-fn sentence(payload: core::fmt::Arguments<'_>) -> Line {
+pub(super) fn sentence(payload: core::fmt::Arguments<'_>) -> Line {
     let mut text = heapless::String::<128>::new();
     text.write_fmt(payload).expect("a sentence is short");
     let checksum = text.bytes().fold(0, |sum, byte| sum ^ byte);

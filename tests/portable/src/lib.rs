@@ -19,6 +19,7 @@ mod random;
 mod refine;
 mod snapshot;
 mod spectrum;
+mod tags;
 mod whole;
 
 pub use digest::Digest;
@@ -40,6 +41,7 @@ const GROUPS: &[&[Case]] = &[
     fingerprint::CASES,
     building::CASES,
     gateway::CASES,
+    tags::CASES,
     snapshot::CASES,
     whole::CASES,
 ];
