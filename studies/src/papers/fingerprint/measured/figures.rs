@@ -1,6 +1,8 @@
 //! What came of the measured walks, in figures.
 
 use foxhunt_host::figures::Figure;
+use foxhunt_simulation::random::generator;
+use rand::seq::index;
 
 use super::{both::Both, tracked::Tracked};
 use crate::papers::{
@@ -36,6 +38,20 @@ impl Results {
     /// The fraction of the steps below 2 m with the set in the middle.
     pub fn median_set(&self) -> f64 {
         median(self.sets.iter().copied())
+    }
+
+    /// From where to where that is of so many sets that are drawn at random, with a probability of 95 %.
+    pub fn median_of(&self, count: usize) -> [f64; 2] {
+        const DRAWS: usize = 1000;
+        let mut rng = generator(495, 0);
+        let mut medians: Vec<f64> = (0..DRAWS)
+            .map(|_| {
+                let drawn = index::sample(&mut rng, self.sets.len(), count);
+                median(drawn.into_iter().map(|number| self.sets[number]))
+            })
+            .collect();
+        medians.sort_by(f64::total_cmp);
+        [medians[DRAWS / 40], medians[DRAWS - 1 - DRAWS / 40]]
     }
 
     /// All figures.
