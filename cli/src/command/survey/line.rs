@@ -13,14 +13,22 @@ use crate::wrong;
 /// Where the gateway is.
 #[derive(clap::Args)]
 pub struct Options {
-    /// Serial port of the gateway, such as /dev/ttyACM0.
-    #[arg(long, value_name = "PORT", required_unless_present = "tcp")]
-    serial: Option<String>,
-    /// Its speed.
+    #[command(flatten)]
+    end: End,
+    /// Speed of the serial port.
     #[arg(long, value_name = "BAUD", default_value_t = 115_200)]
     baud: u32,
-    /// A server at the other end of which the gateway is, in place of a serial port.
-    #[arg(long, value_name = "HOST:PORT", conflicts_with = "serial")]
+}
+
+/// What the computer opens.
+#[derive(clap::Args)]
+#[group(required = true, multiple = false)]
+struct End {
+    /// Serial port of the gateway, such as /dev/ttyACM0.
+    #[arg(long, value_name = "PORT")]
+    serial: Option<String>,
+    /// A server of its serial port.
+    #[arg(long, value_name = "HOST:PORT")]
     tcp: Option<String>,
 }
 
@@ -48,7 +56,7 @@ impl Line {
     /// # Errors
     /// If there is no such port, or nobody answers there.
     pub fn open(options: &Options) -> Result<Self> {
-        let (name, port): (&str, Box<dyn Port>) = match (&options.serial, &options.tcp) {
+        let (name, port): (&str, Box<dyn Port>) = match (&options.end.serial, &options.end.tcp) {
             (Some(name), _) => {
                 let port = serialport::new(name, options.baud).timeout(Self::WAIT);
                 (name, Box::new(port.open().context(name.clone())?))

@@ -209,9 +209,11 @@ impl fmt::Display for Heard {
             return f.write_str("nothing was heard: is the tag on, and is its number right?");
         }
         let count: u32 = self.0.values().map(|(count, _)| count).sum();
-        write!(f, "{count} readings; mean dBm by radio:")?;
-        for (radio, (count, sum)) in &self.0 {
-            write!(f, " {radio}: {:.0}", f64::from(*sum) / f64::from(*count))?;
+        write!(f, "{count} readings, in the mean")?;
+        for (number, (radio, (count, sum))) in self.0.iter().enumerate() {
+            let comma = if number > 0 { "," } else { "" };
+            let mean_dbm = f64::from(*sum) / f64::from(*count);
+            write!(f, "{comma} {mean_dbm:.0} dBm by radio {radio}")?;
         }
         Ok(())
     }
