@@ -13,7 +13,6 @@
 //! | `$PFOXB,time,radio,tag,rssi*hh` | [`Packet::to_frame`] | a radio has heard a tag: milliseconds, the radio's identifier in the map, the tag's number, dBm |
 //! | `$PFOXQ*50` | `Q` | a query: the fix of every tag, after an update by the packets that wait, and the status |
 //! | `$PFOXR*53` | `R` | a restart: all tags are forgotten |
-//!
 //! | `$PFOXV,tag,x,y,floor*hh` | | a survey: somebody stands with this tag at a place, in metres, on a floor |
 //! | `$PFOXV*57` | | the survey is over |
 //! | `$PFOXM,offset,total,bytes*hh` | | a piece of a new map: where it begins, the length of the map, up to 32 bytes in hexadecimal; see [`BeaconGateway::take_map`] |
