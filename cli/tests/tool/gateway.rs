@@ -217,7 +217,10 @@ fn a_survey_is_recorded_and_its_map_sent_over_a_line_that_loses_sentences() {
         &["survey", "send", "site.map", "--tcp", &board.address],
     ));
     let bytes = fs::read(folder.0.join("site.map")).unwrap();
-    let begin = format!("the gateway has checked the map: {} bytes, ", bytes.len());
+    let begin = format!(
+        "the gateway has checked the map, for its firmware to use: {} bytes, ",
+        bytes.len()
+    );
     assert!(sent.starts_with(&begin), "{sent}");
     let whole: Vec<Vec<u8>> = board.maps.try_iter().collect();
     assert_eq!(whole, [bytes]);

@@ -43,10 +43,8 @@ impl Expected {
 
     /// The error that this fraction of the looks at places that were left out does not exceed, in metres.
     pub fn quantile_m(&self, fraction: f64) -> Option<f64> {
-        let last = self.left_out_m.len().checked_sub(1)?;
-        self.left_out_m
-            .get((fraction * last as f64) as usize)
-            .copied()
+        let count = (fraction * self.left_out_m.len() as f64).ceil() as usize;
+        self.left_out_m.get(count.max(1) - 1).copied()
     }
 
     /// The fraction of those looks that are within so many metres.
@@ -112,4 +110,22 @@ fn look(survey: &SiteSurvey, cells: &Cells, place: usize) -> Option<Vec<Option<f
     };
     let levels: Vec<Option<f64>> = (0..survey.beacons().len()).map(level).collect();
     levels.iter().any(Option::is_some).then_some(levels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_a_few_looks_a_quantile_is_one_that_so_many_do_not_exceed() {
+        let of = |left_out_m: &[f64]| Expected {
+            by_point_m: Vec::new(),
+            rest_m: 0.0,
+            left_out_m: left_out_m.to_vec(),
+        };
+        assert_eq!(of(&[]).quantile_m(0.5), None);
+        for (fraction, expected) in [(0.0, 1.0), (0.5, 1.0), (0.9, 3.0), (1.0, 3.0)] {
+            assert_eq!(of(&[1.0, 3.0]).quantile_m(fraction), Some(expected));
+        }
+    }
 }

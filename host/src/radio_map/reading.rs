@@ -83,7 +83,9 @@ pub(super) fn read(mut file: impl Read) -> Result<BTreeMap<i32, Vec<Reading>>> {
 /// left out.
 fn rows_of_log(log: &str) -> Option<String> {
     let reading = |line: &str| {
-        let (payload, stated) = line.trim().strip_prefix('$')?.split_once('*')?;
+        // A time or a word may stand before it.
+        let (_, sentence) = line.trim().rsplit_once('$')?;
+        let (payload, stated) = sentence.split_once('*')?;
         let sum = payload.bytes().fold(0, |sum, byte| sum ^ byte);
         let fields = payload.strip_prefix("PFOXV,")?;
         let is_right = u8::from_str_radix(stated, 16) == Ok(sum);

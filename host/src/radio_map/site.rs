@@ -261,7 +261,7 @@ mod tests {
             "PFOXV,4.000,2.500,1,7,-80",
         ] {
             let sum = payload.bytes().fold(0, |sum, byte| sum ^ byte);
-            log += &format!("${payload}*{sum:02X}\r\n");
+            log += &format!("12:00:01 INFO ${payload}*{sum:02X}\r\n");
         }
         log += "$PFOXV,4.000,2.500,1,7,-20*00\r\n";
         let floors = SiteSurvey::floors(log.as_bytes()).unwrap();

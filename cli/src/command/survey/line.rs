@@ -6,7 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 
 use crate::wrong;
 
@@ -83,8 +83,8 @@ impl Line {
     pub fn say(&mut self, payload: &str) -> Result<()> {
         let sentence = foxhunt_decode::sentence(payload);
         let sent = self.port.write_all(sentence.as_bytes());
-        sent.and_then(|()| self.port.flush())
-            .with_context(|| self.name.clone())
+        let sent = sent.and_then(|()| self.port.flush());
+        sent.map_err(|error| self.failed(&error))
     }
 
     /// The payload of the next sentence that comes undamaged; none if none has come until then.
@@ -110,9 +110,14 @@ impl Line {
                 Ok(0) => bail!("{}: closed", self.name),
                 Ok(read) => self.begun.extend_from_slice(&bytes[..read]),
                 Err(error) if is_no_failure(&error) => {}
-                Err(error) => return Err(error).with_context(|| self.name.clone()),
+                Err(error) => return Err(self.failed(&error)),
             }
         }
+    }
+
+    /// In words: an error of the line is none of what is printed, as a broken pipe would be.
+    fn failed(&self, error: &io::Error) -> anyhow::Error {
+        anyhow!("{}: {error}", self.name)
     }
 }
 

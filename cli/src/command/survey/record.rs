@@ -13,7 +13,10 @@ use std::{
 use anyhow::{Context, Result, bail, ensure};
 use foxhunt::fingerprint::Lattice;
 
-use super::line::{self, Line};
+use super::{
+    counted,
+    line::{self, Line},
+};
 use crate::screen;
 
 /// Whose packets are recorded, and where they are written.
@@ -38,8 +41,8 @@ const AGAIN: Duration = Duration::from_secs(1);
 
 /// Runs the command: a place of each line of the input.
 pub fn run(options: &Record) -> Result<()> {
-    let mut survey = open(&options.survey)?;
     let mut line = Line::open(&options.line)?;
+    let mut survey = open(&options.survey)?;
     let asks = io::stdin().is_terminal();
     let mut places = io::stdin().lines();
     loop {
@@ -147,7 +150,7 @@ impl FromStr for Spot {
             // False for NaN.
             ensure!(
                 value.abs() <= most,
-                "{name} is more than 1000 km from the origin"
+                "{name} is not within 1000 km of the origin"
             );
             Ok(value)
         };
@@ -174,7 +177,7 @@ impl Spot {
     }
 
     /// The radio and the strength in dBm, of a reading of a tag that stands there.
-    fn reading(&self, payload: &str) -> Option<(u32, i32)> {
+    fn reading(&self, payload: &str) -> Option<(u32, i8)> {
         let fields: Vec<&str> = payload.strip_prefix("PFOXV,")?.split(',').collect();
         let [x, y, floor, radio, rssi] = fields[..] else {
             return None;
@@ -196,10 +199,10 @@ impl Spot {
 struct Heard(BTreeMap<u32, (u32, i32)>);
 
 impl Heard {
-    fn add(&mut self, radio: u32, rssi: i32) {
+    fn add(&mut self, radio: u32, rssi: i8) {
         let (count, sum) = self.0.entry(radio).or_default();
         *count += 1;
-        *sum += rssi;
+        *sum += i32::from(rssi);
     }
 }
 
@@ -209,7 +212,7 @@ impl fmt::Display for Heard {
             return f.write_str("nothing was heard: is the tag on, and is its number right?");
         }
         let count: u32 = self.0.values().map(|(count, _)| count).sum();
-        write!(f, "{count} readings, in the mean")?;
+        write!(f, "{}, in the mean", counted(count as usize, "reading"))?;
         for (number, (radio, (count, sum))) in self.0.iter().enumerate() {
             let comma = if number > 0 { "," } else { "" };
             let mean_dbm = f64::from(*sum) / f64::from(*count);
@@ -236,8 +239,8 @@ mod tests {
             ("1", "a place is x y, or x y floor"),
             ("1 2 3 4", "a place is x y, or x y floor"),
             ("1 b", "y is no number"),
-            ("nan 1", "x is more than 1000 km from the origin"),
-            ("0 1000001", "y is more than 1000 km from the origin"),
+            ("nan 1", "x is not within 1000 km of the origin"),
+            ("0 1000001", "y is not within 1000 km of the origin"),
             ("0 0 -1", "a floor is a number from 0 to 255"),
         ] {
             let error = text.parse::<Spot>().unwrap_err().to_string();
@@ -254,6 +257,7 @@ mod tests {
             ("PFOXV,12.600,0.250,1,900,-60", None),
             ("PFOXV,12.500,0.250,0,900,-60", None),
             ("PFOXV,12.500,0.250,1,900", None),
+            ("PFOXV,12.500,0.250,1,900,-5000", None),
             ("PFOXT,12.500,0.250,1,900,-60", None),
         ] {
             assert_eq!(spot.reading(payload), expected, "{payload}");

@@ -42,10 +42,13 @@ pub fn run(options: &Send) -> Result<()> {
     let bar = screen::bytes(Some(bytes.len() as u64));
     let mut next = 0;
     let mut tries = 0;
+    let mut has_answered = false;
     while tries < TRIES {
         tries += 1;
         line.say(&piece(&bytes, next))?;
-        match answer(&mut line, bytes.len())? {
+        let answer = answer(&mut line, bytes.len())?;
+        has_answered |= answer.is_some();
+        match answer {
             Some(Answer::More(received)) => {
                 if received > next {
                     tries = 0;
@@ -57,7 +60,7 @@ pub fn run(options: &Send) -> Result<()> {
                 bar.finish_and_clear();
                 let lattice = map.lattice();
                 return screen::line(format!(
-                    "the gateway has checked the map: {} bytes, {} beacons at {} x {} points",
+                    "the gateway has checked the map, for its firmware to use: {} bytes, {} beacons at {} x {} points",
                     bytes.len(),
                     map.beacons(),
                     lattice.columns(),
@@ -77,7 +80,10 @@ pub fn run(options: &Send) -> Result<()> {
             None => {}
         }
     }
-    bail!("the gateway has not answered {TRIES} times: is it one of radios, on this line?")
+    if has_answered {
+        bail!("the gateway has not taken the piece of the map at byte {next} in {TRIES} tries")
+    }
+    bail!("the gateway has not answered {TRIES} times: is it a gateway of tags, and on this line?")
 }
 
 /// The sentence's payload of the piece that begins there.
@@ -125,7 +131,7 @@ fn read(payload: &str, total: usize) -> Option<Answer> {
             let received = received.parse().ok()?;
             (received < total).then_some(Answer::More(received))
         }
-        "READY" => Some(Answer::Ready),
+        "READY" if received.parse() == Ok(total) => Some(Answer::Ready),
         "REFUSED" => Some(Answer::Refused),
         _ => None,
     }
@@ -141,6 +147,7 @@ mod tests {
             ("PFOXM,32,722,MORE", Some(Answer::More(32))),
             ("PFOXM,722,722,READY", Some(Answer::Ready)),
             ("PFOXM,0,722,REFUSED", Some(Answer::Refused)),
+            ("PFOXM,32,722,READY", None),
             ("PFOXM,32,800,MORE", None),
             ("PFOXM,722,722,MORE", None),
             ("PFOXM,32,722", None),
