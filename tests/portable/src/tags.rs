@@ -3,7 +3,7 @@ use foxhunt::{
         RadioMap,
         tracker::{self, Site, Walls},
     },
-    gateway::beacon::{BeaconGateway, Config, Event, Packet, Spot},
+    gateway::beacon::{BeaconGateway, Config, Event, Spot},
 };
 
 use super::{Case, Digest, gateway::sentence};
@@ -42,13 +42,10 @@ impl Board {
             for (tag, point) in [(7, 10 + time_ms / 1_000), (8, 70 - time_ms / 1_000)] {
                 for beacon in 0..map.beacons() {
                     let there = map.moments(beacon, point as usize).expect("surveyed");
-                    let packet = Packet {
-                        time_ms,
-                        radio: map.beacon(beacon).expect("counted").identifier as u16,
-                        tag,
-                        rssi_dbm: there.mean_dbm as i8,
-                    };
-                    let event = self.hear(&line(&packet), map);
+                    let radio = map.beacon(beacon).expect("counted").identifier;
+                    let rssi_dbm = there.mean_dbm as i8;
+                    let packet = format_args!("PFOXB,{time_ms},{radio},{tag},{rssi_dbm}");
+                    let event = self.hear(&sentence(packet), map);
                     assert!(matches!(event, Event::Taken { .. } | Event::Fix { .. }));
                 }
             }
@@ -82,16 +79,6 @@ fn config(map: RadioMap<'_>) -> Config<Site<'_>> {
         config: tracker::Config::TUNNEL,
         walls: Walls::None,
     })
-}
-
-fn line(packet: &Packet) -> impl core::ops::Deref<Target = [u8]> {
-    let &Packet {
-        time_ms,
-        radio,
-        tag,
-        rssi_dbm,
-    } = packet;
-    sentence(format_args!("PFOXB,{time_ms},{radio},{tag},{rssi_dbm}"))
 }
 
 /// A map that is too long is refused, and the gateway goes on; another takes the place of its own.

@@ -38,6 +38,14 @@ pub fn run(options: &Send) -> Result<()> {
     if map.encoding() != Encoding::Moments {
         bail!("{file}: a gateway tracks by means and sigmas: build it with --encoding moments");
     }
+    let lattice = map.lattice();
+    let size = format!(
+        "{} bytes, {} beacons at {} x {} points",
+        bytes.len(),
+        map.beacons(),
+        lattice.columns(),
+        lattice.rows(),
+    );
     let mut line = Line::open(&options.line)?;
     let bar = screen::bytes(Some(bytes.len() as u64));
     let mut next = 0;
@@ -58,25 +66,14 @@ pub fn run(options: &Send) -> Result<()> {
             }
             Some(Answer::Ready) => {
                 bar.finish_and_clear();
-                let lattice = map.lattice();
-                return screen::line(format!(
-                    "the gateway has checked the map, for its firmware to use: {} bytes, {} beacons at {} x {} points",
-                    bytes.len(),
-                    map.beacons(),
-                    lattice.columns(),
-                    lattice.rows(),
+                return screen::line(format_args!(
+                    "the gateway has checked the map, for its firmware to use: {size}"
                 ));
             }
-            Some(Answer::Refused) => {
-                bail!(
-                    "{file}: the gateway refuses the map, and goes on with its own: it has no room for {} bytes, {} beacons \
-                     or {} x {} points, or tracks along one row alone",
-                    bytes.len(),
-                    map.beacons(),
-                    map.lattice().columns(),
-                    map.lattice().rows(),
-                )
-            }
+            Some(Answer::Refused) => bail!(
+                "{file}: the gateway refuses the map, and goes on with its own: it has no room for {size}, or tracks along one row \
+                 alone"
+            ),
             None => {}
         }
     }
